@@ -1,0 +1,126 @@
+"""The joint: its geometry, its materials and the load on it.
+
+Source of every definition here: Mousavian & Casapulla, Appl. Sci. 2024, 14(11), 4475,
+doi:10.3390/app14114475, called "the paper" throughout this package.
+
+Axes: ``x`` along the locks, ``y`` across them, ``z`` up. The origin is at mid-length of the
+locks (x), at the face of lock 1 that looks away from lock 2 (y), and at the foot of the locks (z).
+All quantities are in SI units.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+GRAVITY = 9.81  # m/s2
+
+
+@dataclass(frozen=True)
+class FaceMaterial:
+    """Law of a contact face, per unit of area.
+
+    ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu.
+    """
+
+    normal_stiffness: float
+    shear_stiffness: float
+    friction: float
+    cohesion: float
+    tensile_strength: float
+
+
+class Failure(StrEnum):
+    """What a node of an inner face keeps once its strength is reached."""
+
+    BRITTLE = "brittle"  # it loses cohesion and tensile strength at once
+    DUCTILE = "ductile"  # it goes on to carry its strength
+
+
+class UpperBody(StrEnum):
+    """How the main body of the upper block is cut."""
+
+    COLUMNS = "columns"  # one column above each lock, as in the paper
+    MONOLITHIC = "monolithic"  # one rigid piece
+
+
+INNER = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
+DRY = FaceMaterial(1e10, 1e10, friction=0.3, cohesion=0.0, tensile_strength=0.0)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A corrugated joint between two blocks, with ``locks`` locks in a row along y.
+
+    The defaults are the paper's sample. Of its geometry the paper's text gives only a * b =
+    0.003 m2; a, b, h and H are assumptions.
+
+    ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
+    upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y. Odd
+    locks belong to the upper block, even locks to the lower one.
+    """
+
+    locks: int
+    a: float = 0.06
+    b: float = 0.05
+    h: float = 0.01
+    H: float = 0.034
+    density: float = 1400.0
+    inner: FaceMaterial = INNER
+    dry: FaceMaterial = DRY
+    failure: Failure = Failure.BRITTLE
+    upper_body: UpperBody = UpperBody.COLUMNS
+
+    @property
+    def T0(self) -> float:
+        """Shear strength of one lock, cohesion times the area of its inner face, in N."""
+        return self.inner.cohesion * self.a * self.b
+
+    @property
+    def upper_locks(self) -> tuple[int, ...]:
+        """Numbers of the locks that belong to the upper block (odd)."""
+        return tuple(range(1, self.locks + 1, 2))
+
+    @property
+    def lower_locks(self) -> tuple[int, ...]:
+        """Numbers of the locks that belong to the lower block (even)."""
+        return tuple(range(2, self.locks + 1, 2))
+
+    def lock_centre_y(self, lock: int) -> float:
+        """Position across the joint of the centreline of lock number ``lock``, in m."""
+        return (lock - 0.5) * self.b
+
+    def is_upper(self, lock: int) -> bool:
+        """Whether lock number ``lock`` belongs to the upper block."""
+        return lock % 2 == 1
+
+
+@dataclass(frozen=True)
+class Direction:
+    """A direction of loading in the (V, M) plane: V = load * shear, M = load * torque.
+
+    ``shear`` is a pure number and ``torque`` a length in m, so ``load`` is in N for every
+    direction, pure torsion included.
+    """
+
+    shear: float
+    torque: float
+
+    @classmethod
+    def at_eccentricity(cls, eccentricity: float, length: float) -> "Direction":
+        """Direction of a force at ``eccentricity`` (m; ``inf`` is pure torsion).
+
+        ``length`` (m, the locks' length a) weighs torque against shear, so that
+        shear**2 + (torque / length)**2 = 1.
+        """
+        if math.isinf(eccentricity):
+            return cls(0.0, math.copysign(length, eccentricity))
+        norm = math.hypot(1.0, eccentricity / length)
+        return cls(1.0 / norm, eccentricity / norm)
+
+    @property
+    def eccentricity(self) -> float:
+        """M / V in m; ``inf`` for pure torsion."""
+        if self.shear == 0.0:
+            return math.copysign(math.inf, self.torque)
+        return self.torque / self.shear
