@@ -1,0 +1,56 @@
+"""Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
+
+Every rule returns the factors w_j of `sidmacib.capacity.Sidmacib`, one per lock. A lock that does
+not count keeps its normal force and its friction along the lock. Which locks count does not change
+the V-M curve, as their forces across act along y through points whose x does not depend on the
+lock; the rules start with the lower locks, which carry the load to the ground.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+
+from sidmacib.joint import Joint
+
+Weights = Sequence[float]
+
+
+def no_reduction(joint: Joint, weights: Weights) -> tuple[float, ...]:
+    """All locks count in full."""
+    return (1.0,) * joint.locks
+
+
+def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
+    """As many locks count as the sum of the weights, rounded down (the paper's W_sum)."""
+    return active(joint, math.floor(sum(weights)))
+
+
+def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:
+    """(n - 1) / 2 locks count (the paper's rule); ValueError if n is even."""
+    if joint.locks % 2 == 0:
+        raise ValueError(f"locks: got {joint.locks}, allowed for (n - 1) / 2 are odd numbers")
+    return active(joint, (joint.locks - 1) // 2)
+
+
+def lower_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
+    """The lower locks count by their weights, the upper ones not at all."""
+    return tuple(0.0 if joint.is_upper(j) else w for j, w in enumerate(weights, start=1))
+
+
+def weight_per_lock(joint: Joint, weights: Weights) -> tuple[float, ...]:
+    """Every lock counts by its weight."""
+    return tuple(weights)
+
+
+REDUCTIONS: dict[str, Callable[[Joint, Weights], tuple[float, ...]]] = {
+    "none": no_reduction,
+    "floor_of_sum": floor_of_sum,
+    "half": half_rule,
+    "lower_sum": lower_sum,
+    "per_lock": weight_per_lock,
+}
+
+
+def active(joint: Joint, count: int) -> tuple[float, ...]:
+    """``count`` locks count in full, lower locks before upper ones, the others not at all."""
+    chosen = (joint.lower_locks + joint.upper_locks)[:count]
+    return tuple(float(lock in chosen) for lock in range(1, joint.locks + 1))
