@@ -1,0 +1,1 @@
+"""What is run: the study's configuration, its cases, and external programs."""

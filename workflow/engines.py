@@ -1,0 +1,44 @@
+"""The distinct-element programs that a study can run. To add one, see CONTRIBUTING.md."""
+
+import os
+import shutil
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An external program.
+
+    ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
+    the program, followed by the script's name; ``package``: Debian's package that has it;
+    ``probe``: a program of that package, which tells whether it is installed.
+    """
+
+    name: str
+    template: str
+    script: str
+    command: tuple[str, ...]
+    package: str
+    probe: str
+
+    def missing(self) -> str | None:
+        """What to install, in one line; None if the program is there."""
+        if shutil.which(self.probe) and shutil.which(self.command[0]):
+            return None
+        return f"{self.name}: not installed; on Debian: apt-get install {self.package}"
+
+
+ENGINES = {
+    engine.name: engine
+    for engine in (
+        Engine(
+            name="yade",
+            template="yade.py.j2",
+            script="joint.py",
+            # Debian's Python, not yade's own launcher: the latter opens ports on the loopback.
+            command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
+            package="yade",
+            probe="yade",
+        ),
+    )
+}

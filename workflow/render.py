@@ -1,0 +1,125 @@
+"""Render a case: an engine's script from its template, and the joint as data beside it."""
+
+import argparse
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import jinja2
+
+from sidmacib.discretisation import Discretisation, Kind, discretise
+from sidmacib.joint import Direction, Failure
+from sidmacib.loading import PieceLoad, lateral_load
+from sidmacib.vibration import compliance, natural_frequencies
+from workflow.cases import Case
+from workflow.engines import ENGINES, Engine
+from workflow.study import Numerics
+
+DATA_FILE = "joint.json"
+TEMPLATES = Path(__file__).parents[1] / "templates"
+
+
+def joint_data(
+    model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction
+) -> dict[str, Any]:
+    """Pieces, faces, nodes and loads in SI units, in plain types: all that a script needs to know.
+
+    Pieces and faces are referred to by index. Loads are per newton of load along ``direction``.
+    """
+    return {
+        "direction": {"shear": direction.shear, "torque_m": direction.torque},
+        "pieces": [
+            {
+                "name": piece.name,
+                "fixed": piece.fixed,
+                "centre_m": piece.centre.tolist(),
+                "mass_kg": piece.mass,
+                "inertia_kgm2": float(piece.inertia.max()),
+                "weight_N": piece.weight,
+            }
+            for piece in model.pieces
+        ],
+        "faces": [
+            {
+                "name": face.name,
+                "kind": str(face.kind),
+                "below": face.below,
+                "above": face.above,
+                "normal": face.normal.tolist(),
+                "lock": face.lock,
+            }
+            for face in model.faces
+        ],
+        "loads": [
+            {"piece": load.piece, "force": load.force.tolist(), "moment_m": load.moment.tolist()}
+            for load in loads
+        ],
+        "nodes": {
+            "face": model.nodes.face.tolist(),
+            "position_m": model.nodes.position.tolist(),
+            "area_m2": model.nodes.area.tolist(),
+        },
+    }
+
+
+def script(
+    engine: Engine,
+    title: str,
+    model: Discretisation,
+    loads: tuple[PieceLoad, ...],
+    numerics: Numerics,
+) -> str:
+    """The engine's script for ``model`` under ``loads``."""
+    frequencies = natural_frequencies(model)
+    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
+    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    return environment.get_template(engine.template).render(
+        title=title,
+        script_file=engine.script,
+        data_file=DATA_FILE,
+        materials={str(kind): asdict(model.material(kind)) for kind in Kind},
+        ductile=model.joint.failure is Failure.DUCTILE,
+        flat_radius_m=2 * model.joint.a,
+        time_step_s=time_step,
+        ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
+        hold_steps=math.ceil(numerics.hold_periods * period_steps),
+        first_increment_N=numerics.first_increment * model.joint.T0,
+        collapse_m_per_N=numerics.collapse_ratio * compliance(model, loads),
+        damping=numerics.damping,
+        tolerance=numerics.tolerance,
+        unbalanced_ratio=numerics.unbalanced_ratio,
+    )
+
+
+def write_case(case: Case, folder: Path) -> None:
+    """Write the case, its data and its engine's script into ``folder``."""
+    engine = ENGINES[case.engine]
+    model = discretise(case.joint, case.mesh)
+    loads = lateral_load(model, case.loading)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / DATA_FILE).write_text(json.dumps(joint_data(model, loads, case.direction)))
+    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
+    title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
+    (folder / engine.script).write_text(script(engine, title, model, loads, case.numerics))
+
+
+def main() -> None:
+    """Command line: the case as JSON, and the folder to write to."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("case", type=Case.model_validate_json)
+    parser.add_argument("folder", type=Path)
+    arguments = parser.parse_args()
+    write_case(arguments.case, arguments.folder)
+
+
+if __name__ == "__main__":
+    main()

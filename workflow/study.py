@@ -1,0 +1,325 @@
+"""The configuration of a study: its schema, with units, ranges and defaults."""
+
+import argparse
+import math
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import yaml
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+
+from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.joint import DRY, INNER, FaceMaterial, Failure, Joint, UpperBody
+from sidmacib.loading import LoadShare, Push
+from sidmacib.revision import REDUCTIONS
+from workflow.engines import ENGINES
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.]*$")]
+
+
+def _eccentricity(value: Any) -> float:
+    """E / a as a number; "torsion" is infinity."""
+    try:
+        number = math.inf if value == "torsion" else float(value)
+    except (TypeError, ValueError):
+        number = math.nan
+    if not number >= 0:
+        raise ValueError(f"got {value!r}, allowed are numbers from 0 (e / a) and torsion")
+    return number
+
+
+Eccentricity = Annotated[float, BeforeValidator(_eccentricity)]  # over a
+
+
+_JOINT = Joint(locks=3)
+
+
+class Section(BaseModel):
+    """A part of the configuration: no unknown keys, no changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
+
+
+class Geometry(Section):
+    """Sizes of the joint, in m."""
+
+    a: Positive = _JOINT.a  # length of a lock
+    b: Positive = _JOINT.b  # width of a lock
+    h: Positive = _JOINT.h  # height of a lock
+    H: Positive = _JOINT.H  # height of the upper main body above the locks
+
+
+class Sample(Section):
+    """A joint of the study; sizes in m, those of the study's geometry where not given."""
+
+    locks: Annotated[int, Field(ge=2, le=101)]
+    a: Positive | None = None
+    b: Positive | None = None
+    h: Positive | None = None
+    H: Positive | None = None
+
+
+class Face(Section):
+    """Material of a face, see `sidmacib.joint.FaceMaterial`."""
+
+    normal_stiffness: Positive  # Pa/m
+    shear_stiffness: Positive  # Pa/m
+    friction: NotNegative  # coefficient
+    cohesion: NotNegative  # Pa
+    tensile_strength: NotNegative  # Pa
+
+    def material(self) -> FaceMaterial:
+        """The same as the models take it."""
+        return FaceMaterial(**self.model_dump())
+
+
+class InnerFace(Face):
+    """Cohesive faces inside a block."""
+
+    normal_stiffness: Positive = INNER.normal_stiffness
+    shear_stiffness: Positive = INNER.shear_stiffness
+    friction: NotNegative = INNER.friction
+    cohesion: Positive = INNER.cohesion
+    tensile_strength: NotNegative = INNER.tensile_strength
+
+
+class DryFace(Face):
+    """Frictional faces between the blocks; they have no strength of their own."""
+
+    normal_stiffness: Positive = DRY.normal_stiffness
+    shear_stiffness: Positive = DRY.shear_stiffness
+    friction: NotNegative = DRY.friction
+    cohesion: Literal[0] = 0
+    tensile_strength: Literal[0] = 0
+
+
+class Materials(Section):
+    """Materials of the joint."""
+
+    density: Positive = _JOINT.density  # kg/m3
+    inner: InnerFace = InnerFace()
+    dry: DryFace = DryFace()
+
+
+class Option(Section):
+    """Contact points of a lock: positions over a, and shares of its strength."""
+
+    positions: tuple[Annotated[float, Field(ge=-0.5, le=0.5)], ...] = Field(min_length=1)
+    portions: tuple[Annotated[float, Field(ge=0, le=1)], ...] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.contact_option()
+        return self
+
+    def contact_option(self) -> ContactOption:
+        """The same as the models take it; ValueError if positions and portions do not fit."""
+        return ContactOption(self.positions, self.portions)
+
+
+class SidmacibSection(Section):
+    """The limit model."""
+
+    overload: NotNegative = 1000.0  # N
+    options: dict[Name, Option] = {
+        name: Option(positions=option.positions, portions=option.portions)
+        for name, option in OPTIONS.items()
+    }
+    reductions: tuple[Literal[tuple(REDUCTIONS)], ...] = tuple(REDUCTIONS)  # type: ignore[valid-type]
+
+
+Tolerance = Annotated[float, Field(ge=1e-5, le=0.0025)]
+FirstIncrement = Annotated[float, Field(gt=0, le=1)]
+RampPeriods = Annotated[float, Field(ge=1, le=1000)]
+HoldPeriods = Annotated[float, Field(ge=1, le=100_000)]
+UnbalancedRatio = Annotated[float, Field(ge=1e-9, le=0.01)]
+CollapseRatio = Annotated[float, Field(ge=5, le=10_000)]
+Proportion = Annotated[float, Field(gt=0, lt=1)]
+
+
+class Numerics(Section):
+    """How the peak is searched; all ratios are pure numbers.
+
+    ``tolerance``: last load increment over the peak. ``first_increment``: over T0.
+    ``ramp_periods``, ``hold_periods``: duration of an increment and of the longest wait for
+    equilibrium after it, over the unbroken joint's longest natural period. ``unbalanced_ratio``:
+    mean unbalanced force on a piece over the load. ``collapse_ratio``: displacement over that of
+    the unbroken joint under the same load. ``time_step_ratio``: over the largest stable time step.
+    ``time_limit`` in s.
+    """
+
+    tolerance: Tolerance = 0.001
+    first_increment: FirstIncrement = 0.05
+    ramp_periods: RampPeriods = 10.0
+    hold_periods: HoldPeriods = 400.0
+    unbalanced_ratio: UnbalancedRatio = 1e-4
+    collapse_ratio: CollapseRatio = 200.0
+    damping: Proportion = 0.4
+    time_step_ratio: Proportion = 0.4
+    time_limit: Positive = 3600.0
+
+
+class NumericsChange(Section):
+    """Changes to `Numerics`; what is None stays."""
+
+    tolerance: Tolerance | None = None
+    first_increment: FirstIncrement | None = None
+    ramp_periods: RampPeriods | None = None
+    hold_periods: HoldPeriods | None = None
+    unbalanced_ratio: UnbalancedRatio | None = None
+    collapse_ratio: CollapseRatio | None = None
+    damping: Proportion | None = None
+    time_step_ratio: Proportion | None = None
+    time_limit: Positive | None = None
+
+
+class Dem(Section):
+    """The distinct-element model."""
+
+    engines: tuple[Literal[tuple(ENGINES)], ...] = ("yade",)  # type: ignore[valid-type]
+    failure: Failure = Failure.BRITTLE
+    load_share: LoadShare = LoadShare.FACE
+    upper_body: UpperBody = UpperBody.COLUMNS
+    push: Push = Push.PLUS_Y
+    numerics: Numerics = Numerics()
+
+
+class Variant(Section):
+    """Changes to `Dem`, and where they are run; everywhere if meshes, eccentricities are None."""
+
+    failure: Failure | None = None
+    load_share: LoadShare | None = None
+    upper_body: UpperBody | None = None
+    push: Push | None = None
+    numerics: NumericsChange = NumericsChange()
+    meshes: tuple[Positive, ...] | None = None
+    eccentricities: tuple[Eccentricity, ...] | None = None
+
+
+class Figures(Section):
+    """What the figures show: mesh in m (the finest if None), eccentricity of stress maps over a."""
+
+    mesh: Positive | None = None
+    eccentricity: Annotated[float, Field(gt=0, allow_inf_nan=False)] = 0.5
+
+
+class Study(Section):
+    """A whole study."""
+
+    results: str = "results"
+    samples: dict[Name, Sample] = Field(min_length=1)
+    geometry: Geometry = Geometry()
+    materials: Materials = Materials()
+    meshes: tuple[Positive, ...] = Field(default=(0.02, 0.005), min_length=1)
+    eccentricities: tuple[Eccentricity, ...] = Field(
+        default=(0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf), min_length=1
+    )
+    sidmacib: SidmacibSection = SidmacibSection()
+    dem: Dem = Dem()
+    variants: dict[Name, Variant] = {}
+    overrides: dict[str, NumericsChange] = {}
+    figures: Figures = Figures()
+
+    @model_validator(mode="after")
+    def _is_consistent(self) -> Self:
+        meshes = [*self.meshes, *(m for v in self.variants.values() for m in v.meshes or ())]
+        for name, sample in self.samples.items():
+            joint = self.joint(name)
+            side = min(joint.a, joint.b)
+            if max(meshes) >= side:
+                raise ValueError(
+                    f"meshes: got {max(meshes)} m, allowed is less than {side} m, the shorter side "
+                    f"of an inner face of sample {name}"
+                )
+            if sample.locks % 2 == 0 and "half" in self.sidmacib.reductions:
+                raise ValueError(
+                    f"samples.{name}.locks: got {sample.locks}, allowed are odd numbers while "
+                    "sidmacib.reductions has half, the rule (n - 1) / 2"
+                )
+        for key in ("meshes", "eccentricities"):
+            values = getattr(self, key)
+            if len(set(values)) < len(values):
+                raise ValueError(f"{key}: got {list(values)}, allowed is each value once")
+        if self.figures.mesh not in (None, *self.meshes):
+            raise ValueError(
+                f"figures.mesh: got {self.figures.mesh}, allowed are meshes: {list(self.meshes)}"
+            )
+        if "reference" in self.variants:
+            raise ValueError("variants: got reference, allowed is any other name")
+        return self
+
+    def joint(self, sample: str) -> Joint:
+        """The joint of ``sample``, in the reference variant."""
+        own = self.samples[sample].model_dump(exclude_none=True)
+        return Joint(
+            **{**self.geometry.model_dump(), **own},
+            density=self.materials.density,
+            inner=self.materials.inner.material(),
+            dry=self.materials.dry.material(),
+            failure=self.dem.failure,
+            upper_body=self.dem.upper_body,
+        )
+
+    def limit_analysis_json(self) -> str:
+        """The parts of the study that limit analysis takes, as JSON."""
+        parts = {"samples", "geometry", "materials", "meshes", "eccentricities", "sidmacib"}
+        return self.model_dump_json(include=parts)
+
+
+class ConfigError(ValueError):
+    """The configuration is not valid; one line for each fault."""
+
+
+def read_study(config: Mapping[str, Any]) -> Study:
+    """The study that ``config`` describes; raises `ConfigError`."""
+    try:
+        return Study.model_validate(config)
+    except ValidationError as error:
+        faults = error.errors(include_url=False)
+        # A list is reported as too short as well when its only item is at fault.
+        faults = [f for f in faults if f["type"] != "too_short"] or faults
+        raise ConfigError("\n".join(dict.fromkeys(map(_one_line, faults)))) from None
+
+
+def _one_line(fault: Any) -> str:
+    place = [str(part) for part in fault["loc"]]
+    if fault["type"] == "extra_forbidden":
+        return f"{'.'.join(place)}: unknown key; allowed here are {', '.join(_keys(place[:-1]))}"
+    if fault["type"] == "missing":
+        return f"{'.'.join(place)}: missing"
+    if fault["type"] == "value_error":  # one of our own, which names the key or what stands in it
+        return ": ".join(filter(None, [".".join(place), str(fault["ctx"]["error"])]))
+    message = fault["msg"][0].lower() + fault["msg"][1:]
+    return f"{'.'.join(place)}: got {fault['input']!r}, {message}"
+
+
+def _keys(place: list[str]) -> list[str]:
+    """Keys of the section at ``place``."""
+    schema = Study.model_json_schema()
+    node: dict[str, Any] = schema
+    for part in place:
+        of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
+        below = node.get("properties", {}).get(part) or next(iter(of_any_name.values())) or {}
+        node = schema["$defs"][below["$ref"].rsplit("/", 1)[1]] if "$ref" in below else below
+    return list(node.get("properties", {}))
+
+
+def main() -> None:
+    """Command line: a study's configuration, perhaps another results folder; prints the folder."""
+    parser = argparse.ArgumentParser(description="Print the folder that a study writes to.")
+    parser.add_argument("config", type=Path)
+    parser.add_argument("results", nargs="?")
+    arguments = parser.parse_args()
+    try:
+        study = read_study(yaml.safe_load(arguments.config.read_text()) or {})
+    except (OSError, ConfigError, yaml.YAMLError) as error:
+        sys.exit(f"{arguments.config}: {error}")
+    print(arguments.results or study.results)
+
+
+if __name__ == "__main__":
+    main()
