@@ -1,0 +1,1 @@
+"""From an engine's output to weights, fits, tables and figures."""

@@ -1,0 +1,33 @@
+"""Check that all pieces are in equilibrium under the stresses that an engine found."""
+
+import numpy as np
+
+from analysis.reading import CaseResult
+from sidmacib.discretisation import Floats, discretise
+from sidmacib.equilibrium import equilibrium_matrix, face_frames
+from sidmacib.loading import lateral_load
+
+
+def unbalanced_forces(result: CaseResult) -> Floats:
+    """What is left of the forces on each piece at the peak, in N, (pieces, 3); 0 for fixed ones."""
+    model = discretise(result.case.joint, result.case.mesh)
+    nodes = result.nodes
+    shear_on_above = nodes[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]].to_numpy()
+    frames = face_frames(model)
+    # Node forces on the piece below, in the frame of the face: compression pushes it back.
+    local = -np.einsum("nij,nj->ni", frames, shear_on_above)
+    local[:, 0] -= nodes["normal_Pa"].to_numpy()
+    node_forces = local * model.nodes.area[:, None]
+    force = (equilibrium_matrix(model) @ node_forces.ravel()).reshape(-1, 6)[:, :3]
+    for load in lateral_load(model, result.case.loading):
+        force[load.piece] += result.peak_load * load.force
+    for index, piece in enumerate(model.pieces):
+        force[index, 2] -= piece.weight
+        if piece.fixed:
+            force[index] = 0.0
+    return force
+
+
+def unbalanced_share(result: CaseResult) -> float:
+    """Largest unbalanced force on a piece over the peak load."""
+    return float(np.linalg.norm(unbalanced_forces(result), axis=1).max()) / result.peak_load

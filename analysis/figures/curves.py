@@ -1,0 +1,139 @@
+"""Torsion-shear curves: V-M capacities of the models."""
+
+from itertools import cycle, pairwise
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.figures import style
+from analysis.figures.material import Material
+from sidmacib.capacity import Sidmacib
+from sidmacib.discretisation import Floats
+from sidmacib.envelope import envelope
+from workflow.cases import REFERENCE
+from workflow.engines import ENGINES
+
+
+def first_quadrant(vertices: Floats) -> Floats:
+    """The part of a convex polygon around the origin with V >= 0 and M >= 0, from the V axis on."""
+    closed = np.vstack([vertices, vertices[:1]])
+    crossings = []
+    for start, end in pairwise(closed):
+        for axis in (0, 1):
+            if start[axis] * end[axis] < 0:
+                share = start[axis] / (start[axis] - end[axis])
+                point = start + share * (end - start)
+                point[axis] = 0.0
+                crossings.append(point)
+    points = np.array([*vertices, *crossings])
+    inside = points[(points >= -1e-9).all(axis=1)] + 0.0
+    return np.asarray(inside[np.argsort(np.arctan2(inside[:, 1], inside[:, 0]))])
+
+
+def options(material: Material) -> Figure:
+    """All contact-point options of a sample, every lock counting."""
+    study, joint = material.study, material.study.joint(material.sample)
+    figure = Figure(figsize=(8, 4.4), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    for axis, friction in zip(axes, (False, True), strict=True):
+        for (name, option), colour in zip(
+            study.sidmacib.options.items(), cycle(style.COLOURS), strict=False
+        ):
+            model = Sidmacib(
+                joint, option.contact_option(), None, friction, study.sidmacib.overload
+            )
+            shown = first_quadrant(envelope(model).vertices)
+            axis.plot(shown[:, 0], shown[:, 1], color=colour, label=name)
+    style.curve_axes(axes[0], "without friction along the locks")
+    style.curve_axes(axes[1], "with friction along the locks")
+    axes[0].legend()
+    style.caption(
+        figure,
+        f"{material.place_in_paper}SiDMACIB, {joint.locks} locks, every lock counting: exact "
+        f"envelopes, overload {study.sidmacib.overload:g} N. Pure shear is n·T0 = "
+        f"{joint.locks * joint.T0:g} N for every option. {style.ASSUMED_POINTS} "
+        f"{style.ASSUMED_GEOMETRY}",
+    )
+    return figure
+
+
+def meshes(material: Material) -> Figure:
+    """The distinct elements' curves of every sample at every mesh."""
+    figure = Figure(figsize=(8, 4.6), layout="constrained")
+    samples = list(material.study.samples)
+    axes = figure.subplots(1, len(samples), squeeze=False)[0]
+    for axis, sample in zip(axes, samples, strict=True):
+        _engine_curves(axis, material.capacity, sample, lines=True)
+        _published_point(axis, material.capacity, sample)
+        style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")
+        axis.legend()
+    style.caption(
+        figure,
+        f"{material.place_in_paper}Peak loads of the distinct elements. The nodes are cell "
+        "centres, so a coarse mesh puts the outermost node further from a face's edge and reads "
+        f"higher under torque. {style.ASSUMED_GEOMETRY}",
+    )
+    return figure
+
+
+def revised(material: Material) -> Figure:
+    """Revised SiDMACIB, by two reductions, and the distinct elements."""
+    study = material.study
+    figure = Figure(figsize=(8, 4.8), layout="constrained")
+    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    limit = material.capacity[
+        (material.capacity["model"] == "sidmacib")
+        & (material.capacity["sample"] == material.sample)
+        & material.capacity["variant"].str.contains("-frictionless-")
+        & (material.capacity["mesh_m"] == min(study.meshes))
+    ]
+    titles = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
+    for axis, reduction in zip(axes, titles, strict=True):
+        for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
+            rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
+            axis.plot(rows["shear_N"], rows["torque_Nm"], color=colour, label=name)
+        _engine_curves(axis, material.capacity, material.sample, lines=False)
+        _published_point(axis, material.capacity, material.sample)
+    for axis, title in zip(axes, titles.values(), strict=True):
+        style.curve_axes(axis, title)
+    axes[0].legend(fontsize=8)
+    style.caption(
+        figure,
+        f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against the distinct "
+        f"elements (marks), {study.samples[material.sample].locks} locks; weights read at e = 0, "
+        f"mesh {min(study.meshes):g} m. {style.ASSUMED_POINTS} {style.ASSUMED_GEOMETRY}",
+    )
+    return figure
+
+
+def _engine_curves(axis: Axes, capacity: pd.DataFrame, sample: str, lines: bool) -> None:
+    rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == REFERENCE)]
+    rows = rows[rows["model"].isin(ENGINES)].sort_values("eccentricity_m")
+    groups = rows.groupby(["model", "mesh_m"], sort=False)
+    for ((model, mesh), curve), marker in zip(groups, cycle(style.MARKERS), strict=False):
+        axis.plot(
+            curve["shear_N"],
+            curve["torque_Nm"],
+            marker=marker,
+            markersize=4,
+            linestyle="-" if lines else "none",
+            color=None if lines else "#444444",
+            markerfacecolor="white",
+            label=f"{model}, mesh {mesh:g} m",
+        )
+
+
+def _published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
+    rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == "3dec")]
+    if len(rows):
+        axis.plot(
+            rows["shear_N"],
+            rows["torque_Nm"],
+            "*",
+            color=style.COLOURS[5],
+            markersize=9,
+            clip_on=False,
+            label="published (3DEC), e = 0",
+        )

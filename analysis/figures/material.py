@@ -1,0 +1,37 @@
+"""What a figure is drawn from."""
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
+from analysis.reading import CaseResult
+from workflow.study import Study
+
+
+@dataclass(frozen=True)
+class Material:
+    """A figure's specification, the study, its tables, and the stresses that the figure shows."""
+
+    spec: FigureSpec
+    study: Study
+    capacity: pd.DataFrame
+    weights: pd.DataFrame
+    validation: pd.DataFrame
+    result: CaseResult | None
+
+    @property
+    def sample(self) -> str:
+        """The sample that the figure shows."""
+        assert self.spec.sample is not None, f"{self.spec.name} shows no single sample"
+        return self.spec.sample
+
+    @property
+    def place_in_paper(self) -> str:
+        """Which figure of the paper this redraws, as a sentence; empty if none."""
+        numbers = IN_THE_PAPER.get(self.spec.kind, {})
+        locks = [s.locks for s in self.study.samples.values()]
+        if self.spec.sample is not None:
+            locks = [self.study.samples[self.spec.sample].locks]
+        found = [numbers[n] for n in locks if n in numbers]
+        return f"{' and '.join(found)} of the paper, redrawn. " if found else ""

@@ -1,0 +1,118 @@
+"""Maps of the shear stress on the inner faces of all locks, with the locks' weights."""
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from analysis.figures import style
+from analysis.figures.material import Material
+from analysis.reading import CaseResult
+from analysis.weights import lock_weights
+from sidmacib.discretisation import Face, discretise
+from sidmacib.loading import Push
+
+
+def shear_stress(material: Material) -> Figure:
+    """The inner faces in pure shear."""
+    return _map(material, "in pure shear")
+
+
+def torsion_stress(material: Material) -> Figure:
+    """The inner faces under torsion and shear."""
+    return _map(material, "under torsion and shear")
+
+
+def _map(material: Material, words: str) -> Figure:
+    result = material.result
+    assert result is not None, f"{material.spec.name} needs the stresses of a case"
+    case, joint = result.case, result.case.joint
+    figure = Figure(figsize=(1.6 + 1.5 * joint.locks, 4.4), layout="constrained")
+    axes = figure.subplots()
+    cells = _draw_faces(axes, result)
+    figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
+    for row in lock_weights(result).itertuples():
+        y = joint.lock_centre_y(int(row.lock))
+        label = (
+            f"lock {row.lock} ({row.block})\nW = {row.weight:.2f}\nmean {row.mean_shear_ratio:.2f}"
+        )
+        axes.text(y, 0.53 * joint.a, label, ha="center", va="bottom", fontsize=7.5)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(False)
+    axes.set_xlabel(
+        "y (m), push from the left"
+        if case.loading.push is Push.PLUS_Y
+        else "y (m), push from the right"
+    )
+    axes.set_ylabel("x (m)")
+    axes.set_ylim(-0.55 * joint.a, 1.0 * joint.a)
+    axes.set_yticks(np.array([-0.5, 0.0, 0.5]) * joint.a)
+    style.caption(
+        figure,
+        f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
+        f"{result.shear:.1f} N, M = {result.torque:.2f} N m; {case.engine}, mesh {case.mesh:g} m. "
+        "Faces of upper locks lie at z = h, those of lower locks at z = 0; arrows: direction of "
+        "the stress on the piece above. W: resultant over T0; mean: mean magnitude over the "
+        f"cohesion. {style.ASSUMED_GEOMETRY}",
+        height=0.27,
+    )
+    return figure
+
+
+def _draw_faces(axes: Axes, result: CaseResult) -> PolyCollection:
+    joint = result.case.joint
+    faces = {face.name: face for face in discretise(joint, result.case.mesh).faces if face.lock}
+    inner = result.nodes[result.nodes["lock"] > 0]
+    magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
+    cells = PolyCollection(
+        [
+            corners
+            for name, nodes in inner.groupby("face", sort=False)
+            for corners in _cells(nodes, faces[str(name)])
+        ],
+        array=magnitude.to_numpy() / 1e3,
+        cmap="viridis",
+        clim=(0.0, joint.inner.cohesion / 1e3),
+    )
+    axes.add_collection(cells)
+    for face in faces.values():
+        axes.axvline(face.low[1], color="white", linewidth=2)
+    shown = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
+    axes.quiver(
+        shown["y_m"],
+        shown["x_m"],
+        shown["shear_y_Pa"],
+        shown["shear_x_Pa"],
+        color="white",
+        scale=joint.inner.cohesion * 6 * joint.locks,
+        width=0.003,
+        pivot="mid",
+    )
+    axes.set_xlim(0, joint.locks * joint.b)
+    return cells
+
+
+def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
+    """At most ``most`` by ``most`` of a face's nodes, evenly spread."""
+    chosen = np.ones(len(nodes), dtype=bool)
+    for axis in ("x_m", "y_m"):
+        _, rank = np.unique(nodes[axis].round(12), return_inverse=True)
+        count = int(rank.max()) + 1
+        step = -(-count // most)
+        chosen &= (rank - (count - 1) % step // 2) % step == 0
+    return nodes[chosen]
+
+
+def _cells(nodes: pd.DataFrame, face: Face) -> list[list[tuple[float, float]]]:
+    """Corners (y, x) of the cells of ``face`` around its nodes, which are a regular grid."""
+    length, width = (
+        (face.high[axis] - face.low[axis]) / nodes[name].round(12).nunique()
+        for axis, name in ((0, "x_m"), (1, "y_m"))
+    )
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    return [
+        [(y + i * width / 2, x + j * length / 2) for i, j in corners]
+        for x, y in zip(nodes["x_m"], nodes["y_m"], strict=True)
+    ]

@@ -1,0 +1,53 @@
+"""The look that all figures share, and how they are saved."""
+
+import os
+import textwrap
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+ASSUMED_GEOMETRY = "Assumed: a, b, h and H (the paper's text gives a·b only)."
+ASSUMED_POINTS = "Assumed: the positions of the contact points."
+COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
+
+mpl.use("Agg")
+mpl.rcParams.update(
+    {
+        "font.size": 9.0,
+        "axes.spines.top": False,
+        "axes.spines.right": False,
+        "axes.grid": True,
+        "grid.color": "#dddddd",
+        "grid.linewidth": 0.6,
+        "legend.frameon": False,
+        "figure.dpi": 150,
+        "svg.hashsalt": "multilock",
+    }
+)
+
+
+def curve_axes(axes: Axes, title: str) -> None:
+    """Axes of a V-M curve."""
+    axes.set_xlabel("shear V (N)")
+    axes.set_ylabel("torque M (N m)")
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+
+
+def caption(figure: Figure, text: str, height: float = 0.2) -> None:
+    """Write ``text`` into the lowest ``height`` (share) of the figure, below everything else."""
+    width = int(figure.get_figwidth() * 16.5)
+    figure.get_layout_engine().set(rect=(0, height, 1, 0.985 - height))
+    figure.text(0.02, height - 0.02, textwrap.fill(text, width), va="top", fontsize=8)
+
+
+def save(figure: Figure, paths: list[Path]) -> None:
+    """Write the figure to each of ``paths``, always with the same bytes."""
+    os.environ["SOURCE_DATE_EPOCH"] = "0"
+    for path in paths:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, metadata={"Software": None} if path.suffix == ".png" else None)

@@ -1,0 +1,92 @@
+"""Read what the workflow left: an engine's results for a case, tables, and published numbers."""
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from sidmacib.joint import Joint
+from workflow.cases import Case
+
+NODE_COLUMNS = (
+    *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
+    *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
+)
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What an engine found for a case.
+
+    ``peak_load`` and ``failed_load``: the largest load at equilibrium and the smallest one above
+    it that failed, along the case's direction, in N. ``nodes``: stresses at the peak, one row per
+    node with `NODE_COLUMNS`; normal stress is positive in compression, shear is that on the piece
+    above. ``history``: one row per look at the joint.
+    """
+
+    case: Case
+    peak_load: float
+    failed_load: float
+    nodes: pd.DataFrame
+    history: pd.DataFrame
+
+    @property
+    def shear(self) -> float:
+        """V at the peak, in N."""
+        return self.peak_load * self.case.direction.shear
+
+    @property
+    def torque(self) -> float:
+        """M at the peak, in N m."""
+        return self.peak_load * self.case.direction.torque
+
+
+def read_case(folder: Path) -> CaseResult:
+    """The case in ``folder``; ValueError if its nodes lack a column."""
+    result = json.loads((folder / "result.json").read_text())
+    nodes = pd.read_csv(folder / "nodes.csv")
+    if missing := set(NODE_COLUMNS) - set(nodes.columns):
+        raise ValueError(f"{folder / 'nodes.csv'}: no column {', '.join(sorted(missing))}")
+    return CaseResult(
+        case=Case.model_validate_json((folder / "case.json").read_bytes()),
+        peak_load=result["peak_load_N"],
+        failed_load=result["failed_load_N"],
+        nodes=nodes,
+        history=pd.read_csv(folder / "history.csv"),
+    )
+
+
+def write_table(rows: pd.DataFrame, path: Path) -> None:
+    """Write ``rows`` as CSV, numbers with ten digits."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows.to_csv(path, index=False, float_format="%.10g")
+
+
+@dataclass(frozen=True)
+class Published:
+    """The paper's numbers, see published.yaml."""
+
+    numbers: dict[str, Any]
+
+    def covers(self, joint: Joint) -> bool:
+        """Whether the paper has numbers for a joint of this strength, friction and locks."""
+        sample = self.numbers["sample"]
+        return (
+            math.isclose(joint.T0, sample["T0"])
+            and math.isclose(joint.dry.friction, sample["friction"])
+            and joint.locks in self.numbers["weights"]
+        )
+
+    def dem_pure_shear(self, locks: int, mesh: float) -> float | None:
+        """Published peak V at e = 0, in N, if there is one for this mesh (m)."""
+        value: float | None = self.numbers["dem_pure_shear"][locks].get(mesh)
+        return value
+
+
+def read_published() -> Published:
+    """The published numbers."""
+    return Published(yaml.safe_load(Path(__file__).with_name("published.yaml").read_text()))

@@ -1,0 +1,116 @@
+"""The end of a study in words: where the results are, and how they compare."""
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from analysis.fit import winner
+from workflow.cases import REFERENCE
+
+# Errors up to this count as none: peaks of the distinct elements are not known better.
+PEAK_ACCURACY = 0.0025
+
+
+def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
+    """The text, one finding per line."""
+    return "\n".join(
+        [
+            *_validation(tables["validation"]),
+            *_fits(tables["fit"], tables["best_fit"]),
+            *_variants(tables["capacity"]),
+            "",
+            "Largest unbalanced force on a piece at any peak: "
+            f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
+            "",
+            f"Tables:  {results}/tables",
+            f"Figures: {results}/figures (side_by_side.png first)",
+            "Assumed: a, b, h and H (the paper's text gives a * b only), contact-point positions.",
+            "",
+        ]
+    )
+
+
+def _validation(table: pd.DataFrame) -> Iterator[str]:
+    if table.empty:
+        yield "No published number belongs to a sample of this study."
+        return
+    yield "Published against computed (e = 0)"
+    yield f"  {'quantity':44}{'locks':>6}{'mesh m':>8}{'published':>11}{'computed':>10}{'diff.':>9}"
+    shown = table[~table["quantity"].str.contains("_friction_N")]
+    for row in shown.itertuples():
+        if pd.isna(row.absolute_difference):
+            difference = "same" if row.computed == row.published else "other"
+        elif pd.isna(row.relative_difference):
+            difference = f"{row.absolute_difference:+.3f}"
+        else:
+            difference = f"{100 * row.relative_difference:+.1f} %"
+        mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
+        yield (
+            f"  {row.quantity:44}{row.locks:>6}{mesh:>8}{row.published:>11g}"
+            f"{row.computed:>10.4g}{difference:>9}"
+        )
+
+
+def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
+    yield ""
+    yield "SiDMACIB against the distinct elements, all directions"
+    groups = fit[["model", "sample", "mesh_m"]].drop_duplicates()
+    for model, sample, mesh in groups.itertuples(index=False):
+        own = fit[fit["model"] == model]
+        safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
+        choices = {"best": own, "best safe": safe}
+        if (own["reduction"] == "half").any():
+            choices["best by (n-1)/2"] = own[own["reduction"] == "half"]
+        for words, rows in choices.items():
+            rows_here = rows[(rows["sample"] == sample) & (rows["mesh_m"] == mesh)]
+            if rows_here.empty:
+                continue
+            row = winner(rows_here, sample, mesh)
+            friction = "friction" if row["friction"] else "no friction"
+            yield (
+                f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}{row['option']}, {friction}, "
+                f"{row['reduction']}: misfit {100 * row['misfit']:.1f} %, unsafe by up to "
+                f"{100 * row['largest_unsafe_error']:.1f} %, safe by up to "
+                f"{100 * row['largest_safe_error']:.1f} %"
+            )
+    for row in best[~best["friction"]].itertuples():
+        yield (
+            f"  {row.model} {row.sample} mesh {row.mesh_m:g} m, free fit:        d = "
+            f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "
+            f"{100 * float(row.misfit):.1f} %"
+        )
+
+
+def _variants(capacity: pd.DataFrame) -> Iterator[str]:
+    engines = capacity[capacity["failed_load_N"].notna()]
+    keys = ["model", "sample", "mesh_m", "eccentricity_m"]
+    reference = engines[engines["variant"] == REFERENCE].set_index(keys)["load_N"]
+    others = engines[engines["variant"] != REFERENCE]
+    if others.empty:
+        return
+    yield ""
+    yield "Variants against the reference, load along the direction"
+    for row in others.itertuples():
+        base = reference.get((row.model, row.sample, row.mesh_m, row.eccentricity_m))
+        change = "" if base is None else f" ({100 * (row.load_N / base - 1):+.1f} %)"
+        yield (
+            f"  {row.model} {row.sample} mesh {row.mesh_m:g} m, e = {row.eccentricity_m:g} m, "
+            f"{row.variant}: {row.load_N:.1f} N{change}"
+        )
+
+
+def main() -> None:
+    """Command line: the file to write, the results' folder, and the tables."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("summary", type=Path)
+    parser.add_argument("results")
+    parser.add_argument("tables", type=Path, nargs="+")
+    arguments = parser.parse_args()
+    tables = {path.stem: pd.read_csv(path) for path in arguments.tables}
+    arguments.summary.write_text(summary(arguments.results, tables))
+
+
+if __name__ == "__main__":
+    main()

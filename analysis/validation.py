@@ -1,0 +1,137 @@
+"""Computed values beside the published ones."""
+
+import argparse
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from analysis.capacity import pure_shear_weights
+from analysis.fit import winner
+from analysis.reading import Published, read_published, write_table
+from workflow.cases import REFERENCE
+from workflow.study import Study
+
+COLUMNS = (
+    *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference"),
+    *("absolute_difference", "model", "sample", "note"),
+)
+SWAPPED = "published value of the other of the first two locks: see docs/validation.md"
+
+
+def validation_table(
+    study: Study,
+    capacity: pd.DataFrame,
+    weights: pd.DataFrame,
+    fit: pd.DataFrame,
+    published: Published,
+) -> pd.DataFrame:
+    """One row for each published number that the study can be held against."""
+    rows: list[dict[str, Any]] = []
+    for sample in study.samples:
+        joint = study.joint(sample)
+        if not published.covers(joint):
+            continue
+        own = capacity[(capacity["sample"] == sample) & (capacity["eccentricity_m"] == 0.0)]
+        found = [
+            *_limit_rows(own, published.numbers["limit_pure_shear"][joint.locks]),
+            *_peak_rows(own, joint.locks, published),
+            *_weight_rows(pure_shear_weights(weights, sample), joint.locks, published),
+            *_option_rows(fit, sample, published.numbers["best_option"]),
+        ]
+        rows += [{"sample": sample, "locks": joint.locks, **row} for row in found]
+    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    # The number of an option is a name: no difference.
+    quantities = table["quantity"] != "best_option"
+    table["absolute_difference"] = (table["computed"] - table["published"]).where(quantities)
+    table["relative_difference"] = table["absolute_difference"] / table["published"].where(
+        table["published"] != 0.0
+    )
+    return table
+
+
+def _limit_rows(own: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
+    rows = own[(own["model"] == "sidmacib") & (own["reduction"] == "none")]
+    for row in rows.drop_duplicates("variant").itertuples():
+        name = (
+            f"sidmacib_pure_shear_{row.option}_{'friction' if row.friction else 'frictionless'}_N"
+        )
+        yield {
+            "quantity": name,
+            "model": "sidmacib",
+            "published": value,
+            "computed": row.shear_N,
+        }
+
+
+def _peak_rows(own: pd.DataFrame, locks: int, published: Published) -> Iterator[dict[str, Any]]:
+    peaks = own[(own["variant"] == REFERENCE)]
+    for row in peaks.itertuples():
+        value = published.dem_pure_shear(locks, float(row.mesh_m))
+        if value is not None:
+            yield {
+                "quantity": "dem_pure_shear_N",
+                "model": row.model,
+                "mesh_m": row.mesh_m,
+                "published": value,
+                "computed": row.shear_N,
+            }
+
+
+def _weight_rows(
+    read: dict[tuple[str, float], list[float]], locks: int, published: Published
+) -> Iterator[dict[str, Any]]:
+    printed = published.numbers["weights"][locks]
+    swapped = [printed[1], printed[0], *printed[2:]]
+    for (model, mesh), weights in read.items():
+        same = {"model": model, "mesh_m": mesh}
+        for lock, (weight, value) in enumerate(zip(weights, printed, strict=True), start=1):
+            row = {"quantity": f"weight_lock{lock}", "published": value, "computed": weight}
+            yield {**same, **row, "note": "in the printed order" if lock <= 2 else ""}
+        for lock in (1, 2):
+            row = {"published": swapped[lock - 1], "computed": weights[lock - 1], "note": SWAPPED}
+            yield {**same, "quantity": f"weight_lock{lock}_swapped", **row}
+        total = sum(weights)
+        value = published.numbers["weight_sum"][locks]
+        yield {**same, "quantity": "weight_sum", "published": value, "computed": total}
+        yield {
+            **same,
+            "quantity": "weight_sum_rounded_down",
+            "published": published.numbers["active_locks"][locks],
+            "computed": math.floor(total),
+        }
+
+
+def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[str, Any]]:
+    """The best option of the paper's revised model, frictionless with (n - 1) / 2 locks."""
+    own = fit[(fit["sample"] == sample) & (fit["reduction"] == "half")]
+    for model, mesh in own[["model", "mesh_m"]].drop_duplicates().itertuples(index=False):
+        best = winner(own[own["model"] == model], sample, mesh, friction=False)
+        number = str(best["option"]).removeprefix("option")
+        if number.isdigit():
+            yield {
+                "quantity": "best_option",
+                "model": model,
+                "mesh_m": mesh,
+                "published": value,
+                "computed": int(number),
+                "note": "revised by (n - 1) / 2, no friction",
+            }
+
+
+def main() -> None:
+    """Command line: the table to write, the study as JSON, capacities, weights and fits."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("validation", type=Path)
+    parser.add_argument("study", type=Study.model_validate_json)
+    parser.add_argument("tables", type=Path, nargs=3, help="capacity, weights and fit")
+    arguments = parser.parse_args()
+    capacity, weights, fit = (pd.read_csv(path) for path in arguments.tables)
+    table = validation_table(arguments.study, capacity, weights, fit, read_published())
+    write_table(table, arguments.validation)
+
+
+if __name__ == "__main__":
+    main()
