@@ -1,0 +1,61 @@
+# make study   the whole study: tables, figures and a summary in $(RESULTS)
+# make case    one case, CASE=n3-mesh0.02-e0.1a (and ENGINE=yade)
+# make test    lint and all tests, real runs of the engines included
+# make lint    ruff, snakefmt and mypy alone
+# make lock    pin the newest versions that pyproject.toml allows
+# Another study: make study CONFIG=my.yaml RESULTS=my-results
+
+CONFIG ?= config.yaml
+RESULTS ?=
+ENGINE ?= yade
+BIN := .venv/bin
+SNAKEMAKE = $(BIN)/snakemake --configfile $(CONFIG) $(if $(RESULTS),--config results=$(RESULTS))
+FOLDER = $$($(BIN)/python -m workflow.study $(CONFIG) $(RESULTS))
+COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
+	--custom-compile-command "make lock" pyproject.toml
+
+.PHONY: study case test lint format lock system clean
+.DELETE_ON_ERROR:
+
+study: .venv/study.ready
+	$(SNAKEMAKE)
+	@cat "$(FOLDER)/summary.txt"
+
+case: .venv/study.ready
+	@test -n "$(CASE)" || { echo "CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a"; exit 2; }
+	$(SNAKEMAKE) "$(FOLDER)/cases/$(ENGINE)/$(CASE)/result.json"
+	@$(BIN)/python -m analysis.case "$(FOLDER)/cases/$(ENGINE)/$(CASE)"
+
+test: .venv/test.ready lint
+	$(BIN)/pytest
+
+lint: .venv/test.ready
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/mypy
+
+format: .venv/test.ready
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+	$(BIN)/snakefmt Snakefile workflow/rules
+
+.venv/study.ready: requirements.txt pyproject.toml | system
+	python3 -m venv .venv
+	$(BIN)/pip install --quiet --requirement requirements.txt
+	$(BIN)/pip install --quiet --no-deps --editable .
+	@touch $@
+
+.venv/test.ready: requirements-dev.txt .venv/study.ready
+	$(BIN)/pip install --quiet --requirement requirements-dev.txt
+	@touch $@
+
+system:
+	@sh workflow/system.sh
+
+lock: .venv/test.ready
+	$(COMPILE) --output-file requirements.txt
+	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
+
+clean:
+	rm -rf .venv .snakemake results

@@ -1,0 +1,41 @@
+# The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
+# Another study: `snakemake --configfile my.yaml --config results=my-results`.
+import re
+import shlex
+import sys
+
+from analysis.figures.catalogue import figures_of
+from workflow.cases import cases_of
+from workflow.engines import ENGINES
+from workflow.study import ConfigError, read_study
+
+# Without --configfile; a study of one's own is not mixed with this one.
+if "samples" not in config:
+
+    configfile: workflow.source_path("config.yaml")
+
+
+try:
+    STUDY = read_study(config)
+    CASES = cases_of(STUDY)
+except ConfigError as error:
+    sys.exit(f"Error in the configuration: {error}")
+
+RESULTS = STUDY.results
+PYTHON = shlex.quote(sys.executable)
+SOURCES = workflow.current_basedir
+
+
+wildcard_constraints:
+    case="|".join(re.escape(name) for _, name in CASES),
+
+
+include: "workflow/rules/cases.smk"
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        f"{RESULTS}/summary.txt",

@@ -1,0 +1,69 @@
+# From a case's parameters to its engine's results: one pair of rules for each engine.
+
+
+def case_folder(engine, case="{case}"):
+    return f"{RESULTS}/cases/{engine}/{case}"
+
+
+def sources(*names):
+    """Source files that a step is made of: editing one runs the step again."""
+    return [f"{SOURCES}/{name}" for name in names]
+
+
+MODEL_SOURCES = sources(
+    *(f"sidmacib/{name}.py" for name in ("joint", "discretisation", "loading", "equilibrium"))
+)
+
+
+for engine in ENGINES.values():
+
+    rule:
+        name:
+            f"render_{engine.name}"
+        input:
+            code=MODEL_SOURCES
+            + sources(
+                "sidmacib/vibration.py", "workflow/render.py", f"templates/{engine.template}"
+            ),
+        output:
+            script=f"{case_folder(engine.name)}/{engine.script}",
+            joint=f"{case_folder(engine.name)}/joint.json",
+            case=f"{case_folder(engine.name)}/case.json",
+        log:
+            f"{RESULTS}/logs/{engine.name}/{{case}}.render.log",
+        params:
+            case=lambda wildcards, engine=engine: CASES[
+                engine.name, wildcards.case
+            ].model_dump_json(),
+            folder=subpath(output.script, parent=True),
+        message:
+            "Render {wildcards.case}"
+        shell:
+            f"{PYTHON} -m workflow.render {{params.case:q}} {{params.folder:q}} > {{log:q}} 2>&1"
+
+    rule:
+        name:
+            engine.name
+        input:
+            code=sources("workflow/execute.py"),
+            script=rules.__getattr__(f"render_{engine.name}").output.script,
+            joint=rules.__getattr__(f"render_{engine.name}").output.joint,
+        output:
+            result=f"{case_folder(engine.name)}/result.json",
+            history=f"{case_folder(engine.name)}/history.csv",
+            nodes=f"{case_folder(engine.name)}/nodes.csv",
+        log:
+            f"{RESULTS}/logs/{engine.name}/{{case}}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/{engine.name}/{{case}}.tsv"
+        params:
+            folder=subpath(output.result, parent=True),
+            time_limit=lambda wildcards, engine=engine: CASES[
+                engine.name, wildcards.case
+            ].numerics.time_limit,
+            engine=engine.name,
+        message:
+            f"Run {engine.name} on {{wildcards.case}}"
+        shell:
+            f"{PYTHON} -m workflow.execute {{params.engine}} {{params.folder:q}}"
+            " --time-limit {params.time_limit} > {log:q} 2>&1"

@@ -1,0 +1,89 @@
+# From the cases' results to the tables.
+TABLES = f"{RESULTS}/tables"
+
+
+def results_of(*variants):
+    """Results of all cases, or of those of some variants."""
+    return [
+        f"{case_folder(case.engine, case.name)}/result.json"
+        for case in CASES.values()
+        if not variants or case.variant in variants
+    ]
+
+
+# Only what the tables depend on: other edits of the configuration do not run them again.
+STUDY_JSON = STUDY.limit_analysis_json()
+READING = sources("analysis/reading.py", "workflow/cases.py")
+LIMIT = MODEL_SOURCES + sources(
+    *(f"sidmacib/{name}.py" for name in ("contact_points", "capacity", "revision"))
+)
+
+
+rule weights:
+    input:
+        results_of(),
+        code=READING + sources("analysis/weights.py"),
+    output:
+        weights=f"{TABLES}/weights.csv",
+        sums=f"{TABLES}/weight_sums.csv",
+    log:
+        f"{RESULTS}/logs/weights.log",
+    params:
+        cases=results_of(),
+    message:
+        "Read the locks' weights from the stresses"
+    shell:
+        f"{PYTHON} -m analysis.weights {{output:q}} {{params.cases:q}} > {{log:q}} 2>&1"
+
+
+rule capacity:
+    input:
+        results_of(),
+        code=READING + LIMIT + sources("analysis/balance.py", "analysis/capacity.py", "analysis/published.yaml"),
+        weights=rules.weights.output.weights,
+    output:
+        f"{TABLES}/capacity.csv",
+    log:
+        f"{RESULTS}/logs/capacity.log",
+    params:
+        study=STUDY_JSON,
+        cases=results_of(),
+    message:
+        "Solve SiDMACIB and tabulate all capacities"
+    shell:
+        f"{PYTHON} -m analysis.capacity {{output:q}} {{params.study:q}} {{input.weights:q}}"
+        " {params.cases:q} > {log:q} 2>&1"
+
+
+rule fit:
+    input:
+        code=READING + LIMIT + sources("analysis/fit.py"),
+        capacity=rules.capacity.output,
+    output:
+        fit=f"{TABLES}/fit.csv",
+        best=f"{TABLES}/best_fit.csv",
+    log:
+        f"{RESULTS}/logs/fit.log",
+    params:
+        study=STUDY_JSON,
+    message:
+        "Fit SiDMACIB against the distinct elements"
+    shell:
+        f"{PYTHON} -m analysis.fit {{output:q}} {{params.study:q}} {{input.capacity:q}} > {{log:q}} 2>&1"
+
+
+rule validation:
+    input:
+        code=READING + sources("analysis/validation.py", "analysis/published.yaml"),
+        tables=[rules.capacity.output[0], rules.weights.output.weights, rules.fit.output.fit],
+    output:
+        f"{TABLES}/validation.csv",
+    log:
+        f"{RESULTS}/logs/validation.log",
+    params:
+        study=STUDY_JSON,
+    message:
+        "Compare with the published numbers"
+    shell:
+        f"{PYTHON} -m analysis.validation {{output:q}} {{params.study:q}} {{input.tables:q}}"
+        " > {log:q} 2>&1"
