@@ -1,0 +1,71 @@
+"""What several tests need."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sidmacib.discretisation import (
+    Block,
+    Discretisation,
+    Face,
+    Kind,
+    Piece,
+    contact_nodes,
+)
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import PieceLoad
+from workflow.cases import Case
+from workflow.engines import ENGINES
+from workflow.execute import execute
+from workflow.render import DATA_FILE, joint_data, script, write_case
+from workflow.study import Numerics
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.fixture
+def joint() -> Joint:
+    return Joint(locks=3)
+
+
+def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Discretisation:
+    """One free block, a x b x h, on a fixed one, across a single face."""
+    x = joint.a / 2
+    mass = joint.density * joint.a * joint.b * joint.h
+    low, high = (-x, 0.0, 0.0), (x, joint.b, joint.h)
+    pieces = (
+        Piece("lower", Block.LOWER, (-x, 0.0, -joint.h), (x, joint.b, 0.0), mass, fixed=True),
+        Piece("block", Block.UPPER, low, high, mass),
+    )
+    faces = (Face("face", kind, 0, 1, 2, low, (x, joint.b, 0.0), lock=1),)
+    return Discretisation(joint, mesh, pieces, faces, contact_nodes(faces, mesh))
+
+
+def load_on_block(force: tuple[float, float, float], moment_z: float) -> tuple[PieceLoad, ...]:
+    return (PieceLoad(1, np.array(force), np.array([0.0, 0.0, moment_z])),)
+
+
+@pytest.fixture
+def run_block(tmp_path: Path) -> Callable[..., Path]:
+    """Search the peak of a block on the ground with YADE; returns the folder of the results."""
+
+    def run(model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction) -> Path:
+        engine, folder = ENGINES["yade"], tmp_path / "block"
+        folder.mkdir()
+        text = script(engine, "block", model, loads, Numerics(tolerance=5e-4))
+        (folder / engine.script).write_text(text)
+        (folder / DATA_FILE).write_text(json.dumps(joint_data(model, loads, direction)))
+        execute(engine, folder, 120)
+        return folder
+
+    return run
+
+
+def run_case(case: Case, folder: Path) -> Path:
+    """Run a case in ``folder``; returns it."""
+    write_case(case, folder)
+    execute(ENGINES[case.engine], folder, 300)
+    return folder

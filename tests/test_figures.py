@@ -1,0 +1,57 @@
+"""Figures: which there are, and the geometry that they draw."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from conftest import ROOT
+
+from analysis.figures.catalogue import figures_of
+from analysis.figures.curves import first_quadrant
+from analysis.figures.draw import DRAWN_BY
+from analysis.figures.stress_maps import _cells, _thinned
+from sidmacib.discretisation import discretise
+from sidmacib.joint import Joint
+from workflow.study import read_study
+
+
+def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
+    figures = figures_of(read_study(yaml.safe_load((ROOT / "config.yaml").read_text())))
+    kinds = ("options", "shear_stress", "torsion_stress", "revised")
+    per_sample = {f"{kind}-{sample}" for kind in kinds for sample in ("n3", "n5")}
+    assert set(figures) == per_sample | {"meshes", "side_by_side"}
+    assert {spec.kind for spec in figures.values()} == set(DRAWN_BY)
+
+
+def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
+    figures = figures_of(read_study({"samples": {"n3": {"locks": 3}}}))
+    assert figures["shear_stress-n3"].case.name == "n3-mesh0.005-e0a"
+    assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
+
+
+def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
+    square = np.array([[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]])
+    assert first_quadrant(square) == pytest.approx(np.array([[2, 0], [2, 2], [0, 2]]))
+
+
+@pytest.fixture
+def face_and_nodes():
+    model = discretise(Joint(3), 0.005)
+    number, face = next((i, f) for i, f in enumerate(model.faces) if f.lock == 1)
+    positions = model.nodes.position[model.nodes.face == number]
+    return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
+
+
+def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
+    face, nodes = face_and_nodes
+    corners = np.array(_cells(nodes, face))
+    sides = np.ptp(corners, axis=1)
+    assert sides.prod(axis=1).sum() == pytest.approx(face.area)
+    assert corners[..., 1].min() == pytest.approx(face.low[0])
+
+
+def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:
+    _, nodes = face_and_nodes
+    shown = _thinned(nodes)
+    assert 9 <= len(shown) <= 25
+    assert len(shown) == shown["x_m"].nunique() * shown["y_m"].nunique()

@@ -1,0 +1,32 @@
+"""The joint and the directions of loading."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sidmacib.joint import Direction, Joint
+
+
+def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
+    assert pytest.approx(240.0) == joint.T0
+
+
+def test_odd_locks_are_upper_and_even_locks_lower() -> None:
+    joint = Joint(locks=5)
+    assert joint.upper_locks == (1, 3, 5)
+    assert joint.lower_locks == (2, 4)
+
+
+@given(st.floats(0, 100), st.floats(1e-3, 10))
+def test_direction_keeps_its_eccentricity(eccentricity: float, length: float) -> None:
+    direction = Direction.at_eccentricity(eccentricity, length)
+    assert direction.eccentricity == pytest.approx(eccentricity)
+    assert math.hypot(direction.shear, direction.torque / length) == pytest.approx(1.0)
+
+
+def test_pure_torsion_has_no_shear() -> None:
+    direction = Direction.at_eccentricity(math.inf, 0.06)
+    assert (direction.shear, direction.torque) == (0.0, 0.06)
+    assert math.isinf(direction.eccentricity)

@@ -1,0 +1,42 @@
+"""Reductions: how much of each lock counts."""
+
+import pytest
+
+from sidmacib.capacity import Sidmacib, capacity
+from sidmacib.contact_points import OPTIONS
+from sidmacib.joint import Direction, Joint
+from sidmacib.revision import REDUCTIONS, active, half_rule
+
+WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("reduction", "strength"),
+    [
+        ("none", (1, 1, 1, 1, 1)),
+        ("floor_of_sum", (0, 1, 0, 1, 0)),  # 2.96, rounded down
+        ("half", (0, 1, 0, 1, 0)),
+        ("lower_sum", (0, 1.0, 0, 0.68, 0)),
+        ("per_lock", WEIGHTS),
+    ],
+)
+def test_reductions_of_five_locks(reduction: str, strength: tuple[float, ...]) -> None:
+    assert REDUCTIONS[reduction](Joint(5), WEIGHTS) == pytest.approx(strength)
+
+
+def test_upper_locks_count_only_when_all_lower_ones_do() -> None:
+    assert active(Joint(5), 3) == (1, 1, 0, 1, 0)
+
+
+def test_half_of_an_even_number_is_refused() -> None:
+    with pytest.raises(ValueError, match="locks: got 4"):
+        half_rule(Joint(4), ())
+
+
+def test_which_locks_count_does_not_change_the_capacity() -> None:
+    joint, direction = Joint(5), Direction(0.9, 0.03)
+    loads = [
+        capacity(Sidmacib(joint, OPTIONS["option4"], strength), direction).load
+        for strength in [(0, 1, 0, 1, 0), (1, 1, 0, 0, 0), (0, 0, 1, 0, 1)]
+    ]
+    assert loads == pytest.approx([loads[0]] * 3)
