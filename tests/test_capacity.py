@@ -171,7 +171,7 @@ def test_any_other_status_of_the_solver_is_an_error() -> None:
 
 
 def test_a_strength_for_the_wrong_number_of_locks_is_refused(joint: Joint) -> None:
-    with pytest.raises(ValueError, match="strength: got .* each of 3 locks"):
+    with pytest.raises(ValueError, match=r"strength: got .* each of 3 locks"):
         Sidmacib(joint, OPTIONS["option1"], strength=(1.0, 1.0))
 
 

@@ -37,6 +37,7 @@ class Workspace:
                 *("--directory", str(self.folder), "--configfile", "study.yaml"),
                 *("--profile", str(ROOT / "profiles/default"), *arguments),
             ],
+            check=False,
             cwd=self.folder,
             env={**os.environ, **environment},
             capture_output=True,
