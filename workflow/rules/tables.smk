@@ -39,7 +39,9 @@ rule weights:
 rule capacity:
     input:
         results_of(),
-        code=READING + LIMIT + sources("analysis/balance.py", "analysis/capacity.py", "analysis/published.yaml"),
+        code=READING
+        + LIMIT
+        + sources("analysis/balance.py", "analysis/capacity.py", "analysis/published.yaml"),
         weights=rules.weights.output.weights,
     output:
         f"{TABLES}/capacity.csv",
