@@ -9,8 +9,7 @@ CONFIG ?= config.yaml
 RESULTS ?=
 ENGINE ?= yade
 BIN := .venv/bin
-SNAKEMAKE = $(BIN)/snakemake --configfile $(CONFIG) $(if $(RESULTS),--config results=$(RESULTS))
-FOLDER = $$($(BIN)/python -m workflow.study $(CONFIG) $(RESULTS))
+OPTIONS = --configfile $(CONFIG) $(if $(RESULTS),--config results=$(RESULTS))
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
@@ -18,13 +17,14 @@ COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	$(SNAKEMAKE)
-	@cat "$(FOLDER)/summary.txt"
+	@folder=$$($(BIN)/python -m workflow.study $(CONFIG) $(RESULTS)) && \
+	$(BIN)/snakemake $(OPTIONS) && cat "$$folder/summary.txt"
 
 case: .venv/study.ready
 	@test -n "$(CASE)" || { echo "CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a"; exit 2; }
-	$(SNAKEMAKE) "$(FOLDER)/cases/$(ENGINE)/$(CASE)/result.json"
-	@$(BIN)/python -m analysis.case "$(FOLDER)/cases/$(ENGINE)/$(CASE)"
+	@folder=$$($(BIN)/python -m workflow.cases $(CONFIG) $(ENGINE) $(CASE) $(RESULTS)) && \
+	$(BIN)/snakemake "$$folder/result.json" $(OPTIONS) && \
+	$(BIN)/python -m analysis.case "$$folder"
 
 test: .venv/test.ready lint
 	$(BIN)/pytest

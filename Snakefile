@@ -5,7 +5,7 @@ import shlex
 import sys
 
 from analysis.figures.catalogue import figures_of
-from workflow.cases import cases_of
+from workflow.cases import case_folder, cases_of
 from workflow.engines import ENGINES
 from workflow.study import ConfigError, read_study
 

@@ -86,19 +86,20 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
 def _variants(capacity: pd.DataFrame) -> Iterator[str]:
     engines = capacity[capacity["failed_load_N"].notna()]
     keys = ["model", "sample", "mesh_m", "eccentricity_m"]
-    reference = engines[engines["variant"] == REFERENCE].set_index(keys)["load_N"]
+    reference = engines.loc[engines["variant"] == REFERENCE, [*keys, "load_N"]]
     others = engines[engines["variant"] != REFERENCE]
-    if others.empty:
+    both = others.merge(reference, on=keys, suffixes=("", "_reference"))
+    if both.empty:
         return
+    both["change"] = 100 * (both["load_N"] / both["load_N_reference"] - 1)
     yield ""
     yield "Variants against the reference, load along the direction"
-    for row in others.itertuples():
-        base = reference.get((row.model, row.sample, row.mesh_m, row.eccentricity_m))
-        change = "" if base is None else f" ({100 * (row.load_N / base - 1):+.1f} %)"
-        yield (
-            f"  {row.model} {row.sample} mesh {row.mesh_m:g} m, e = {row.eccentricity_m:g} m, "
-            f"{row.variant}: {row.load_N:.1f} N{change}"
-        )
+    groups = both.groupby(["model", "sample", "mesh_m", "variant"], sort=False)
+    for (model, sample, mesh, variant), rows in groups:
+        low, high = rows["change"].min(), rows["change"].max()
+        change = f"{low:+.1f} %" if len(rows) == 1 else f"{low:+.1f} to {high:+.1f} %"
+        where = ", ".join(f"{e:g}" for e in rows["eccentricity_m"])
+        yield f"  {model} {sample} mesh {mesh:g} m, {variant}: {change} at e = {where} m"
 
 
 def main() -> None:

@@ -116,7 +116,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     assert lost.read_bytes() == before
 
     # Editing one case plans that case and what aggregates it, nothing else.
-    workspace.configure(overrides={"n3-mesh0.03-torsion": {"ramp_periods": 12}})
+    workspace.configure(overrides={"n3-mesh0.03-torsion": {"ramp_periods": 42}})
     planned = workspace.planned()
     assert planned & CASES == {"n3-mesh0.03-torsion"}
     assert planned >= {"weights", "capacity", "fit", "validation", "summary"}

@@ -1,13 +1,24 @@
 """The cases of a study: one engine, one joint, one mesh, one direction of loading each."""
 
+import argparse
 import math
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
-from workflow.study import ConfigError, Dem, Numerics, NumericsChange, Study, Variant
+from workflow.study import (
+    ConfigError,
+    Dem,
+    Numerics,
+    NumericsChange,
+    Study,
+    Variant,
+    read_study_file,
+)
 
 REFERENCE = "reference"  # the variant that is held against the published numbers
 
@@ -84,3 +95,31 @@ def _changed(dem: Dem, change: Variant) -> Dem:
 
 def _replaced(numerics: Numerics, change: NumericsChange) -> Numerics:
     return numerics.model_copy(update=change.model_dump(exclude_none=True))
+
+
+def case_folder(results: str, engine: str, case: str) -> str:
+    """Where the results of a case are."""
+    return f"{results}/cases/{engine}/{case}"
+
+
+def main() -> None:
+    """Command line: prints the folder of a case of a study."""
+    parser = argparse.ArgumentParser(description="Print the folder of a case.")
+    parser.add_argument("config", type=Path)
+    parser.add_argument("engine")
+    parser.add_argument("case")
+    parser.add_argument("results", nargs="?")
+    arguments = parser.parse_args()
+    study = read_study_file(arguments.config, arguments.results)
+    try:
+        cases = cases_of(study)
+    except ConfigError as error:
+        sys.exit(f"{arguments.config}: {error}")
+    if (arguments.engine, arguments.case) not in cases:
+        allowed = ", ".join(sorted({name for engine, name in cases if engine == arguments.engine}))
+        sys.exit(f"CASE: got {arguments.case}, allowed for {arguments.engine} are: {allowed}")
+    print(case_folder(study.results, arguments.engine, arguments.case))
+
+
+if __name__ == "__main__":
+    main()

@@ -154,7 +154,7 @@ class Numerics(Section):
 
     tolerance: Tolerance = 0.001
     first_increment: FirstIncrement = 0.05
-    ramp_periods: RampPeriods = 10.0
+    ramp_periods: RampPeriods = 40.0
     hold_periods: HoldPeriods = 400.0
     unbalanced_ratio: UnbalancedRatio = 1e-4
     collapse_ratio: CollapseRatio = 200.0
@@ -308,17 +308,27 @@ def _keys(place: list[str]) -> list[str]:
     return list(node.get("properties", {}))
 
 
+def read_study_file(path: Path, results: str | None = None) -> Study:
+    """The study in the YAML file ``path``, perhaps with another results folder.
+
+    Ends the program with a line for each fault.
+    """
+    try:
+        config = yaml.safe_load(path.read_text()) or {}
+        return read_study({**config, "results": results} if results else config)
+    except OSError as error:
+        sys.exit(f"{path}: {error.strerror}")
+    except (ConfigError, yaml.YAMLError) as error:
+        sys.exit(f"{path}: {error}")
+
+
 def main() -> None:
     """Command line: a study's configuration, perhaps another results folder; prints the folder."""
     parser = argparse.ArgumentParser(description="Print the folder that a study writes to.")
     parser.add_argument("config", type=Path)
     parser.add_argument("results", nargs="?")
     arguments = parser.parse_args()
-    try:
-        study = read_study(yaml.safe_load(arguments.config.read_text()) or {})
-    except (OSError, ConfigError, yaml.YAMLError) as error:
-        sys.exit(f"{arguments.config}: {error}")
-    print(arguments.results or study.results)
+    print(read_study_file(arguments.config, arguments.results).results)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,6 @@
 # From a case's parameters to its engine's results: one pair of rules for each engine.
 
 
-def case_folder(engine, case="{case}"):
-    return f"{RESULTS}/cases/{engine}/{case}"
-
-
 def sources(*names):
     """Source files that a step is made of: editing one runs the step again."""
     return [f"{SOURCES}/{name}" for name in names]
@@ -16,6 +12,7 @@ MODEL_SOURCES = sources(
 
 
 for engine in ENGINES.values():
+    folder = case_folder(RESULTS, engine.name, "{case}")
 
     rule:
         name:
@@ -26,9 +23,9 @@ for engine in ENGINES.values():
                 "sidmacib/vibration.py", "workflow/render.py", f"templates/{engine.template}"
             ),
         output:
-            script=f"{case_folder(engine.name)}/{engine.script}",
-            joint=f"{case_folder(engine.name)}/joint.json",
-            case=f"{case_folder(engine.name)}/case.json",
+            script=f"{folder}/{engine.script}",
+            joint=f"{folder}/joint.json",
+            case=f"{folder}/case.json",
         log:
             f"{RESULTS}/logs/{engine.name}/{{case}}.render.log",
         params:
@@ -46,12 +43,12 @@ for engine in ENGINES.values():
             engine.name
         input:
             code=sources("workflow/execute.py"),
-            script=rules.__getattr__(f"render_{engine.name}").output.script,
-            joint=rules.__getattr__(f"render_{engine.name}").output.joint,
+            script=getattr(rules, f"render_{engine.name}").output.script,
+            joint=getattr(rules, f"render_{engine.name}").output.joint,
         output:
-            result=f"{case_folder(engine.name)}/result.json",
-            history=f"{case_folder(engine.name)}/history.csv",
-            nodes=f"{case_folder(engine.name)}/nodes.csv",
+            result=f"{folder}/result.json",
+            history=f"{folder}/history.csv",
+            nodes=f"{folder}/nodes.csv",
         log:
             f"{RESULTS}/logs/{engine.name}/{{case}}.log",
         benchmark:

@@ -4,7 +4,7 @@ FIGURE_SPECS = figures_of(STUDY)
 
 def case_shown(wildcards):
     case = FIGURE_SPECS[wildcards.figure].case
-    return [f"{case_folder(case.engine, case.name)}/result.json"] if case else []
+    return [f"{case_folder(RESULTS, case.engine, case.name)}/result.json"] if case else []
 
 
 rule figure:

@@ -5,7 +5,7 @@ TABLES = f"{RESULTS}/tables"
 def results_of(*variants):
     """Results of all cases, or of those of some variants."""
     return [
-        f"{case_folder(case.engine, case.name)}/result.json"
+        f"{case_folder(RESULTS, case.engine, case.name)}/result.json"
         for case in CASES.values()
         if not variants or case.variant in variants
     ]
