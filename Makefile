@@ -9,7 +9,7 @@ CONFIG ?= config.yaml
 RESULTS ?=
 ENGINE ?= yade
 BIN := .venv/bin
-OPTIONS = --configfile $(CONFIG) $(if $(RESULTS),--config results=$(RESULTS))
+OPTIONS = --configfile "$(CONFIG)" $(if $(RESULTS),--config "results=$(RESULTS)")
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
@@ -17,12 +17,12 @@ COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.study $(CONFIG) $(RESULTS)) && \
+	@folder=$$($(BIN)/python -m workflow.study "$(CONFIG)" $(if $(RESULTS),"$(RESULTS)")) && \
 	$(BIN)/snakemake $(OPTIONS) && cat "$$folder/summary.txt"
 
 case: .venv/study.ready
 	@test -n "$(CASE)" || { echo "CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a"; exit 2; }
-	@folder=$$($(BIN)/python -m workflow.cases $(CONFIG) $(ENGINE) $(CASE) $(RESULTS)) && \
+	@folder=$$($(BIN)/python -m workflow.cases "$(CONFIG)" "$(ENGINE)" "$(CASE)" $(if $(RESULTS),"$(RESULTS)")) && \
 	$(BIN)/snakemake "$$folder/result.json" $(OPTIONS) && \
 	$(BIN)/python -m analysis.case "$$folder"
 

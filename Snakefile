@@ -9,8 +9,8 @@ from workflow.cases import case_folder, cases_of
 from workflow.engines import ENGINES
 from workflow.study import ConfigError, read_study
 
-# Without --configfile; a study of one's own is not mixed with this one.
-if "samples" not in config:
+# A study of one's own is not mixed with this one.
+if not workflow.config_settings.configfiles:
 
     configfile: workflow.source_path("config.yaml")
 

@@ -94,7 +94,7 @@ def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any
     """The paper's pure-shear capacities, for the samples that it has."""
     for sample in study.samples:
         joint = study.joint(sample)
-        if not published.covers(joint):
+        if not published.covers(study, sample):
             continue
         for mesh in study.meshes:
             value = published.dem_pure_shear(joint.locks, mesh)

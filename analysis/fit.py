@@ -24,6 +24,12 @@ from sidmacib.joint import Direction, Joint
 from workflow.cases import REFERENCE
 from workflow.study import Study
 
+BEST_COLUMNS = (
+    *("model", "sample", "locks", "mesh_m", "friction"),
+    *("distance_over_a", "distance_m", "strength_per_lock_N", "locks_that_count"),
+    *("misfit", "largest_unsafe_error", "largest_safe_error"),
+)
+
 
 @dataclass(frozen=True)
 class Misfit:
@@ -110,11 +116,13 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     for engine, reference in _engine_curves(capacity):
         for (sample, mesh), curve in reference.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
+            if len(curve) < 3:  # two unknowns would fit two directions whatever they are
+                continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)
                 names = {"model": engine, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
                 rows.append({**names, "friction": friction, **best})
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=list(BEST_COLUMNS))
 
 
 def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:

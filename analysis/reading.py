@@ -9,8 +9,10 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sidmacib.joint import Joint
+from sidmacib.joint import Failure, UpperBody
+from sidmacib.loading import LoadShare, Push
 from workflow.cases import Case
+from workflow.study import Study
 
 NODE_COLUMNS = (
     *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
@@ -72,13 +74,20 @@ class Published:
 
     numbers: dict[str, Any]
 
-    def covers(self, joint: Joint) -> bool:
-        """Whether the paper has numbers for a joint of this strength, friction and locks."""
-        sample = self.numbers["sample"]
+    def covers(self, study: Study, sample: str) -> bool:
+        """Whether the paper has numbers for ``sample``, loaded as in ``study``.
+
+        Strength, friction, locks, failure, the cut of the body and the load must be the paper's;
+        sizes may differ, as it gives a * b only. Its numbers are for e = 0.
+        """
+        joint, own = study.joint(sample), self.numbers["sample"]
         return (
-            math.isclose(joint.T0, sample["T0"])
-            and math.isclose(joint.dry.friction, sample["friction"])
+            math.isclose(joint.T0, own["T0"])
+            and math.isclose(joint.dry.friction, own["friction"])
             and joint.locks in self.numbers["weights"]
+            and (joint.failure, joint.upper_body) == (Failure.BRITTLE, UpperBody.COLUMNS)
+            and (study.dem.push, study.dem.load_share) == (Push.PLUS_Y, LoadShare.FACE)
+            and 0.0 in study.eccentricities
         )
 
     def dem_pure_shear(self, locks: int, mesh: float) -> float | None:

@@ -66,6 +66,7 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
         for words, rows in choices.items():
             rows_here = rows[(rows["sample"] == sample) & (rows["mesh_m"] == mesh)]
             if rows_here.empty:
+                yield f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}none"
                 continue
             row = winner(rows_here, sample, mesh)
             friction = "friction" if row["friction"] else "no friction"
@@ -75,7 +76,7 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
                 f"{100 * row['largest_unsafe_error']:.1f} %, safe by up to "
                 f"{100 * row['largest_safe_error']:.1f} %"
             )
-    for row in best[~best["friction"]].itertuples():
+    for row in best[best["friction"] == False].itertuples():  # noqa: E712
         yield (
             f"  {row.model} {row.sample} mesh {row.mesh_m:g} m, free fit:        d = "
             f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "

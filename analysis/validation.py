@@ -32,7 +32,7 @@ def validation_table(
     rows: list[dict[str, Any]] = []
     for sample in study.samples:
         joint = study.joint(sample)
-        if not published.covers(joint):
+        if not published.covers(study, sample):
             continue
         own = capacity[(capacity["sample"] == sample) & (capacity["eccentricity_m"] == 0.0)]
         found = [

@@ -134,9 +134,9 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
         ],
     )
 
-    def solve(direction: Direction) -> Capacity:
+    def along(direction: Direction) -> Capacity:
         slope.value = np.array([direction.shear, direction.torque])
-        _solve(problem, f"V : M = {direction.shear:g} : {direction.torque:g} m")
+        solve(problem, f"V : M = {direction.shear:g} : {direction.torque:g} m")
         value = float(cast(float, load.value))
         return Capacity(
             value,
@@ -145,7 +145,7 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
             np.array(programme.forces.value),
         )
 
-    return [solve(direction) for direction in directions]
+    return [along(direction) for direction in directions]
 
 
 def capacity(model: Sidmacib, direction: Direction) -> Capacity:
@@ -171,14 +171,14 @@ class SupportFunction:
     def __call__(self, normal: Floats) -> Floats:
         """The furthest point along ``normal`` (shape (2,), of V in N and M in N m)."""
         self.normal.value = normal
-        _solve(self.problem, f"outward normal (V, M) = ({normal[0]:g}, {normal[1]:g})")
+        solve(self.problem, f"outward normal (V, M) = ({normal[0]:g}, {normal[1]:g})")
         return np.array([self.programme.shear.value, self.programme.torque.value], dtype=float)
 
 
-def _solve(problem: cp.Problem, what: str) -> None:
-    """Solve by HiGHS; every status but an optimum raises an error that names ``what``."""
+def solve(problem: cp.Problem, what: str, solver: str = cp.HIGHS) -> None:
+    """Solve; every status but an optimum raises an error that names ``what``."""
     try:
-        problem.solve(solver=cp.HIGHS)
+        problem.solve(solver=solver)
     except cp.SolverError as error:
         raise SolverError(f"{what}: {error}") from error
     status = problem.status

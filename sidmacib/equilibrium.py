@@ -1,8 +1,10 @@
 """Equilibrium matrices: the force and moment of unit forces at points."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sidmacib.discretisation import Discretisation, Floats
+from sidmacib.loading import PieceLoad
 
 
 def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
@@ -40,3 +42,23 @@ def equilibrium_matrix(model: Discretisation) -> Floats:
             centre = model.pieces[piece].centre
             matrix[rows, columns] = sign * wrenches(model.nodes.position[own], frames[own], centre)
     return matrix
+
+
+def free_rows(model: Discretisation) -> NDArray[np.int64]:
+    """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
+    free = [i for i, piece in enumerate(model.pieces) if not piece.fixed]
+    return np.concatenate([np.arange(6 * i, 6 * i + 6) for i in free])
+
+
+def permanent_and_reference(
+    model: Discretisation, loads: tuple[PieceLoad, ...]
+) -> tuple[Floats, Floats]:
+    """Self-weight (N, N m) and ``loads`` (per N of load) as forces and moments on all pieces.
+
+    Both (6 P,), force and moment about the centroid piece by piece.
+    """
+    permanent, reference = np.zeros((2, len(model.pieces), 6))
+    permanent[:, 2] = [-piece.weight for piece in model.pieces]
+    for load in loads:
+        reference[load.piece] += np.concatenate([load.force, load.moment])
+    return permanent.ravel(), reference.ravel()

@@ -16,7 +16,7 @@ from analysis.weights import case_columns, lock_weights, tabulate, weight_sums
 from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.contact_points import ContactOption
 from sidmacib.discretisation import discretise
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction
 from sidmacib.revision import active
 from workflow.cases import Case, cases_of
 from workflow.study import Study, read_study
@@ -185,11 +185,24 @@ def test_validation_holds_published_and_computed_side_by_side(study, results) ->
     assert rows.loc["weight_lock3", "absolute_difference"] == pytest.approx(0.5)
 
 
-def test_other_samples_are_not_held_against_the_paper(study) -> None:
-    assert read_published().covers(Joint(3))
-    assert read_published().covers(Joint(5, a=0.1, b=0.03))
-    assert not read_published().covers(Joint(7))
-    assert not read_published().covers(Joint(3, a=0.1))
+@pytest.mark.parametrize(
+    ("change", "covered"),
+    [
+        ({}, True),
+        ({"samples": {"n": {"locks": 5}}}, True),
+        ({"geometry": {"a": 0.1, "b": 0.03}}, True),  # the same a * b
+        ({"geometry": {"a": 0.1}}, False),
+        ({"samples": {"n": {"locks": 7}}}, False),
+        ({"eccentricities": [0.5]}, False),
+        ({"dem": {"push": "-y"}}, False),
+        ({"dem": {"failure": "ductile"}}, False),
+    ],
+)
+def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
+    change: dict[str, object], covered: bool
+) -> None:
+    config = {"samples": {"n": {"locks": 3}}, "meshes": [0.02], **change}
+    assert read_published().covers(read_study(config), "n") is covered
 
 
 def test_the_summary_tells_the_findings_and_where_everything_is(study, results) -> None:

@@ -15,9 +15,9 @@ from sidmacib.capacity import (
     SolverError,
     UnboundedError,
     _programme,
-    _solve,
     capacities,
     capacity,
+    solve,
 )
 from sidmacib.contact_points import OPTIONS, ContactOption, contact_points
 from sidmacib.joint import Direction, Joint
@@ -74,7 +74,7 @@ def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> f
     while True:
         load.value = (count + 1) * step
         try:
-            _solve(problem, "step")
+            solve(problem, "step")
         except InfeasibleError:
             return count * step
         count += 1
@@ -167,7 +167,7 @@ def test_any_other_status_of_the_solver_is_an_error() -> None:
     problem._status = "user_limit"
     problem.solve = lambda **_: None
     with pytest.raises(SolverError, match="somewhere: solver status user_limit"):
-        _solve(problem, "somewhere")
+        solve(problem, "somewhere")
 
 
 def test_a_strength_for_the_wrong_number_of_locks_is_refused(joint: Joint) -> None:

@@ -44,7 +44,7 @@ def face_and_nodes():
 
 def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     face, nodes = face_and_nodes
-    corners = np.array(_cells(nodes, face))
+    corners = np.array(_cells(nodes, face, nodes))
     sides = np.ptp(corners, axis=1)
     assert sides.prod(axis=1).sum() == pytest.approx(face.area)
     assert corners[..., 1].min() == pytest.approx(face.low[0])

@@ -82,7 +82,16 @@ def test_a_sample_may_have_sizes_of_its_own() -> None:
         ),
         (merged(variants={"reference": {}}), "variants: got reference, .*"),
         (merged(figures={"mesh": 0.03}), r"figures.mesh: got 0.03, allowed are meshes: .*"),
-        (merged(overrides={"n3": {}}), "overrides: got n3, allowed are cases: n3-mesh.*"),
+        (merged(overrides={"x": {}}), "overrides: got x, allowed are cases: n3-mesh.*"),
+        (
+            merged(overrides={"n3-mesh0.02-torson": {}}),
+            "overrides: got n3-mesh0.02-torson, allowed are .*, such as n3-mesh0.02-torsion",
+        ),
+        (merged(meshes=0.01), "meshes: got 0.01, input should be a list"),
+        (
+            {"samples": {"my-joint": {"locks": 3}}},
+            "samples: got 'my-joint', allowed are letters, digits, _ and . in a name",
+        ),
     ],
 )
 def test_a_fault_is_told_in_one_line_with_key_value_and_what_is_allowed(

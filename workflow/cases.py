@@ -1,6 +1,7 @@
 """The cases of a study: one engine, one joint, one mesh, one direction of loading each."""
 
 import argparse
+import difflib
 import math
 import sys
 from collections.abc import Iterator
@@ -49,9 +50,7 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
     names = {name for _, name in cases}
     for name in study.overrides:
         if name not in names:
-            raise ConfigError(
-                f"overrides: got {name}, allowed are cases: {', '.join(sorted(names))}"
-            )
+            raise ConfigError(f"overrides: got {name}, {_allowed(name, names)}")
     return cases
 
 
@@ -97,6 +96,14 @@ def _replaced(numerics: Numerics, change: NumericsChange) -> Numerics:
     return numerics.model_copy(update=change.model_dump(exclude_none=True))
 
 
+def _allowed(name: str, names: set[str]) -> str:
+    """The names that are allowed: those close to ``name``, or else all."""
+    close = difflib.get_close_matches(name, names)
+    if close:
+        return f"allowed are cases of the study, such as {', '.join(close)}"
+    return f"allowed are cases: {', '.join(sorted(names))}"
+
+
 def case_folder(results: str, engine: str, case: str) -> str:
     """Where the results of a case are."""
     return f"{results}/cases/{engine}/{case}"
@@ -115,9 +122,12 @@ def main() -> None:
         cases = cases_of(study)
     except ConfigError as error:
         sys.exit(f"{arguments.config}: {error}")
-    if (arguments.engine, arguments.case) not in cases:
-        allowed = ", ".join(sorted({name for engine, name in cases if engine == arguments.engine}))
-        sys.exit(f"CASE: got {arguments.case}, allowed for {arguments.engine} are: {allowed}")
+    engines = {engine for engine, _ in cases}
+    if arguments.engine not in engines:
+        sys.exit(f"ENGINE: got {arguments.engine}, allowed are: {', '.join(sorted(engines))}")
+    names = {name for engine, name in cases if engine == arguments.engine}
+    if arguments.case not in names:
+        sys.exit(f"CASE: got {arguments.case}, {_allowed(arguments.case, names)}")
     print(case_folder(study.results, arguments.engine, arguments.case))
 
 

@@ -242,7 +242,7 @@ class Study(Section):
                 )
         for key in ("meshes", "eccentricities"):
             values = getattr(self, key)
-            if len(set(values)) < len(values):
+            if len({f"{value:g}" for value in values}) < len(values):  # as in names of cases
                 raise ValueError(f"{key}: got {list(values)}, allowed is each value once")
         if self.figures.mesh not in (None, *self.meshes):
             raise ValueError(
@@ -271,7 +271,10 @@ class Study(Section):
 
 
 class ConfigError(ValueError):
-    """The configuration is not valid; one line for each fault."""
+    """The configuration is not valid; the arguments are lines, one for each fault."""
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.args))
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
@@ -282,7 +285,7 @@ def read_study(config: Mapping[str, Any]) -> Study:
         faults = error.errors(include_url=False)
         # A list is reported as too short as well when its only item is at fault.
         faults = [f for f in faults if f["type"] != "too_short"] or faults
-        raise ConfigError("\n".join(dict.fromkeys(map(_one_line, faults)))) from None
+        raise ConfigError(*dict.fromkeys(map(_one_line, faults))) from None
 
 
 def _one_line(fault: Any) -> str:
@@ -291,9 +294,13 @@ def _one_line(fault: Any) -> str:
         return f"{'.'.join(place)}: unknown key; allowed here are {', '.join(_keys(place[:-1]))}"
     if fault["type"] == "missing":
         return f"{'.'.join(place)}: missing"
+    if fault["type"] == "string_pattern_mismatch":
+        where = ".".join(place[:-2])
+        return f"{where}: got {fault['input']!r}, allowed are letters, digits, _ and . in a name"
     if fault["type"] == "value_error":  # one of our own, which names the key or what stands in it
         return ": ".join(filter(None, [".".join(place), str(fault["ctx"]["error"])]))
     message = fault["msg"][0].lower() + fault["msg"][1:]
+    message = message.replace("valid tuple", "list").replace("valid dictionary", "mapping")
     return f"{'.'.join(place)}: got {fault['input']!r}, {message}"
 
 
@@ -315,11 +322,15 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
     """
     try:
         config = yaml.safe_load(path.read_text()) or {}
+        if not isinstance(config, dict):
+            raise ConfigError("got no keys, allowed is a mapping of keys to values")
         return read_study({**config, "results": results} if results else config)
     except OSError as error:
         sys.exit(f"{path}: {error.strerror}")
-    except (ConfigError, yaml.YAMLError) as error:
-        sys.exit(f"{path}: {error}")
+    except yaml.YAMLError as error:
+        sys.exit(f"{path}: {' '.join(str(error).split())}")
+    except ConfigError as error:
+        sys.exit("\n".join(f"{path}: {line}" for line in error.args))
 
 
 def main() -> None:

@@ -15,6 +15,8 @@ from sidmacib.envelope import envelope
 from workflow.cases import REFERENCE
 from workflow.engines import ENGINES
 
+REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
+
 
 def first_quadrant(vertices: Floats) -> Floats:
     """The part of a convex polygon around the origin with V >= 0 and M >= 0, from the V axis on."""
@@ -52,9 +54,9 @@ def options(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}SiDMACIB, {joint.locks} locks, every lock counting: exact "
-        f"envelopes, overload {study.sidmacib.overload:g} N. Pure shear is n·T0 = "
-        f"{joint.locks * joint.T0:g} N for every option. {style.ASSUMED_POINTS} "
-        f"{style.ASSUMED_GEOMETRY}",
+        f"envelopes, overload {study.sidmacib.overload:g} N; n·T0 = "
+        f"{joint.locks * joint.T0:g} N. {style.ASSUMED_POINTS} "
+        f"{material.assumed_geometry}",
     )
     return figure
 
@@ -72,8 +74,8 @@ def meshes(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Peak loads of the distinct elements. The nodes are cell "
-        "centres, so a coarse mesh puts the outermost node further from a face's edge and reads "
-        f"higher under torque. {style.ASSUMED_GEOMETRY}",
+        "centres: the coarser the mesh, the further the outermost node is from a face's edge, and "
+        f"the more torque a face takes. {material.assumed_geometry}",
     )
     return figure
 
@@ -81,15 +83,19 @@ def meshes(material: Material) -> Figure:
 def revised(material: Material) -> Figure:
     """Revised SiDMACIB, by two reductions, and the distinct elements."""
     study = material.study
+    titles = {
+        reduction: title
+        for reduction, title in REVISED.items()
+        if reduction in study.sidmacib.reductions
+    }
     figure = Figure(figsize=(8, 4.8), layout="constrained")
-    axes = figure.subplots(1, 2, sharex=True, sharey=True)
+    axes = figure.subplots(1, max(1, len(titles)), sharex=True, sharey=True, squeeze=False)[0]
     limit = material.capacity[
         (material.capacity["model"] == "sidmacib")
         & (material.capacity["sample"] == material.sample)
         & material.capacity["variant"].str.contains("-frictionless-")
         & (material.capacity["mesh_m"] == min(study.meshes))
     ]
-    titles = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
     for axis, reduction in zip(axes, titles, strict=True):
         for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
             rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
@@ -102,8 +108,9 @@ def revised(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against the distinct "
-        f"elements (marks), {study.samples[material.sample].locks} locks; weights read at e = 0, "
-        f"mesh {min(study.meshes):g} m. {style.ASSUMED_POINTS} {style.ASSUMED_GEOMETRY}",
+        f"elements (marks), {study.samples[material.sample].locks} locks; weights read at e = "
+        f"{min(study.eccentricities):g} a, mesh {min(study.meshes):g} m. {style.ASSUMED_POINTS} "
+        f"{material.assumed_geometry}",
     )
     return figure
 
@@ -121,6 +128,8 @@ def _engine_curves(axis: Axes, capacity: pd.DataFrame, sample: str, lines: bool)
             linestyle="-" if lines else "none",
             color=None if lines else "#444444",
             markerfacecolor="white",
+            clip_on=False,
+            zorder=3,
             label=f"{model}, mesh {mesh:g} m",
         )
 
@@ -132,8 +141,10 @@ def _published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
             rows["shear_N"],
             rows["torque_Nm"],
             "*",
-            color=style.COLOURS[5],
-            markersize=9,
+            color=style.COLOURS[6],
+            markerfacecolor="none",
+            markersize=11,
             clip_on=False,
+            zorder=4,
             label="published (3DEC), e = 0",
         )

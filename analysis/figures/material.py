@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
-from analysis.reading import CaseResult
+from analysis.reading import CaseResult, read_published
 from workflow.study import Study
 
 
@@ -27,11 +27,19 @@ class Material:
         return self.spec.sample
 
     @property
+    def assumed_geometry(self) -> str:
+        """What to say of the geometry where it stands for the paper's."""
+        published = read_published()
+        if any(published.covers(self.study, sample) for sample in self.study.samples):
+            return "Assumed: a, b, h and H (the paper's text gives a·b only)."
+        return ""
+
+    @property
     def place_in_paper(self) -> str:
         """Which figure of the paper this redraws, as a sentence; empty if none."""
         numbers = IN_THE_PAPER.get(self.spec.kind, {})
         locks = [s.locks for s in self.study.samples.values()]
         if self.spec.sample is not None:
             locks = [self.study.samples[self.spec.sample].locks]
-        found = [numbers[n] for n in locks if n in numbers]
+        found = [numbers[n] for n in locks if n in numbers and self.assumed_geometry]
         return f"{' and '.join(found)} of the paper, redrawn. " if found else ""

@@ -29,7 +29,7 @@ def side_by_side(material: Material) -> Figure:
         "Published: 3DEC and SiDMACIB, from the paper's text. Computed: this program. “Swapped”: "
         "the published values of the first two locks exchanged. Statics asks for it: but for "
         "friction the lower locks (2, 4, …) are the only way of V to the ground, and only in the "
-        f"swapped order do they add up to it. {style.ASSUMED_GEOMETRY} {style.ASSUMED_POINTS}",
+        f"swapped order do they add up to it. {material.assumed_geometry} {style.ASSUMED_POINTS}",
         height=0.07,
     )
     return figure
@@ -44,6 +44,10 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
         ):
             bar = axes.bar(position + shift, float(value), 0.38, color=colour)
             axes.bar_label(bar, fmt="%.1f", fontsize=7.5)
+    if len(rows):
+        axes.set_ylim(0, 1.45 * max(rows["published"].max(), rows["computed"].max()))
+        axes.legend(axes.containers[:2], ["published (3DEC)", "computed"], fontsize=7)
+    axes.set_axisbelow(True)
     axes.set_xticks(
         range(len(rows)), [f"{r.model}\nmesh {r.mesh_m:g} m" for r in rows.itertuples()]
     )
@@ -72,6 +76,7 @@ def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
         axes.bar_label(bars, fmt="%.2f", fontsize=6)
     axes.set_xticks(locks, [f"lock {lock}" for lock in locks])
     axes.set_title(title, loc="left", fontsize=9)
+    axes.set_axisbelow(True)
     axes.set_ylim(0, 1.8)
     axes.legend(fontsize=7, loc="upper right")
     axes.grid(axis="x", visible=False)

@@ -1,5 +1,7 @@
 """Maps of the shear stress on the inner faces of all locks, with the locks' weights."""
 
+import math
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -15,20 +17,25 @@ from sidmacib.loading import Push
 
 
 def shear_stress(material: Material) -> Figure:
-    """The inner faces in pure shear."""
-    return _map(material, "in pure shear")
+    """The inner faces at the smallest eccentricity: pure shear, if the study has it."""
+    return _map(material)
 
 
 def torsion_stress(material: Material) -> Figure:
     """The inner faces under torsion and shear."""
-    return _map(material, "under torsion and shear")
+    return _map(material)
 
 
-def _map(material: Material, words: str) -> Figure:
+def _map(material: Material) -> Figure:
     result = material.result
     assert result is not None, f"{material.spec.name} needs the stresses of a case"
     case, joint = result.case, result.case.joint
-    figure = Figure(figsize=(1.6 + 1.5 * joint.locks, 4.4), layout="constrained")
+    eccentricity = case.loading.eccentricity
+    words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
+        eccentricity, f"under torsion and shear, e = {eccentricity / joint.a:g} a,"
+    )
+    width = 2.6 + 1.8 * joint.locks * joint.b / joint.a
+    figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
     axes = figure.subplots()
     cells = _draw_faces(axes, result)
     figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
@@ -54,8 +61,8 @@ def _map(material: Material, words: str) -> Figure:
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
         f"{result.shear:.1f} N, M = {result.torque:.2f} N m; {case.engine}, mesh {case.mesh:g} m. "
         "Faces of upper locks lie at z = h, those of lower locks at z = 0; arrows: direction of "
-        "the stress on the piece above. W: resultant over T0; mean: mean magnitude over the "
-        f"cohesion. {style.ASSUMED_GEOMETRY}",
+        "the stress on the piece above; grey: broken. W: resultant over T0; mean: mean magnitude "
+        f"over the cohesion. {material.assumed_geometry}",
         height=0.27,
     )
     return figure
@@ -70,13 +77,24 @@ def _draw_faces(axes: Axes, result: CaseResult) -> PolyCollection:
         [
             corners
             for name, nodes in inner.groupby("face", sort=False)
-            for corners in _cells(nodes, faces[str(name)])
+            for corners in _cells(nodes, faces[str(name)], nodes)
         ],
         array=magnitude.to_numpy() / 1e3,
         cmap="viridis",
         clim=(0.0, joint.inner.cohesion / 1e3),
     )
     axes.add_collection(cells)
+    broken = inner[inner["bonded"] == 0]
+    axes.add_collection(
+        PolyCollection(
+            [
+                corners
+                for name, nodes in broken.groupby("face", sort=False)
+                for corners in _cells(inner[inner["face"] == name], faces[str(name)], nodes)
+            ],
+            facecolor="#bbbbbb",
+        )
+    )
     for face in faces.values():
         axes.axvline(face.low[1], color="white", linewidth=2)
     shown = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
@@ -105,8 +123,8 @@ def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
     return nodes[chosen]
 
 
-def _cells(nodes: pd.DataFrame, face: Face) -> list[list[tuple[float, float]]]:
-    """Corners (y, x) of the cells of ``face`` around its nodes, which are a regular grid."""
+def _cells(nodes: pd.DataFrame, face: Face, shown: pd.DataFrame) -> list[list[tuple[float, float]]]:
+    """Corners (y, x) of the cells around the nodes ``shown`` of a face's regular grid ``nodes``."""
     length, width = (
         (face.high[axis] - face.low[axis]) / nodes[name].round(12).nunique()
         for axis, name in ((0, "x_m"), (1, "y_m"))
@@ -114,5 +132,5 @@ def _cells(nodes: pd.DataFrame, face: Face) -> list[list[tuple[float, float]]]:
     corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
     return [
         [(y + i * width / 2, x + j * length / 2) for i, j in corners]
-        for x, y in zip(nodes["x_m"], nodes["y_m"], strict=True)
+        for x, y in zip(shown["x_m"], shown["y_m"], strict=True)
     ]

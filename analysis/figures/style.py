@@ -1,6 +1,7 @@
 """The look that all figures share, and how they are saved."""
 
 import os
+import re
 import textwrap
 from pathlib import Path
 
@@ -8,7 +9,6 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-ASSUMED_GEOMETRY = "Assumed: a, b, h and H (the paper's text gives a·b only)."
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -42,7 +42,8 @@ def caption(figure: Figure, text: str, height: float = 0.2) -> None:
     """Write ``text`` into the lowest ``height`` (share) of the figure, below everything else."""
     width = int(figure.get_figwidth() * 16.5)
     figure.get_layout_engine().set(rect=(0, height, 1, 0.985 - height))
-    figure.text(0.02, height - 0.02, textwrap.fill(text, width), va="top", fontsize=8)
+    together = re.sub(r"(\d) (N|m|kPa)\b", "\\1\u00a0\\2", text)  # numbers and their units
+    figure.text(0.02, height - 0.02, textwrap.fill(together, width), va="top", fontsize=8)
 
 
 def save(figure: Figure, paths: list[Path]) -> None:

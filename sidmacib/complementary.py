@@ -1,0 +1,96 @@
+"""The static model's state as a convex programme: the least complementary energy.
+
+Of all node forces that balance the loads, those minimise the sum of s^2 / (2 K A) that follow from
+displacements of the pieces. Dry nodes cannot pull. Friction enters in one of two ways:
+
+- ``FrictionRule.COULOMB``: |s_t| <= mu N with N from the solution before, until it settles. Slip
+  does not dilate, as in `sidmacib.static`; the load is applied in one step.
+- ``FrictionRule.ASSOCIATED``: |s_t| <= mu s_n in one programme. Slip dilates, which presses the
+  faces together and overestimates what friction carries.
+
+This is the slow and independent twin of Newton's method in `sidmacib.static`, for small meshes.
+"""
+
+from enum import StrEnum
+
+import cvxpy as cp
+import numpy as np
+
+from sidmacib.capacity import solve
+from sidmacib.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.discretisation import Discretisation, Floats
+from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
+from sidmacib.loading import PieceLoad
+
+
+class FrictionRule(StrEnum):
+    """How friction enters the programme."""
+
+    COULOMB = "coulomb"
+    ASSOCIATED = "associated"
+
+
+def least_energy_forces(
+    model: Discretisation,
+    loads: tuple[PieceLoad, ...],
+    load: float,
+    rule: FrictionRule = FrictionRule.COULOMB,
+    tolerance: float = 1e-6,
+) -> Floats:
+    """Node forces (N) under ``load`` times ``loads`` and self-weight, while no bond fails.
+
+    Returns (N, 3): what the piece below each node exerts on the piece above, in the frame of the
+    face. ``tolerance``: last change of the friction bounds, over the load. Raises
+    `sidmacib.capacity.CapacityError` where no forces balance the loads, RuntimeError if the
+    friction bounds do not settle.
+    """
+    law = NodeLaw.of(model)
+    rows = free_rows(model)
+    permanent, reference = permanent_and_reference(model, loads)
+    target = (permanent + load * reference)[rows]
+    scale = float(np.abs(target).max())
+    dry = np.flatnonzero(~law.cohesive)
+
+    force, bound = cp.Variable((len(law.friction), 3)), cp.Parameter(len(dry), nonneg=True)
+    # Per unit of load, and stiffness over its mean: numbers about 1 for the solver.
+    mean = float(law.normal_stiffness.mean())
+    flexibility = mean / np.column_stack(
+        [law.normal_stiffness, law.shear_stiffness, law.shear_stiffness]
+    )
+    energy = cp.sum(cp.multiply(flexibility, cp.square(force)))
+    shear = cp.norm(force[dry, 1:], 2, axis=1)
+    balanced = [
+        equilibrium_matrix(model)[rows] @ cp.vec(force, order="C") == target / scale,
+        force[dry, 0] >= 0,
+    ]
+    what = f"least complementary energy at {load:g} N"
+    cone = shear <= cp.multiply(law.friction[dry], force[dry, 0])
+    solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what, cp.CLARABEL)
+    if rule is FrictionRule.ASSOCIATED:
+        return scale * np.array(force.value)
+    problem = cp.Problem(cp.Minimize(energy), [*balanced, shear <= bound])
+    for _ in range(200):
+        bound.value = law.friction[dry] * np.maximum(force.value[dry, 0], 0.0)
+        solve(problem, what, cp.CLARABEL)
+        after = law.friction[dry] * np.maximum(force.value[dry, 0], 0.0)
+        if np.abs(after - bound.value).max() <= tolerance:
+            return scale * np.array(force.value)
+    raise RuntimeError(f"the friction bounds do not settle at {load:g} N")
+
+
+def first_failure_load(
+    model: Discretisation, loads: tuple[PieceLoad, ...], rule: FrictionRule
+) -> float:
+    """Load (N) at which the first bonded node reaches its strength, to 0.01 %.
+
+    Utilisation is all but proportional to the load, so the load over its utilisation settles.
+    """
+    law = NodeLaw.of(model)
+    state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
+    load = 0.1 * model.joint.T0
+    for _ in range(50):
+        used = utilisation(law, state, least_energy_forces(model, loads, load, rule)).max()
+        if abs(used - 1.0) <= 1e-4:
+            return load
+        load /= float(used)
+    raise RuntimeError(f"the first failure does not settle at {load:g} N")

@@ -1,0 +1,103 @@
+"""Law of the contact nodes: elastic, with failure, opening and Coulomb friction.
+
+At a node, delta is the displacement of the piece below relative to the piece above in the frame of
+`sidmacib.equilibrium.face_frames`, and s the force that the piece below exerts on the piece above:
+s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). A bonded node keeps both
+until it fails. Any other node cannot pull, and its shear force stays on or inside the circular
+friction cone, |s_t| <= mu s_n: slip makes up the difference, without dilation.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sidmacib.discretisation import Discretisation, Floats, Kind
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class NodeLaw:
+    """Stiffness (N/m), friction coefficient and strengths (N) of each node, all of shape (N,)."""
+
+    normal_stiffness: Floats
+    shear_stiffness: Floats
+    friction: Floats
+    shear_strength: Floats
+    tensile_strength: Floats
+    cohesive: Flags  # bonded at the start
+
+    @classmethod
+    def of(cls, model: Discretisation) -> "NodeLaw":
+        """The law of every node of ``model``: the face's material times the node's area."""
+        face, area = model.nodes.face, model.nodes.area
+        materials = [model.material(each.kind) for each in model.faces]
+
+        def per_node(name: str) -> Floats:
+            return np.array([getattr(material, name) for material in materials])[face]
+
+        return cls(
+            per_node("normal_stiffness") * area,
+            per_node("shear_stiffness") * area,
+            per_node("friction"),
+            per_node("cohesion") * area,
+            per_node("tensile_strength") * area,
+            np.array([each.kind is Kind.INNER for each in model.faces])[face],
+        )
+
+
+@dataclass(frozen=True)
+class NodeState:
+    """What a node remembers: its slip (m), shape (N, 2), and whether it is bonded, shape (N,)."""
+
+    slip: Floats
+    bonded: Flags
+
+
+@dataclass(frozen=True)
+class Response:
+    """Node forces s (N), shape (N, 3), and their derivative by delta (N/m), shape (N, 3, 3)."""
+
+    force: Floats
+    tangent: Floats
+
+
+def respond(law: NodeLaw, state: NodeState, delta: Floats) -> Response:
+    """Return mapping: forces of all nodes at relative displacements ``delta`` (m), (N, 3)."""
+    normal = law.normal_stiffness * delta[:, 0]
+    trial = law.shear_stiffness[:, None] * (delta[:, 1:] - state.slip)
+    size = np.hypot(trial[:, 0], trial[:, 1])
+    closed = state.bonded | (normal > 0.0)
+    cone = np.where(closed, law.friction * np.maximum(normal, 0.0), 0.0)
+    sticks = state.bonded | (closed & (size <= cone))
+    slides = closed & ~sticks
+    # Share of the trial force that is left: all of it, what the cone allows, or nothing.
+    share = np.where(sticks, 1.0, np.where(slides, cone / np.where(slides, size, 1.0), 0.0))
+
+    force = np.empty_like(delta)
+    force[:, 0] = np.where(closed, normal, 0.0)
+    force[:, 1:] = share[:, None] * trial
+    tangent = np.zeros((len(delta), 3, 3))
+    tangent[:, 0, 0] = np.where(closed, law.normal_stiffness, 0.0)
+    tangent[:, 1, 1] = tangent[:, 2, 2] = share * law.shear_stiffness
+    own = np.flatnonzero(slides)
+    along = trial[own] / size[own, None]
+    tangent[own, 1:, 0] = (law.friction * law.normal_stiffness)[own, None] * along
+    radial = (share * law.shear_stiffness)[own, None, None]
+    tangent[own, 1:, 1:] -= radial * along[:, :, None] * along[:, None, :]
+    return Response(force, tangent)
+
+
+def advanced(law: NodeLaw, state: NodeState, delta: Floats, force: Floats) -> NodeState:
+    """The state after equilibrium at ``delta`` and ``force``: slip is kept, for the next step."""
+    slip = delta[:, 1:] - force[:, 1:] / law.shear_stiffness[:, None]
+    return NodeState(np.where(state.bonded[:, None], state.slip, slip), state.bonded)
+
+
+def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:
+    """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,)."""
+    shear = np.hypot(force[:, 1], force[:, 2])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.maximum(shear / law.shear_strength, -force[:, 0] / law.tensile_strength)
+    return np.where(state.bonded, np.nan_to_num(ratios, nan=0.0, posinf=np.inf), 0.0)
