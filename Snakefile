@@ -39,3 +39,5 @@ rule all:
     default_target: True
     input:
         f"{RESULTS}/summary.txt",
+        [rules.weights.output, rules.fit.output],
+        expand(rules.figure.output, figure=FIGURE_SPECS),

@@ -9,7 +9,10 @@ from sidmacib.loading import lateral_load
 
 
 def unbalanced_forces(result: CaseResult) -> Floats:
-    """What is left of the forces on each piece at the peak, in N, (pieces, 3); 0 for fixed ones."""
+    """What is left of force (N) and moment (N m) on each piece at the peak, (pieces, 6).
+
+    The moments are about the pieces' centroids; fixed pieces have 0.
+    """
     model = discretise(result.case.joint, result.case.mesh)
     nodes = result.nodes
     shear_on_above = nodes[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]].to_numpy()
@@ -18,9 +21,10 @@ def unbalanced_forces(result: CaseResult) -> Floats:
     local = -np.einsum("nij,nj->ni", frames, shear_on_above)
     local[:, 0] -= nodes["normal_Pa"].to_numpy()
     node_forces = local * model.nodes.area[:, None]
-    force = (equilibrium_matrix(model) @ node_forces.ravel()).reshape(-1, 6)[:, :3]
+    force = (equilibrium_matrix(model) @ node_forces.ravel()).reshape(-1, 6)
     for load in lateral_load(model, result.case.loading):
-        force[load.piece] += result.peak_load * load.force
+        wrench = np.concatenate([load.force, load.moment])
+        force[load.piece] += result.peak_load * wrench
     for index, piece in enumerate(model.pieces):
         force[index, 2] -= piece.weight
         if piece.fixed:
@@ -29,5 +33,8 @@ def unbalanced_forces(result: CaseResult) -> Floats:
 
 
 def unbalanced_share(result: CaseResult) -> float:
-    """Largest unbalanced force on a piece over the peak load."""
-    return float(np.linalg.norm(unbalanced_forces(result), axis=1).max()) / result.peak_load
+    """Largest unbalanced force on a piece over the peak load, or moment over that times a."""
+    wrench = unbalanced_forces(result)
+    force = np.linalg.norm(wrench[:, :3], axis=1).max()
+    moment = np.linalg.norm(wrench[:, 3:], axis=1).max()
+    return float(max(force, moment / result.case.joint.a)) / result.peak_load

@@ -19,7 +19,16 @@ from workflow.study import Study
 
 COLUMNS = (
     *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
-    *("sample", "load_N", "failed_load_N", "unbalanced_share", "option", "friction", "reduction"),
+    *(
+        "sample",
+        "load_N",
+        "failed_load_N",
+        "unbalanced_share",
+        "option",
+        "friction",
+        "reduction",
+        "weights_from",
+    ),
 )
 
 
@@ -56,17 +65,17 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
         joint = study.joint(sample)
         directions = [Direction.at_eccentricity(e * joint.a, joint.a) for e in study.eccentricities]
         read = pure_shear_weights(weights, sample)
-        strengths: dict[tuple[float, ...], list[tuple[str, float]]] = {}
+        strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):
             strength = REDUCTIONS[reduction](joint, own)
-            strengths.setdefault(strength, []).append((reduction, source[1]))
+            strengths.setdefault(strength, []).append((reduction, *source))
         for strength, uses in strengths.items():
             for (name, option), friction in product(study.sidmacib.options.items(), (False, True)):
                 model = Sidmacib(
                     joint, option.contact_option(), strength, friction, study.sidmacib.overload
                 )
                 found = capacities(model, directions)
-                for (reduction, mesh), (ratio, point) in product(
+                for (reduction, source_model, mesh), (ratio, point) in product(
                     uses, zip(study.eccentricities, found, strict=True)
                 ):
                     yield {
@@ -82,6 +91,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                         "option": name,
                         "friction": friction,
                         "reduction": reduction,
+                        "weights_from": source_model,
                     }
 
 
@@ -120,9 +130,9 @@ def main() -> None:
     parser.add_argument("capacity", type=Path)
     parser.add_argument("study", type=Study.model_validate_json)
     parser.add_argument("weights", type=Path)
-    parser.add_argument("cases", type=Path, nargs="+", help="result.json of each case")
+    parser.add_argument("cases", type=Path, nargs="+", help="folder of each case")
     arguments = parser.parse_args()
-    rows = [engine_row(read_case(path.parent)) for path in arguments.cases]
+    rows = [engine_row(read_case(path)) for path in arguments.cases]
     rows += sidmacib_rows(arguments.study, pd.read_csv(arguments.weights))
     rows += published_rows(arguments.study, read_published())
     write_table(pd.DataFrame(rows, columns=list(COLUMNS)), arguments.capacity)

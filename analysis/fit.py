@@ -56,7 +56,10 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     keys = ["sample", "mesh_m", "eccentricity_m"]
     rows = []
     for engine, reference in _engine_curves(capacity):
-        both = limit.merge(reference[[*keys, "load_N"]], on=keys, suffixes=("", "_reference"))
+        own = limit[limit["weights_from"] == engine]
+        both = own.merge(reference[[*keys, "load_N"]], on=keys, suffixes=("", "_reference"))
+        if len(both) != len(own):
+            raise ValueError(f"{engine}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
             found = misfit(curve["load_N"].to_numpy(), curve["load_N_reference"].to_numpy())

@@ -21,7 +21,7 @@ def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
             *_fits(tables["fit"], tables["best_fit"]),
             *_variants(tables["capacity"]),
             "",
-            "Largest unbalanced force on a piece at any peak: "
+            "Largest unbalanced force on a piece at any peak (or moment, over a): "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
             "",
             f"Tables:  {results}/tables",

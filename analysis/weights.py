@@ -83,9 +83,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("weights", type=Path)
     parser.add_argument("sums", type=Path)
-    parser.add_argument("cases", type=Path, nargs="+", help="result.json of each case")
+    parser.add_argument("cases", type=Path, nargs="+", help="folder of each case")
     arguments = parser.parse_args()
-    weights = tabulate(read_case(path.parent) for path in arguments.cases)
+    weights = tabulate(read_case(path) for path in arguments.cases)
     write_table(weights, arguments.weights)
     write_table(weight_sums(weights), arguments.sums)
 

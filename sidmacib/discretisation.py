@@ -114,13 +114,6 @@ class Discretisation:
     faces: tuple[Face, ...]
     nodes: Nodes
 
-    def piece_index(self, name: str) -> int:
-        """Index of the piece called ``name``; KeyError if there is none."""
-        for index, piece in enumerate(self.pieces):
-            if piece.name == name:
-                return index
-        raise KeyError(name)
-
     def material(self, kind: Kind) -> FaceMaterial:
         """Material of a face of ``kind``."""
         dry = self.joint.dry

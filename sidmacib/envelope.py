@@ -14,7 +14,8 @@ class Envelope:
     """A convex polygon in the (V, M) plane.
 
     ``vertices``: (K, 2), V in N and M in N m, counter-clockwise from the smallest V.
-    ``programmes``: number of linear programmes that it took, at most vertices plus edges.
+    ``programmes``: number of linear programmes that it took, at most vertices plus
+    edges (two more for a set without width in V).
     """
 
     vertices: Floats
@@ -72,6 +73,8 @@ def polygon(support: Callable[[Floats], Floats], tolerance: float = 1e-7) -> Env
     first, last = ask(np.array([-1.0, 0.0])), ask(np.array([1.0, 0.0]))
     if np.linalg.norm(last - first) <= tolerance:  # no width in the first axis
         first, last = ask(np.array([0.0, -1.0])), ask(np.array([0.0, 1.0]))
+    if np.linalg.norm(last - first) <= tolerance:  # a single point
+        return Envelope(np.array([first]), len(proofs))
     points = _without_straight_angles(between(first, last) + between(last, first), tolerance)
     start = min(range(len(points)), key=lambda i: (round(points[i][0], 7), round(points[i][1], 7)))
     return Envelope(np.array(points[start:] + points[:start]), len(proofs))

@@ -146,11 +146,36 @@ def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, res
 def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, results) -> None:
     fit = fit_table(capacity_of(study, results, tabulate(results)))
     assert len(fit) == 4 * 2 * 5  # options, friction, reductions
+    capacity = capacity_of(study, results, tabulate(results))
+    assert set(capacity["eccentricity_m"]) == {0.0, 0.5 * 0.06, math.inf}
     first = fit[fit["rank"] == 1].iloc[0]
     assert first["misfit"] == fit["misfit"].min()
     # 0.3 a lies between options 2 (a / 3) and 3 (0.289 a), one lock counts.
     best = winner(fit, "n3", 0.02, reduction="half", friction=False)
     assert best["option"] in ("option2", "option3")
+
+
+def test_a_direction_without_a_reference_is_an_error(study, results) -> None:
+    capacity = capacity_of(study, results, tabulate(results))
+    with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, .* to hold against"):
+        fit_table(capacity.drop(index=0))
+
+
+def test_two_engines_are_each_fitted_with_their_own_weights(study, results) -> None:
+    others = [
+        CaseResult(
+            r.case.model_copy(update={"engine": "other"}),
+            *(r.peak_load, r.failed_load, r.nodes.assign(shear_y_Pa=-2e4), r.history),
+        )
+        for r in results
+    ]
+    alone = fit_table(capacity_of(study, results, tabulate(results)))
+    both = fit_table(capacity_of(study, results + others, tabulate(results + others)))
+    columns = ["option", "friction", "reduction", "misfit"]
+    pd.testing.assert_frame_equal(
+        both.loc[both["model"] == "yade", columns].reset_index(drop=True),
+        alone[columns].reset_index(drop=True),
+    )
 
 
 def test_a_curve_that_is_the_model_itself_is_won_without_misfit(study) -> None:

@@ -46,6 +46,10 @@ def test_points_inside_an_edge_are_no_vertices(angle: float) -> None:
     assert len(polygon(mean_support).vertices) == 4
 
 
+def test_a_single_point_has_one_vertex() -> None:
+    assert polygon(lambda normal: np.array([0.2, 0.3])).vertices.tolist() == [[0.2, 0.3]]
+
+
 def test_vertices_go_round_counter_clockwise_from_the_smallest_shear(joint: Joint) -> None:
     vertices = envelope(Sidmacib(joint, OPTIONS["option4"])).vertices
     assert vertices[0, 0] == vertices[:, 0].min()

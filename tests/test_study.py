@@ -39,6 +39,16 @@ def test_a_sample_may_have_sizes_of_its_own() -> None:
     assert study.joint("wide") == Joint(5, b=0.08)
 
 
+def test_eccentricities_are_over_the_length_of_each_samples_own_locks() -> None:
+    study = read_study({"samples": {"long": {"locks": 3, "a": 0.1}}, "eccentricities": [0.5]})
+    assert {case.loading.eccentricity for case in cases_of(study).values()} == {0.05}
+
+
+def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
+    assert read_study(merged(results=2024)).results == "2024"
+    assert read_study(merged(results="./out//x/")).results == "out/x"
+
+
 @pytest.mark.parametrize(
     ("config", "message"),
     [
@@ -79,6 +89,13 @@ def test_a_sample_may_have_sizes_of_its_own() -> None:
         (
             merged(variants={"v": {"failur": "ductile"}}),
             "variants.v.failur: unknown key; allowed here are failure, load_share, .*",
+        ),
+        (merged(results=" "), "results: got nothing, allowed is the name of a folder"),
+        (merged(dem={"engines": []}), r"dem.engines: got \[\], .* at least 1 item .*"),
+        (merged(sidmacib={"options": {}}), "sidmacib.options: got {}, .* at least 1 item .*"),
+        (
+            merged(variants={"v": {"eccentricities": [0.1, 0.10000001]}}),
+            "variants.v: got n3-.*-v twice, allowed is once",
         ),
         (merged(variants={"reference": {}}), "variants: got reference, .*"),
         (merged(figures={"mesh": 0.03}), r"figures.mesh: got 0.03, allowed are meshes: .*"),

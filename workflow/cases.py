@@ -46,7 +46,11 @@ class Case(BaseModel):
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
     """All cases of ``study`` by engine and name; raises `ConfigError` for unknown overrides."""
-    cases = {(case.engine, case.name): case for case in _cases(study)}
+    cases: dict[tuple[str, str], Case] = {}
+    for case in _cases(study):
+        if (case.engine, case.name) in cases:
+            raise ConfigError(f"variants.{case.variant}: got {case.name} twice, allowed is once")
+        cases[case.engine, case.name] = case
     names = {name for _, name in cases}
     for name in study.overrides:
         if name not in names:

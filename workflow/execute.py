@@ -30,6 +30,8 @@ def execute(engine: Engine, folder: Path, time_limit: float) -> None:
     """
     for name in OUTPUTS:
         (folder / name).unlink(missing_ok=True)
+    for left in folder.glob("running-*"):  # by a run that was killed
+        shutil.rmtree(left)
     if missing := engine.missing():
         raise EngineError(missing)
     log = folder / "engine.log"
@@ -92,7 +94,8 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--time-limit", type=float, required=True, metavar="S")
     arguments = parser.parse_args()
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))  # so that the engine ends too
+    for number in (signal.SIGTERM, signal.SIGHUP):  # the engine ends with this process
+        signal.signal(number, lambda *_: sys.exit("stopped"))
     try:
         execute(ENGINES[arguments.engine], arguments.folder, arguments.time_limit)
     except EngineError as error:

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -30,6 +31,13 @@ def _eccentricity(value: Any) -> float:
     if not number >= 0:
         raise ValueError(f"got {value!r}, allowed are numbers from 0 (e / a) and torsion")
     return number
+
+
+def _folder(value: Any) -> str:
+    """A folder's name in its shortest form; numbers are names too."""
+    if not str(value).strip():
+        raise ValueError("got nothing, allowed is the name of a folder")
+    return os.path.normpath(str(value))
 
 
 Eccentricity = Annotated[float, BeforeValidator(_eccentricity)]  # over a
@@ -125,11 +133,14 @@ class SidmacibSection(Section):
     """The limit model."""
 
     overload: NotNegative = 1000.0  # N
-    options: dict[Name, Option] = {
+    options: Annotated[dict[Name, Option], Field(min_length=1)] = {
         name: Option(positions=option.positions, portions=option.portions)
         for name, option in OPTIONS.items()
     }
-    reductions: tuple[Literal[tuple(REDUCTIONS)], ...] = tuple(REDUCTIONS)  # type: ignore[valid-type]
+    reductions: Annotated[
+        tuple[Literal[tuple(REDUCTIONS)], ...],  # type: ignore[valid-type]
+        Field(min_length=1),
+    ] = tuple(REDUCTIONS)
 
 
 Tolerance = Annotated[float, Field(ge=1e-5, le=0.0025)]
@@ -149,7 +160,6 @@ class Numerics(Section):
     equilibrium after it, over the unbroken joint's longest natural period. ``unbalanced_ratio``:
     mean unbalanced force on a piece over the load. ``collapse_ratio``: displacement over that of
     the unbroken joint under the same load. ``time_step_ratio``: over the largest stable time step.
-    ``time_limit`` in s.
     """
 
     tolerance: Tolerance = 0.001
@@ -160,7 +170,6 @@ class Numerics(Section):
     collapse_ratio: CollapseRatio = 200.0
     damping: Proportion = 0.4
     time_step_ratio: Proportion = 0.4
-    time_limit: Positive = 3600.0
 
 
 class NumericsChange(Section):
@@ -174,17 +183,20 @@ class NumericsChange(Section):
     collapse_ratio: CollapseRatio | None = None
     damping: Proportion | None = None
     time_step_ratio: Proportion | None = None
-    time_limit: Positive | None = None
 
 
 class Dem(Section):
     """The distinct-element model."""
 
-    engines: tuple[Literal[tuple(ENGINES)], ...] = ("yade",)  # type: ignore[valid-type]
+    engines: Annotated[
+        tuple[Literal[tuple(ENGINES)], ...],  # type: ignore[valid-type]
+        Field(min_length=1),
+    ] = ("yade",)
     failure: Failure = Failure.BRITTLE
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
+    time_limit: Annotated[float, Field(ge=1, le=1e7)] = 3600.0  # s, of one case
     numerics: Numerics = Numerics()
 
 
@@ -196,8 +208,8 @@ class Variant(Section):
     upper_body: UpperBody | None = None
     push: Push | None = None
     numerics: NumericsChange = NumericsChange()
-    meshes: tuple[Positive, ...] | None = None
-    eccentricities: tuple[Eccentricity, ...] | None = None
+    meshes: Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
+    eccentricities: Annotated[tuple[Eccentricity, ...], Field(min_length=1)] | None = None
 
 
 class Figures(Section):
@@ -210,7 +222,7 @@ class Figures(Section):
 class Study(Section):
     """A whole study."""
 
-    results: str = "results"
+    results: Annotated[str, BeforeValidator(_folder)] = "results"
     samples: dict[Name, Sample] = Field(min_length=1)
     geometry: Geometry = Geometry()
     materials: Materials = Materials()

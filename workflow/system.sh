@@ -14,10 +14,10 @@ if [ -n "$missing" ]; then
         exit 1
     elif [ "$(id -u)" = 0 ]; then
         echo "Installing$missing"
-        { apt-get update && DEBIAN_FRONTEND=noninteractive $install; } >/dev/null
+        { apt-get update && DEBIAN_FRONTEND=noninteractive $install; } >/dev/null || exit 1
     elif sudo -n true 2>/dev/null; then
         echo "Installing$missing"
-        { sudo -n apt-get update && sudo -n env DEBIAN_FRONTEND=noninteractive $install; } >/dev/null
+        { sudo -n apt-get update && sudo -n env DEBIAN_FRONTEND=noninteractive $install; } >/dev/null || exit 1
     else
         echo "multilock needs packages that this system lacks; ask for: apt-get install$missing" >&2
         exit 1

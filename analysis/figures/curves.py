@@ -95,6 +95,7 @@ def revised(material: Material) -> Figure:
         & (material.capacity["sample"] == material.sample)
         & material.capacity["variant"].str.contains("-frictionless-")
         & (material.capacity["mesh_m"] == min(study.meshes))
+        & (material.capacity["weights_from"] == study.dem.engines[0])
     ]
     for axis, reduction in zip(axes, titles, strict=True):
         for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):

@@ -16,7 +16,6 @@ class Material:
     spec: FigureSpec
     study: Study
     capacity: pd.DataFrame
-    weights: pd.DataFrame
     validation: pd.DataFrame
     result: CaseResult | None
 

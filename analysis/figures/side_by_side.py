@@ -57,6 +57,7 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
 
 def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
     finest = own[own["mesh_m"] == own["mesh_m"].min()]
+    finest = finest[finest["model"] == finest["model"].iloc[0]]
     printed = finest[finest["quantity"].str.fullmatch(r"weight_lock\d+")]
     swapped = finest.set_index("quantity")["published"]
     locks = [int(q.removeprefix("weight_lock")) for q in printed["quantity"]]

@@ -24,7 +24,6 @@ mpl.rcParams.update(
         "grid.linewidth": 0.6,
         "legend.frameon": False,
         "figure.dpi": 150,
-        "svg.hashsalt": "multilock",
     }
 )
 

@@ -20,7 +20,12 @@ for engine in ENGINES.values():
         input:
             code=MODEL_SOURCES
             + sources(
-                "sidmacib/vibration.py", "workflow/render.py", f"templates/{engine.template}"
+                "sidmacib/contact_law.py",
+                "sidmacib/vibration.py",
+                "workflow/cases.py",
+                "workflow/render.py",
+                "workflow/study.py",
+                f"templates/{engine.template}",
             ),
         output:
             script=f"{folder}/{engine.script}",
@@ -42,7 +47,7 @@ for engine in ENGINES.values():
         name:
             engine.name
         input:
-            code=sources("workflow/execute.py"),
+            code=sources("workflow/engines.py", "workflow/execute.py"),
             script=getattr(rules, f"render_{engine.name}").output.script,
             joint=getattr(rules, f"render_{engine.name}").output.joint,
         output:
@@ -53,14 +58,13 @@ for engine in ENGINES.values():
             f"{RESULTS}/logs/{engine.name}/{{case}}.log",
         benchmark:
             f"{RESULTS}/benchmarks/{engine.name}/{{case}}.tsv"
+        resources:  # not params: another limit does not change results
+            time_limit=int(STUDY.dem.time_limit),
         params:
             folder=subpath(output.result, parent=True),
-            time_limit=lambda wildcards, engine=engine: CASES[
-                engine.name, wildcards.case
-            ].numerics.time_limit,
             engine=engine.name,
         message:
             f"Run {engine.name} on {{wildcards.case}}"
         shell:
             f"{PYTHON} -m workflow.execute {{params.engine}} {{params.folder:q}}"
-            " --time-limit {params.time_limit} > {log:q} 2>&1"
+            " --time-limit {resources.time_limit} > {log:q} 2>&1"

@@ -4,7 +4,7 @@ FIGURE_SPECS = figures_of(STUDY)
 
 def case_shown(wildcards):
     case = FIGURE_SPECS[wildcards.figure].case
-    return [f"{case_folder(RESULTS, case.engine, case.name)}/result.json"] if case else []
+    return read_of([case] if case else [])
 
 
 rule figure:
@@ -20,7 +20,7 @@ rule figure:
             ),
             "analysis/figures/stress_maps.py",
         ),
-        tables=[rules.capacity.output[0], rules.weights.output.weights, rules.validation.output[0]],
+        tables=[rules.capacity.output[0], rules.validation.output[0]],
         case=case_shown,
     output:
         png=f"{RESULTS}/figures/{{figure}}.png",

@@ -2,18 +2,21 @@
 TABLES = f"{RESULTS}/tables"
 
 
-def results_of(*variants):
-    """Results of all cases, or of those of some variants."""
+def read_of(cases):
+    """The files of ``cases`` that the analysis reads."""
     return [
-        f"{case_folder(RESULTS, case.engine, case.name)}/result.json"
-        for case in CASES.values()
-        if not variants or case.variant in variants
+        f"{case_folder(RESULTS, case.engine, case.name)}/{name}"
+        for case in cases
+        for name in ("result.json", "nodes.csv", "history.csv", "case.json")
     ]
+
+
+CASE_FOLDERS = [case_folder(RESULTS, case.engine, case.name) for case in CASES.values()]
 
 
 # Only what the tables depend on: other edits of the configuration do not run them again.
 STUDY_JSON = STUDY.limit_analysis_json()
-READING = sources("analysis/reading.py", "workflow/cases.py")
+READING = sources("analysis/reading.py", "workflow/cases.py", "workflow/study.py")
 LIMIT = MODEL_SOURCES + sources(
     *(f"sidmacib/{name}.py" for name in ("contact_points", "capacity", "revision"))
 )
@@ -21,7 +24,7 @@ LIMIT = MODEL_SOURCES + sources(
 
 rule weights:
     input:
-        results_of(),
+        read_of(CASES.values()),
         code=READING + sources("analysis/weights.py"),
     output:
         weights=f"{TABLES}/weights.csv",
@@ -29,7 +32,7 @@ rule weights:
     log:
         f"{RESULTS}/logs/weights.log",
     params:
-        cases=results_of(),
+        cases=CASE_FOLDERS,
     message:
         "Read the locks' weights from the stresses"
     shell:
@@ -38,7 +41,7 @@ rule weights:
 
 rule capacity:
     input:
-        results_of(),
+        read_of(CASES.values()),
         code=READING
         + LIMIT
         + sources("analysis/balance.py", "analysis/capacity.py", "analysis/published.yaml"),
@@ -49,7 +52,7 @@ rule capacity:
         f"{RESULTS}/logs/capacity.log",
     params:
         study=STUDY_JSON,
-        cases=results_of(),
+        cases=CASE_FOLDERS,
     message:
         "Solve SiDMACIB and tabulate all capacities"
     shell:
