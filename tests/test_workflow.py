@@ -122,6 +122,22 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     assert planned >= {"weights", "capacity", "fit", "validation", "summary"}
     workspace.configure()
 
+    # A lost table is made again; changed stresses run what is read from them, and nothing else.
+    (results / "tables/fit.csv").unlink()
+    assert workspace.planned() >= {"fit", "validation", "summary"}
+    assert workspace.snakemake().returncode == 0
+    nodes = results / "cases/yade/n3-mesh0.03-e0a/nodes.csv"
+    nodes.write_text(nodes.read_text() + "\n")
+    planned = workspace.planned()
+    assert planned >= {"weights", "capacity", "fit"}
+    assert not planned & CASES
+
+    # Another time limit runs nothing.
+    workspace.snakemake()
+    workspace.configure(dem={"time_limit": 500})
+    assert workspace.planned() == set()
+    workspace.configure()
+
     # The same results again, to the byte.
     figure = results / "figures/revised-n3.pdf"
     tables = {path: path.read_bytes() for path in [*(results / "tables").iterdir(), figure]}

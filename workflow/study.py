@@ -281,6 +281,11 @@ class Study(Section):
         parts = {"samples", "geometry", "materials", "meshes", "eccentricities", "sidmacib"}
         return self.model_dump_json(include=parts)
 
+    def figures_json(self) -> str:
+        """What the figures depend on, as JSON: not how the distinct elements are computed."""
+        dem = {"numerics": True, "time_limit": True}
+        return self.model_dump_json(exclude={"results": True, "overrides": True, "dem": dem})
+
 
 class ConfigError(ValueError):
     """The configuration is not valid; the arguments are lines, one for each fault."""

@@ -28,7 +28,7 @@ rule figure:
     log:
         f"{RESULTS}/logs/figures/{{figure}}.log",
     params:
-        study=STUDY.model_dump_json(exclude={"results", "overrides"}),
+        study=STUDY.figures_json(),
     message:
         "Draw {wildcards.figure}"
     shell:
