@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from sidmacib.discretisation import (
     Block,
@@ -22,6 +23,10 @@ from workflow.engines import ENGINES
 from workflow.execute import execute
 from workflow.render import DATA_FILE, joint_data, script, write_case
 from workflow.study import Numerics
+
+# The same examples on every machine, and no limit on their time: that is for benchmarks.
+settings.register_profile("repeatable", deadline=None, derandomize=True)
+settings.load_profile("repeatable")
 
 ROOT = Path(__file__).parents[1]
 

@@ -35,7 +35,7 @@ def test_pure_shear_is_the_published_one(
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(published, rel=1e-9)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(
     st.integers(2, 7),
     st.floats(0.05, 0.5),
@@ -106,7 +106,7 @@ def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint:
     assert (np.abs(across) <= joint.T0 / 2 + 1e-6).all()
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=15)
 @given(st.floats(0.1, 10.0), st.floats(0.0, 0.5))
 def test_scaling_strength_and_weights_scales_the_load(factor: float, eccentricity: float) -> None:
     joint = Joint(locks=3)

@@ -19,7 +19,7 @@ def support_of(points: np.ndarray):
     return lambda normal: points[np.argmax(points @ normal)]
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(arrays(float, (9, 2), elements=st.floats(-1, 1).map(lambda v: round(v, 2))))
 def test_all_vertices_are_found_with_as_few_questions_as_vertices_and_edges(
     points: np.ndarray,

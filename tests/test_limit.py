@@ -65,7 +65,7 @@ def test_associated_friction_under_a_fixed_plate_is_refused(joint: Joint) -> Non
         limit_load(model, lateral_load(model, Loading(0.0)), friction=True)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(1.0, 3.0), st.floats(0.0, 0.2))
 def test_more_strength_never_carries_less(factor: float, eccentricity: float) -> None:
     joint = Joint(3)

@@ -125,7 +125,7 @@ def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:
     assert found.first_failure_load == pytest.approx(found.peak.load)
 
 
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=10)
 @given(st.floats(0.2, 5.0))
 def test_scaling_all_lengths_and_loads_scales_the_peak(factor: float) -> None:
     joint = Joint(3)
