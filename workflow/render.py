@@ -89,15 +89,20 @@ def script(
         materials={str(kind): asdict(model.material(kind)) for kind in Kind},
         ductile=model.joint.failure is Failure.DUCTILE,
         flat_radius_m=2 * model.joint.a,
-        time_step_s=time_step,
+        time_step_s=_rounded(time_step),
         ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
         hold_steps=math.ceil(numerics.hold_periods * period_steps),
         first_increment_N=numerics.first_increment * model.joint.T0,
-        collapse_m_per_N=numerics.collapse_ratio * compliance(model, loads),
+        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(model, loads)),
         damping=numerics.damping,
         tolerance=numerics.tolerance,
         unbalanced_ratio=numerics.unbalanced_ratio,
     )
+
+
+def _rounded(value: float) -> float:
+    """``value`` without the last digits, which depend on the machine's linear algebra."""
+    return float(f"{value:.9g}")
 
 
 def write_case(case: Case, folder: Path) -> None:
