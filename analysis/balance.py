@@ -4,7 +4,7 @@ import numpy as np
 
 from analysis.reading import CaseResult
 from sidmacib.discretisation import Floats, discretise
-from sidmacib.equilibrium import equilibrium_matrix, face_frames
+from sidmacib.equilibrium import equilibrium_matrix, face_frames, permanent_and_reference
 from sidmacib.loading import lateral_load
 
 
@@ -21,12 +21,10 @@ def unbalanced_forces(result: CaseResult) -> Floats:
     local = -np.einsum("nij,nj->ni", frames, shear_on_above)
     local[:, 0] -= nodes["normal_Pa"].to_numpy()
     node_forces = local * model.nodes.area[:, None]
-    force = (equilibrium_matrix(model) @ node_forces.ravel()).reshape(-1, 6)
-    for load in lateral_load(model, result.case.loading):
-        wrench = np.concatenate([load.force, load.moment])
-        force[load.piece] += result.peak_load * wrench
+    permanent, reference = permanent_and_reference(model, lateral_load(model, result.case.loading))
+    inside = equilibrium_matrix(model) @ node_forces.ravel()
+    force = (inside + permanent + result.peak_load * reference).reshape(-1, 6)
     for index, piece in enumerate(model.pieces):
-        force[index, 2] -= piece.weight
         if piece.fixed:
             force[index] = 0.0
     return force

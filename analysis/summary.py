@@ -56,19 +56,16 @@ def _validation(table: pd.DataFrame) -> Iterator[str]:
 def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
     yield ""
     yield "SiDMACIB against the distinct elements, all directions"
-    groups = fit[["model", "sample", "mesh_m"]].drop_duplicates()
-    for model, sample, mesh in groups.itertuples(index=False):
-        own = fit[fit["model"] == model]
+    for (model, sample, mesh), own in fit.groupby(["model", "sample", "mesh_m"], sort=False):
         safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
         choices = {"best": own, "best safe": safe}
         if (own["reduction"] == "half").any():
             choices["best by (n-1)/2"] = own[own["reduction"] == "half"]
         for words, rows in choices.items():
-            rows_here = rows[(rows["sample"] == sample) & (rows["mesh_m"] == mesh)]
-            if rows_here.empty:
+            if rows.empty:
                 yield f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}none"
                 continue
-            row = winner(rows_here, sample, mesh)
+            row = winner(rows, sample, mesh)
             friction = "friction" if row["friction"] else "no friction"
             yield (
                 f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}{row['option']}, {friction}, "

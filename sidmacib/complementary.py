@@ -86,7 +86,7 @@ def first_failure_load(
     Utilisation is all but proportional to the load, so the load over its utilisation settles.
     """
     law = NodeLaw.of(model)
-    state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
+    state = NodeState.initial(law)
     load = 0.1 * model.joint.T0
     for _ in range(50):
         used = utilisation(law, state, least_energy_forces(model, loads, load, rule)).max()

@@ -54,6 +54,11 @@ class NodeState:
     slip: Floats
     bonded: Flags
 
+    @classmethod
+    def initial(cls, law: NodeLaw) -> "NodeState":
+        """No slip yet, and every cohesive node bonded."""
+        return cls(np.zeros((len(law.friction), 2)), law.cohesive)
+
 
 @dataclass(frozen=True)
 class Response:

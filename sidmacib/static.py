@@ -149,8 +149,7 @@ class Solver:
 
     def start(self) -> Equilibrium:
         """Equilibrium under self-weight alone."""
-        law = self.system.law
-        state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
+        state = NodeState.initial(self.system.law)
         guess = np.asarray(np.linalg.solve(self.elastic, self.system.weight), dtype=float)
         return self.solve(0.0, guess, state)
 
