@@ -7,7 +7,7 @@ until it fails. Any other node cannot pull, and its shear force stays on or insi
 friction cone, |s_t| <= mu s_n: slip makes up the difference, without dilation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +46,10 @@ class NodeLaw:
             np.array([each.kind is Kind.INNER for each in model.faces])[face],
         )
 
+    def part(self, own: Flags) -> "NodeLaw":
+        """The law of the ``own`` nodes, (N,), alone."""
+        return NodeLaw(*(getattr(self, field.name)[own] for field in fields(self)))
+
 
 @dataclass(frozen=True)
 class NodeState:
@@ -59,13 +63,25 @@ class NodeState:
         """No slip yet, and every cohesive node bonded."""
         return cls(np.zeros((len(law.friction), 2)), law.cohesive)
 
+    def part(self, own: Flags) -> "NodeState":
+        """The state of the ``own`` nodes, (N,), alone."""
+        return NodeState(self.slip[own], self.bonded[own])
+
 
 @dataclass(frozen=True)
 class Response:
-    """Node forces s (N), shape (N, 3), and their derivative by delta (N/m), shape (N, 3, 3)."""
+    """What the nodes do at given displacements.
+
+    ``force``: s in N, (N, 3). ``sticks``, ``slides``: closed nodes below and at the limit of
+    friction, (N,). ``along``: unit vector of the shear force where a node slides, 0 elsewhere, and
+    ``share``: of the elastic shear force that is left, (N, 2) and (N,).
+    """
 
     force: Floats
-    tangent: Floats
+    sticks: Flags
+    slides: Flags
+    along: Floats
+    share: Floats
 
 
 def respond(law: NodeLaw, state: NodeState, delta: Floats) -> Response:
@@ -74,24 +90,26 @@ def respond(law: NodeLaw, state: NodeState, delta: Floats) -> Response:
     trial = law.shear_stiffness[:, None] * (delta[:, 1:] - state.slip)
     size = np.hypot(trial[:, 0], trial[:, 1])
     closed = state.bonded | (normal > 0.0)
-    cone = np.where(closed, law.friction * np.maximum(normal, 0.0), 0.0)
+    cone = np.where(closed, law.friction * normal, 0.0)
     sticks = state.bonded | (closed & (size <= cone))
     slides = closed & ~sticks
-    # Share of the trial force that is left: all of it, what the cone allows, or nothing.
-    share = np.where(sticks, 1.0, np.where(slides, cone / np.where(slides, size, 1.0), 0.0))
+    inverse = np.divide(1.0, size, out=np.zeros_like(size), where=slides)
+    share = np.where(sticks, 1.0, cone * inverse)
+    force = np.column_stack([np.where(closed, normal, 0.0), share[:, None] * trial])
+    return Response(force, sticks, slides, inverse[:, None] * trial, share)
 
-    force = np.empty_like(delta)
-    force[:, 0] = np.where(closed, normal, 0.0)
-    force[:, 1:] = share[:, None] * trial
-    tangent = np.zeros((len(delta), 3, 3))
-    tangent[:, 0, 0] = np.where(closed, law.normal_stiffness, 0.0)
-    tangent[:, 1, 1] = tangent[:, 2, 2] = share * law.shear_stiffness
-    own = np.flatnonzero(slides)
-    along = trial[own] / size[own, None]
-    tangent[own, 1:, 0] = (law.friction * law.normal_stiffness)[own, None] * along
-    radial = (share * law.shear_stiffness)[own, None, None]
-    tangent[own, 1:, 1:] -= radial * along[:, :, None] * along[:, None, :]
-    return Response(force, tangent)
+
+def tangent(law: NodeLaw, response: Response) -> Floats:
+    """Derivative of the forces of `respond` by delta, in N/m, (N, 3, 3)."""
+    stiffness = np.zeros((len(response.share), 3, 3))
+    stiffness[:, 0, 0] = law.normal_stiffness * (response.sticks | response.slides)
+    shear = response.share * law.shear_stiffness
+    stiffness[:, 1, 1] = stiffness[:, 2, 2] = shear
+    own = np.flatnonzero(response.slides)
+    along = response.along[own]
+    stiffness[own, 1:, 0] = (law.friction * law.normal_stiffness)[own, None] * along
+    stiffness[own, 1:, 1:] -= (shear[own, None] * along)[:, :, None] * along[:, None, :]
+    return stiffness
 
 
 def advanced(law: NodeLaw, state: NodeState, delta: Floats, force: Floats) -> NodeState:

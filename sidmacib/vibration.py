@@ -7,10 +7,10 @@ displacement beyond which the joint can only have failed.
 import numpy as np
 from scipy.linalg import eigh
 
-from sidmacib.contact_law import NodeLaw
 from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
+from sidmacib.equilibrium import free_rows, permanent_and_reference
 from sidmacib.loading import PieceLoad
+from sidmacib.springs import Springs
 
 
 def natural_frequencies(model: Discretisation) -> Floats:
@@ -20,18 +20,10 @@ def natural_frequencies(model: Discretisation) -> Floats:
     """
     free = [piece for piece in model.pieces if not piece.fixed]
     mass = np.concatenate([[p.mass] * 3 + [p.inertia.max()] * 3 for p in free])
-    return np.sqrt(eigh(_stiffness(model), np.diag(mass), eigvals_only=True))
+    return np.sqrt(eigh(Springs.of(model).elastic_stiffness(), np.diag(mass), eigvals_only=True))
 
 
 def compliance(model: Discretisation, loads: tuple[PieceLoad, ...]) -> float:
     """Displacement that ``loads`` work on, per unit of load, in m/N, with every node closed."""
     force = permanent_and_reference(model, loads)[1][free_rows(model)]
-    return float(force @ np.linalg.solve(_stiffness(model), force))
-
-
-def _stiffness(model: Discretisation) -> Floats:
-    """Stiffness of the free pieces, (6 F, 6 F): every node a spring, K per area times its area."""
-    compatibility = equilibrium_matrix(model)[free_rows(model)]
-    law = NodeLaw.of(model)
-    springs = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
-    return np.asarray((compatibility * springs.ravel()) @ compatibility.T)
+    return float(force @ np.linalg.solve(Springs.of(model).elastic_stiffness(), force))

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.complementary import FrictionRule, first_failure_load, least_energy_forces
-from sidmacib.contact_law import NodeLaw, NodeState, respond, utilisation
+from sidmacib.contact_law import NodeLaw, NodeState, respond, tangent, utilisation
 from sidmacib.discretisation import Discretisation, Kind, discretise
 from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
 from sidmacib.joint import DRY, INNER, Joint
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.static import NoEquilibriumError, Solver, StaticSolution, System, static_peak
+from sidmacib.static import NoEquilibriumError, Solver, StaticSolution, static_peak
 
 
 def solved(
@@ -41,7 +41,7 @@ def lock_shear(model: Discretisation, solution: StaticSolution) -> list[float]:
 def test_a_dry_node_never_pulls_and_stays_in_its_cone(n: float, x: float, y: float) -> None:
     model = block_on_ground(Joint(3), Kind.DRY, 0.03)
     law = NodeLaw.of(model)
-    state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
+    state = NodeState.initial(law)
     force = respond(law, state, np.tile([n, x, y], (len(law.friction), 1))).force
     assert (force[:, 0] >= 0).all()
     assert (np.hypot(force[:, 1], force[:, 2]) <= 0.3 * force[:, 0] * (1 + 1e-12)).all()
@@ -51,16 +51,16 @@ def test_a_dry_node_never_pulls_and_stays_in_its_cone(n: float, x: float, y: flo
 @given(st.floats(1e-7, 1e-5), st.floats(-1e-5, 1e-5), st.floats(1e-7, 1e-5))
 def test_the_tangent_is_the_derivative_of_the_force(n: float, x: float, y: float) -> None:
     law = NodeLaw.of(block_on_ground(Joint(3), Kind.DRY, 0.03))
-    state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
+    state = NodeState.initial(law)
     delta = np.tile([n, x, y], (len(law.friction), 1))
-    tangent = respond(law, state, delta).tangent[0]
+    derivative = tangent(law, respond(law, state, delta))[0]
     for axis in range(3):
         step = np.zeros_like(delta)
         step[:, axis] = 1e-11
         change = respond(law, state, delta + step).force - respond(law, state, delta - step).force
         slipping = abs(np.hypot(x, y) - 0.3 * n) > 1e-9
         if slipping:
-            assert change[0] / 2e-11 == pytest.approx(tangent[:, axis], rel=1e-3, abs=20.0)
+            assert change[0] / 2e-11 == pytest.approx(derivative[:, axis], rel=1e-3, abs=20.0)
 
 
 # --- theory --------------------------------------------------------------------------------------
@@ -177,10 +177,9 @@ def test_newton_and_least_complementary_energy_agree(joint: Joint, eccentricity:
     model = discretise(joint, 0.03)
     loads = lateral_load(model, Loading(eccentricity))
     load = 0.6 * static_peak(model, loads).peak.load
-    solver = Solver(System.of(model, loads))
-    law = solver.system.law
-    state = NodeState(np.zeros((len(law.friction), 2)), law.cohesive)
-    guess = np.linalg.solve(solver.elastic, load * solver.system.load)
+    solver = Solver(model, loads)
+    state = NodeState.initial(solver.law)
+    guess = np.linalg.solve(solver.elastic, load * solver.load)
     newton = solver.solve(load, guess, state).force  # in one step, as the programme
     programme = least_energy_forces(model, loads, load)
     assert programme == pytest.approx(newton, abs=1e-5 * load)
