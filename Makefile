@@ -1,5 +1,5 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
-# make case    one case, CASE=n3-mesh0.02-e0.1a (and ENGINE=yade)
+# make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make test    lint and all tests, real runs of the engines included
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
@@ -7,9 +7,10 @@
 
 CONFIG ?= config.yaml
 RESULTS ?=
-ENGINE ?= yade
+MODEL ?=
 BIN := .venv/bin
-OPTIONS = --configfile "$(CONFIG)" $(if $(RESULTS),--config "results=$(RESULTS)")
+TO = $(if $(RESULTS),--results "$(RESULTS)")
+OPTIONS = --configfile "$(CONFIG)" --config $(if $(RESULTS),"results=$(RESULTS)")
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
@@ -17,12 +18,13 @@ COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.study "$(CONFIG)" $(if $(RESULTS),"$(RESULTS)")) && \
-	$(BIN)/snakemake $(OPTIONS) && cat "$$folder/summary.txt"
+	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
+	engines=$$($(BIN)/python -m workflow.study engines "$(CONFIG)") && \
+	$(BIN)/snakemake $(OPTIONS) "dem={engines: [$$engines]}" && cat "$$folder/summary.txt"
 
 case: .venv/study.ready
 	@test -n "$(CASE)" || { echo "CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a"; exit 2; }
-	@folder=$$($(BIN)/python -m workflow.cases "$(CONFIG)" "$(ENGINE)" "$(CASE)" $(if $(RESULTS),"$(RESULTS)")) && \
+	@folder=$$($(BIN)/python -m workflow.cases "$(CONFIG)" "$(CASE)" $(if $(MODEL),--model "$(MODEL)") $(TO)) && \
 	$(BIN)/snakemake "$$folder/result.json" $(OPTIONS) && \
 	$(BIN)/python -m analysis.case "$$folder"
 

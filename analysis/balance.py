@@ -1,4 +1,4 @@
-"""Check that all pieces are in equilibrium under the stresses that an engine found."""
+"""Check that all pieces are in equilibrium under the stresses that a model found."""
 
 import numpy as np
 

@@ -23,6 +23,7 @@ COLUMNS = (
         "sample",
         "load_N",
         "failed_load_N",
+        "first_failure_load_N",
         "unbalanced_share",
         "option",
         "friction",
@@ -32,13 +33,14 @@ COLUMNS = (
 )
 
 
-def engine_row(result: CaseResult) -> dict[str, Any]:
-    """The capacity that an engine found."""
+def model_row(result: CaseResult) -> dict[str, Any]:
+    """The capacity that a model of the joint's pieces found."""
     return case_columns(result) | {
         "shear_N": result.shear,
         "torque_Nm": result.torque,
         "load_N": result.peak_load,
         "failed_load_N": result.failed_load,
+        "first_failure_load_N": result.first_failure_load,
         "unbalanced_share": unbalanced_share(result),
     }
 
@@ -64,7 +66,11 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
     for sample in study.samples:
         joint = study.joint(sample)
         directions = [Direction.at_eccentricity(e * joint.a, joint.a) for e in study.eccentricities]
-        read = pure_shear_weights(weights, sample)
+        read = {
+            source: own
+            for source, own in pure_shear_weights(weights, sample).items()
+            if source[0] in study.references
+        }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):
             strength = REDUCTIONS[reduction](joint, own)
@@ -132,7 +138,7 @@ def main() -> None:
     parser.add_argument("weights", type=Path)
     parser.add_argument("cases", type=Path, nargs="+", help="folder of each case")
     arguments = parser.parse_args()
-    rows = [engine_row(read_case(path)) for path in arguments.cases]
+    rows = [model_row(read_case(path)) for path in arguments.cases]
     rows += sidmacib_rows(arguments.study, pd.read_csv(arguments.weights))
     rows += published_rows(arguments.study, read_published())
     write_table(pd.DataFrame(rows, columns=list(COLUMNS)), arguments.capacity)

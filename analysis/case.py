@@ -11,7 +11,7 @@ def describe(result: CaseResult) -> str:
     """Peak load and lock weights of a case."""
     case = result.case
     lines = [
-        f"{case.name} ({case.engine}): V = {result.shear:.2f} N, M = {result.torque:.4f} N m",
+        f"{case.name} ({case.model}): V = {result.shear:.2f} N, M = {result.torque:.4f} N m",
         f"  load along the path: {result.peak_load:.2f} N stands, {result.failed_load:.2f} N fails",
         "  lock  block  weight  mean shear / tau  largest / tau",
     ]

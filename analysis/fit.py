@@ -1,8 +1,8 @@
-"""Hold SiDMACIB against the distinct elements: which option and which reduction fit best.
+"""Hold SiDMACIB against brittle models of the joint: which option and which reduction fit best.
 
 Both capacities are loads along the same direction of the (V, M) plane, so their error is the
-relative difference of the loads: positive where SiDMACIB promises more than the distinct elements
-carry (unsafe), negative where it promises less (safe).
+relative difference of the loads: positive where SiDMACIB promises more than the joint carries
+(unsafe), negative where it promises less (safe).
 """
 
 import argparse
@@ -51,31 +51,35 @@ def misfit(model: Floats, reference: Floats) -> Misfit:
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
-    """Misfit of every SiDMACIB variant, best first, for each engine, sample and mesh."""
+    """Misfit of every SiDMACIB variant, best first, for each reference, sample and mesh.
+
+    References are the models that SiDMACIB's weights were read from, in the table's order.
+    """
     limit = capacity[capacity["model"] == "sidmacib"]
     keys = ["sample", "mesh_m", "eccentricity_m"]
     rows = []
-    for engine, reference in _engine_curves(capacity):
-        own = limit[limit["weights_from"] == engine]
+    references = dict(_reference_curves(capacity))
+    for model, reference in references.items():
+        own = limit[limit["weights_from"] == model]
         both = own.merge(reference[[*keys, "load_N"]], on=keys, suffixes=("", "_reference"))
         if len(both) != len(own):
-            raise ValueError(f"{engine}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
+            raise ValueError(f"{model}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
             found = misfit(curve["load_N"].to_numpy(), curve["load_N_reference"].to_numpy())
-            rows.append({"model": engine, **dict(zip(names, values, strict=True)), **vars(found)})
+            rows.append({"model": model, **dict(zip(names, values, strict=True)), **vars(found)})
     table = pd.DataFrame(rows)
+    table["model"] = pd.Categorical(table["model"], list(references))  # the leading one first
     groups = ["model", "sample", "mesh_m"]
-    table["rank"] = table.groupby(groups)["misfit"].rank(method="min").astype(int)
+    table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
     return table.sort_values([*groups, "rank", "option", "friction", "reduction"])
 
 
-def _engine_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    own = capacity[
-        (capacity["variant"] == REFERENCE) & ~capacity["model"].isin(["sidmacib", "published"])
-    ]
-    for engine, rows in own.groupby("model", sort=False):
-        yield str(engine), rows
+def _reference_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    used = capacity["weights_from"].dropna().unique()
+    own = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
+    for model, rows in own.groupby("model", sort=False):
+        yield str(model), rows
 
 
 def best_pair(
@@ -114,16 +118,16 @@ def best_pair(
 
 
 def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
-    """`best_pair` for each engine, sample and mesh, without and with friction."""
+    """`best_pair` for each reference, sample and mesh, without and with friction."""
     rows: list[dict[str, Any]] = []
-    for engine, reference in _engine_curves(capacity):
+    for model, reference in _reference_curves(capacity):
         for (sample, mesh), curve in reference.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
             if len(curve) < 3:  # two unknowns would fit two directions whatever they are
                 continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)
-                names = {"model": engine, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
+                names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
                 rows.append({**names, "friction": friction, **best})
     return pd.DataFrame(rows, columns=list(BEST_COLUMNS))
 

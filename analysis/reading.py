@@ -1,4 +1,4 @@
-"""Read what the workflow left: an engine's results for a case, tables, and published numbers."""
+"""Read what the workflow left: a model's results for a case, tables, and published numbers."""
 
 import json
 import math
@@ -9,10 +9,8 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sidmacib.joint import Failure, UpperBody
-from sidmacib.loading import LoadShare, Push
 from workflow.cases import Case
-from workflow.study import Study
+from workflow.study import Assembly, Study
 
 NODE_COLUMNS = (
     *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
@@ -22,10 +20,11 @@ NODE_COLUMNS = (
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What an engine found for a case.
+    """What a model found for a case.
 
     ``peak_load`` and ``failed_load``: the largest load at equilibrium and the smallest one above
-    it that failed, along the case's direction, in N. ``nodes``: stresses at the peak, one row per
+    it that failed, along the case's direction, in N; ``first_failure_load``: where the first node
+    failed, None where a model does not tell. ``nodes``: stresses at the peak, one row per
     node with `NODE_COLUMNS`; normal stress is positive in compression, shear is that on the piece
     above. ``history``: one row per look at the joint.
     """
@@ -33,6 +32,7 @@ class CaseResult:
     case: Case
     peak_load: float
     failed_load: float
+    first_failure_load: float | None
     nodes: pd.DataFrame
     history: pd.DataFrame
 
@@ -57,6 +57,7 @@ def read_case(folder: Path) -> CaseResult:
         case=Case.model_validate_json((folder / "case.json").read_bytes()),
         peak_load=result["peak_load_N"],
         failed_load=result["failed_load_N"],
+        first_failure_load=result.get("first_failure_load_N"),
         nodes=nodes,
         history=pd.read_csv(folder / "history.csv"),
     )
@@ -85,8 +86,7 @@ class Published:
             math.isclose(joint.T0, own["T0"])
             and math.isclose(joint.dry.friction, own["friction"])
             and joint.locks in self.numbers["weights"]
-            and (joint.failure, joint.upper_body) == (Failure.BRITTLE, UpperBody.COLUMNS)
-            and (study.dem.push, study.dem.load_share) == (Push.PLUS_Y, LoadShare.FACE)
+            and study.assembly == Assembly()
             and 0.0 in study.eccentricities
         )
 

@@ -15,10 +15,12 @@ PEAK_ACCURACY = 0.0025
 
 def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
     """The text, one finding per line."""
+    leading = str(tables["fit"]["model"].iloc[0])
     return "\n".join(
         [
-            *_validation(tables["validation"]),
-            *_fits(tables["fit"], tables["best_fit"]),
+            *_validation(tables["validation"], leading),
+            *_models(tables["capacity"]),
+            *_fits(tables["fit"], tables["best_fit"], leading),
             *_variants(tables["capacity"]),
             "",
             "Largest unbalanced force on a piece at any peak (or moment, over a): "
@@ -38,13 +40,14 @@ def _assumed(published: bool) -> str:
     return f"Assumed: {geometry}contact-point positions."
 
 
-def _validation(table: pd.DataFrame) -> Iterator[str]:
+def _validation(table: pd.DataFrame, leading: str) -> Iterator[str]:
     if table.empty:
         yield "No published number belongs to a sample of this study."
         return
     yield "Published against computed (e = 0)"
     yield f"  {'quantity':44}{'locks':>6}{'mesh m':>8}{'published':>11}{'computed':>10}{'diff.':>9}"
-    shown = table[~table["quantity"].str.contains("_friction_N")]
+    shown = table[table["model"].isin([leading, "sidmacib"])]
+    shown = shown[~shown["quantity"].str.contains("_friction_N")]
     for row in shown.itertuples():
         if pd.isna(row.absolute_difference):
             difference = "same" if row.computed == row.published else "other"
@@ -59,9 +62,23 @@ def _validation(table: pd.DataFrame) -> Iterator[str]:
         )
 
 
-def _fits(fit: pd.DataFrame, best: pd.DataFrame) -> Iterator[str]:
+def _models(capacity: pd.DataFrame) -> Iterator[str]:
+    """Loads of all models of the joint's pieces, over the directions."""
+    own = capacity[capacity["failed_load_N"].notna() & (capacity["variant"] == REFERENCE)]
+    models = list(own["model"].unique())
     yield ""
-    yield "SiDMACIB against the distinct elements, all directions"
+    yield f"Largest load along each direction (N): {', '.join(models)}"
+    keys = ["sample", "mesh_m", "eccentricity_m"]
+    for (sample, mesh, eccentricity), rows in own.groupby(keys, sort=False):
+        loads = rows.set_index("model")["load_N"]
+        cells = "".join(f"{loads[model]:>10.2f}" for model in models)
+        yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}"
+
+
+def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
+    yield ""
+    yield f"SiDMACIB against {leading}, all directions"
+    fit, best = fit[fit["model"] == leading], best[best["model"] == leading]
     for (model, sample, mesh), own in fit.groupby(["model", "sample", "mesh_m"], sort=False):
         safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
         choices = {"best": own, "best safe": safe}

@@ -20,7 +20,7 @@ def case_columns(result: CaseResult) -> dict[str, Any]:
     """Columns that tell which case a row belongs to."""
     case = result.case
     return {
-        "model": case.engine,
+        "model": case.model,
         "variant": case.variant,
         "sample": case.sample,
         "locks": case.joint.locks,

@@ -45,7 +45,7 @@ class StaticSolution:
     """The path of the joint to its peak.
 
     ``first_failure_load`` in N: where the first node fails. ``path``: the equilibria on the way;
-    the last one is the peak. ``newton_steps``: how many it took.
+    the last is the peak. ``newton_steps``: how many it took, in all.
     """
 
     first_failure_load: float
@@ -55,7 +55,12 @@ class StaticSolution:
     @property
     def peak(self) -> Equilibrium:
         """The equilibrium at the largest load."""
-        return max(self.path, key=lambda point: point.load)
+        return self.path[-1]
+
+    @property
+    def failed_load(self) -> float:
+        """The smallest load known to have no equilibrium, in N."""
+        return self.peak.load * (1.0 + LEAST_INCREMENT)
 
 
 class NoEquilibriumError(RuntimeError):
@@ -92,10 +97,7 @@ class Solver:
         for least_share in LEAST_SHARES:
             displacement = self._newton(load, guess, state, least_share)
             if displacement is not None:
-                delta = self.springs.node_displacements(displacement)
-                force = respond(self.law, state, delta).force
-                after = advanced(self.law, state, delta, force)
-                return Equilibrium(load, displacement, force, after)
+                return self._equilibrium(load, displacement, state)
         raise NoEquilibriumError(f"no equilibrium at {load:g} N")
 
     def _newton(
@@ -163,7 +165,8 @@ def static_peak(model: Discretisation, loads: tuple[PieceLoad, ...]) -> StaticSo
             path.append(_redistributed(solver, path[-1], failing))
         except NoEquilibriumError:
             break
-    return StaticSolution(first_failure, tuple(path), solver.steps)
+    peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
+    return StaticSolution(first_failure, tuple(path[: peak + 1]), solver.steps)
 
 
 def _raised(

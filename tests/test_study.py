@@ -10,7 +10,7 @@ from conftest import ROOT
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Failure, Joint
 from workflow.cases import Case, cases_of
-from workflow.study import ConfigError, read_study
+from workflow.study import ConfigError, installed_engines, read_study
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
@@ -73,7 +73,10 @@ def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
             "samples.n1.locks: got 1, .* greater than or equal to 2",
         ),
         (merged(dem={"engines": ["3dec"]}), "dem.engines.0: got '3dec', input should be 'yade'"),
-        (merged(dem={"failure": "soft"}), "dem.failure: got 'soft', .* 'brittle' or 'ductile'"),
+        (
+            merged(assembly={"failure": "soft"}),
+            "assembly.failure: got 'soft', .* 'brittle' or 'ductile'",
+        ),
         (
             merged(dem={"numerics": {"tolerance": 0.1}}),
             "dem.numerics.tolerance: got 0.1, .* less than or equal to 0.0025",
@@ -91,7 +94,15 @@ def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
             "variants.v.failur: unknown key; allowed here are failure, load_share, .*",
         ),
         (merged(results=" "), "results: got nothing, allowed is the name of a folder"),
-        (merged(dem={"engines": []}), r"dem.engines: got \[\], .* at least 1 item .*"),
+        (
+            merged(dem={"engines": []}, models=["limit"]),
+            r"models: got \['limit'\], allowed without an engine .* are lists with static",
+        ),
+        (merged(models=["magic"]), "models.0: got 'magic', input should be 'static' or 'limit'"),
+        (
+            merged(assembly={"failure": "ductile"}),
+            "models: got static, allowed with assembly.failure ductile are: limit",
+        ),
         (merged(sidmacib={"options": {}}), "sidmacib.options: got {}, .* at least 1 item .*"),
         (
             merged(variants={"v": {"eccentricities": [0.1, 0.10000001]}}),
@@ -128,7 +139,8 @@ def test_an_even_number_of_locks_is_welcome_without_the_rule_that_needs_an_odd_o
 def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
     study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
     reference = [case for case in cases_of(study).values() if case.variant == "reference"]
-    assert len(reference) == 2 * 2 * 9
+    assert len(reference) == 3 * 2 * 2 * 9
+    assert {case.model for case in reference} == {"yade", "static", "limit"}
     assert {case.loading.eccentricity for case in reference} == {
         0.06 * ratio for ratio in (0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf)
     }
@@ -142,11 +154,36 @@ def test_a_case_survives_json_pure_torsion_included() -> None:
 def test_a_variant_changes_what_it_names_where_it_says() -> None:
     variants = {"soft": {"failure": "ductile", "meshes": [0.02], "eccentricities": [0]}}
     cases = cases_of(read_study(merged(variants=variants)))
-    (soft,) = (case for case in cases.values() if case.variant == "soft")
-    assert soft.name == "n3-mesh0.02-e0a-soft"
+    assert {key for key, case in cases.items() if case.variant == "soft"} == {
+        (model, "n3-mesh0.02-e0a-soft")
+        for model in ("yade", "limit")  # static: brittle only
+    }
+    soft = cases["yade", "n3-mesh0.02-e0a-soft"]
     assert soft.joint.failure is Failure.DUCTILE
     reference = cases["yade", "n3-mesh0.02-e0a"]
     assert soft.model_copy(update={"joint": reference.joint}).loading == reference.loading
+
+
+def test_a_variant_of_the_numerics_is_for_engines_only() -> None:
+    cases = cases_of(read_study(merged(variants={"slow": {"numerics": {"ramp_periods": 80}}})))
+    assert {case.model for case in cases.values() if case.variant == "slow"} == {"yade"}
+    assert all(case.numerics is None for case in cases.values() if case.model != "yade")
+
+
+def test_without_engines_the_static_model_leads() -> None:
+    study = read_study(merged(dem={"engines": []}))
+    assert study.references == ("static",)
+    assert {model for model, _ in cases_of(study)} == {"static", "limit"}
+
+
+def test_an_engine_that_is_not_installed_is_left_out_and_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = read_study(ONE)
+    assert installed_engines(study) == ["yade"]
+    monkeypatch.setenv("PATH", "")
+    assert installed_engines(study) == []
+    assert "yade: not installed; on Debian: apt-get install yade" in capsys.readouterr().err
 
 
 def test_an_override_changes_one_case_only() -> None:

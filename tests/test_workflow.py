@@ -99,7 +99,8 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
         *("model", "locks", "mesh_m", "eccentricity_m", "lock", "block"),
         *("weight", "mean_shear_ratio", "max_shear_ratio"),
     ]
-    assert len(weights) == 3 * len(CASES)
+    # The static model leaves the ductile variant to the others.
+    assert len(weights) == 3 * (len(CASES) + len(CASES - {"n3-mesh0.03-e0a-soft"}) + len(CASES))
     assert "Published against computed" in (results / "summary.txt").read_text()
     figures = {path.name for path in (results / "figures").iterdir()}
     assert {"side_by_side.png", "side_by_side.pdf", "torsion_stress-n3.png"} <= figures
@@ -143,6 +144,17 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     tables = {path: path.read_bytes() for path in [*(results / "tables").iterdir(), figure]}
     assert workspace.snakemake("--forceall").returncode == 0
     assert {path: path.read_bytes() for path in tables} == tables
+
+
+def test_a_study_without_engines_has_the_static_model_in_their_place(workspace: Workspace) -> None:
+    workspace.configure(dem={"engines": []}, eccentricities=[0, 0.5])
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    results = workspace.folder / "results"
+    assert {path.name for path in (results / "cases").iterdir()} == {"static", "limit"}
+    assert set(pd.read_csv(results / "tables/fit.csv")["model"]) == {"static"}
+    assert "SiDMACIB against static" in (results / "summary.txt").read_text()
+    assert (results / "figures/shear_stress-n3.png").stat().st_size > 5000
 
 
 @pytest.mark.engine

@@ -1,4 +1,4 @@
-"""The cases of a study: one engine, one joint, one mesh, one direction of loading each."""
+"""The cases of a study: one model, one joint, one mesh, one direction of loading each."""
 
 import argparse
 import difflib
@@ -9,11 +9,13 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction, Failure, Joint
 from sidmacib.loading import Loading
+from workflow.engines import ENGINES
+from workflow.solvers import SOLVERS
 from workflow.study import (
+    Assembly,
     ConfigError,
-    Dem,
     Numerics,
     NumericsChange,
     Study,
@@ -25,18 +27,18 @@ REFERENCE = "reference"  # the variant that is held against the published number
 
 
 class Case(BaseModel):
-    """One run of an engine. ``mesh`` in m."""
+    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: of engines only."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
 
     name: str
-    engine: str
+    model: str
     variant: str
     sample: str
     joint: Joint
     mesh: float
     loading: Loading
-    numerics: Numerics
+    numerics: Numerics | None
 
     @property
     def direction(self) -> Direction:
@@ -45,12 +47,12 @@ class Case(BaseModel):
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
-    """All cases of ``study`` by engine and name; raises `ConfigError` for unknown overrides."""
+    """All cases of ``study`` by model and name; raises `ConfigError` for unknown overrides."""
     cases: dict[tuple[str, str], Case] = {}
     for case in _cases(study):
-        if (case.engine, case.name) in cases:
+        if (case.model, case.name) in cases:
             raise ConfigError(f"variants.{case.variant}: got {case.name} twice, allowed is once")
-        cases[case.engine, case.name] = case
+        cases[case.model, case.name] = case
     names = {name for _, name in cases}
     for name in study.overrides:
         if name not in names:
@@ -59,28 +61,37 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
 
 
 def _cases(study: Study) -> Iterator[Case]:
-    for engine in study.dem.engines:
+    for model in (*study.dem.engines, *study.models):
         for variant, change in {REFERENCE: Variant(), **study.variants}.items():
-            dem = _changed(study.dem, change)
+            assembly = change.assembly(study.assembly)
+            if not _runs(model, variant, assembly, study):
+                continue
             for sample in study.samples:
-                joint = study.model_copy(update={"dem": dem}).joint(sample)
+                joint = study.joint(sample, assembly)
                 for mesh in change.meshes or study.meshes:
                     for ratio in change.eccentricities or study.eccentricities:
                         name = case_name(sample, mesh, ratio, variant)
-                        numerics = _replaced(
-                            dem.numerics, study.overrides.get(name, NumericsChange())
-                        )
-                        loading = Loading(ratio * joint.a, dem.load_share, dem.push)
+                        numerics = _replaced(study.dem.numerics, change.numerics)
+                        numerics = _replaced(numerics, study.overrides.get(name, NumericsChange()))
                         yield Case(
                             name=name,
-                            engine=engine,
+                            model=model,
                             variant=variant,
                             sample=sample,
                             joint=joint,
                             mesh=mesh,
-                            loading=loading,
-                            numerics=numerics,
+                            loading=Loading(ratio * joint.a, assembly.load_share, assembly.push),
+                            numerics=numerics if model in ENGINES else None,
                         )
+
+
+def _runs(model: str, variant: str, assembly: Assembly, study: Study) -> bool:
+    """Whether ``model`` can tell something of ``variant``: engines always, others if it is new."""
+    if model in ENGINES or variant == REFERENCE:
+        return True
+    if SOLVERS[model].brittle and assembly.failure is not Failure.BRITTLE:
+        return False
+    return assembly != study.assembly
 
 
 def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:
@@ -88,12 +99,6 @@ def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) 
     direction = "torsion" if math.isinf(ratio) else f"e{ratio:g}a"
     name = f"{sample}-mesh{mesh:g}-{direction}"
     return name if variant == REFERENCE else f"{name}-{variant}"
-
-
-def _changed(dem: Dem, change: Variant) -> Dem:
-    keys = ("failure", "load_share", "upper_body", "push")
-    update = {key: getattr(change, key) for key in keys if getattr(change, key) is not None}
-    return dem.model_copy(update={**update, "numerics": _replaced(dem.numerics, change.numerics)})
 
 
 def _replaced(numerics: Numerics, change: NumericsChange) -> Numerics:
@@ -108,31 +113,32 @@ def _allowed(name: str, names: set[str]) -> str:
     return f"allowed are cases: {', '.join(sorted(names))}"
 
 
-def case_folder(results: str, engine: str, case: str) -> str:
+def case_folder(results: str, model: str, case: str) -> str:
     """Where the results of a case are."""
-    return f"{results}/cases/{engine}/{case}"
+    return f"{results}/cases/{model}/{case}"
 
 
 def main() -> None:
     """Command line: prints the folder of a case of a study."""
     parser = argparse.ArgumentParser(description="Print the folder of a case.")
     parser.add_argument("config", type=Path)
-    parser.add_argument("engine")
     parser.add_argument("case")
-    parser.add_argument("results", nargs="?")
+    parser.add_argument("--model", help="the leading one if not given")
+    parser.add_argument("--results")
     arguments = parser.parse_args()
     study = read_study_file(arguments.config, arguments.results)
     try:
         cases = cases_of(study)
     except ConfigError as error:
         sys.exit(f"{arguments.config}: {error}")
-    engines = {engine for engine, _ in cases}
-    if arguments.engine not in engines:
-        sys.exit(f"ENGINE: got {arguments.engine}, allowed are: {', '.join(sorted(engines))}")
-    names = {name for engine, name in cases if engine == arguments.engine}
+    model = arguments.model or study.references[0]
+    models = {model for model, _ in cases}
+    if model not in models:
+        sys.exit(f"MODEL: got {model}, allowed are: {', '.join(sorted(models))}")
+    names = {name for own, name in cases if own == model}
     if arguments.case not in names:
         sys.exit(f"CASE: got {arguments.case}, {_allowed(arguments.case, names)}")
-    print(case_folder(study.results, arguments.engine, arguments.case))
+    print(case_folder(study.results, model, arguments.case))
 
 
 if __name__ == "__main__":

@@ -107,7 +107,8 @@ def _rounded(value: float) -> float:
 
 def write_case(case: Case, folder: Path) -> None:
     """Write the case, its data and its engine's script into ``folder``."""
-    engine = ENGINES[case.engine]
+    engine = ENGINES[case.model]
+    assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     model = discretise(case.joint, case.mesh)
     loads = lateral_load(model, case.loading)
     folder.mkdir(parents=True, exist_ok=True)

@@ -16,6 +16,7 @@ from sidmacib.joint import DRY, INNER, FaceMaterial, Failure, Joint, UpperBody
 from sidmacib.loading import LoadShare, Push
 from sidmacib.revision import REDUCTIONS
 from workflow.engines import ENGINES
+from workflow.solvers import SOLVERS
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
@@ -185,23 +186,25 @@ class NumericsChange(Section):
     time_step_ratio: Proportion | None = None
 
 
-class Dem(Section):
-    """The distinct-element model."""
+class Assembly(Section):
+    """How the joint is cut, loaded and fails, in every model of its pieces."""
 
-    engines: Annotated[
-        tuple[Literal[tuple(ENGINES)], ...],  # type: ignore[valid-type]
-        Field(min_length=1),
-    ] = ("yade",)
     failure: Failure = Failure.BRITTLE
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
+
+
+class Dem(Section):
+    """The distinct-element model."""
+
+    engines: tuple[Literal[tuple(ENGINES)], ...] = ("yade",)  # type: ignore[valid-type]
     time_limit: Annotated[float, Field(ge=1, le=1e7)] = 3600.0  # s, of one case
     numerics: Numerics = Numerics()
 
 
 class Variant(Section):
-    """Changes to `Dem`, and where they are run; everywhere if meshes, eccentricities are None."""
+    """What differs from the reference, and where; everywhere if meshes, eccentricities are None."""
 
     failure: Failure | None = None
     load_share: LoadShare | None = None
@@ -210,6 +213,11 @@ class Variant(Section):
     numerics: NumericsChange = NumericsChange()
     meshes: Annotated[tuple[Positive, ...], Field(min_length=1)] | None = None
     eccentricities: Annotated[tuple[Eccentricity, ...], Field(min_length=1)] | None = None
+
+    def assembly(self, reference: Assembly) -> Assembly:
+        """The assembly of this variant."""
+        own = {key: getattr(self, key) for key in Assembly.model_fields}
+        return reference.model_copy(update={k: v for k, v in own.items() if v is not None})
 
 
 class Figures(Section):
@@ -230,6 +238,8 @@ class Study(Section):
     eccentricities: tuple[Eccentricity, ...] = Field(
         default=(0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf), min_length=1
     )
+    assembly: Assembly = Assembly()
+    models: tuple[Literal[tuple(SOLVERS)], ...] = tuple(SOLVERS)  # type: ignore[valid-type]
     sidmacib: SidmacibSection = SidmacibSection()
     dem: Dem = Dem()
     variants: dict[Name, Variant] = {}
@@ -256,6 +266,17 @@ class Study(Section):
             values = getattr(self, key)
             if len({f"{value:g}" for value in values}) < len(values):  # as in names of cases
                 raise ValueError(f"{key}: got {list(values)}, allowed is each value once")
+        brittle = [name for name in self.models if SOLVERS[name].brittle]
+        if not self.dem.engines and not brittle:
+            raise ValueError(
+                f"models: got {list(self.models)}, allowed without an engine (dem.engines) are "
+                "lists with static"
+            )
+        if brittle and self.assembly.failure is not Failure.BRITTLE:
+            raise ValueError(
+                f"models: got {brittle[0]}, allowed with assembly.failure {self.assembly.failure} "
+                f"are: {', '.join(s.name for s in SOLVERS.values() if not s.brittle)}"
+            )
         if self.figures.mesh not in (None, *self.meshes):
             raise ValueError(
                 f"figures.mesh: got {self.figures.mesh}, allowed are meshes: {list(self.meshes)}"
@@ -264,25 +285,35 @@ class Study(Section):
             raise ValueError("variants: got reference, allowed is any other name")
         return self
 
-    def joint(self, sample: str) -> Joint:
-        """The joint of ``sample``, in the reference variant."""
+    @property
+    def references(self) -> tuple[str, ...]:
+        """Models that SiDMACIB is held against, the leading one first: engines, then others."""
+        return *self.dem.engines, *(name for name in self.models if SOLVERS[name].brittle)
+
+    def joint(self, sample: str, assembly: Assembly | None = None) -> Joint:
+        """The joint of ``sample``, in the reference variant or as another ``assembly``."""
+        assembly = assembly or self.assembly
         own = self.samples[sample].model_dump(exclude_none=True)
         return Joint(
             **{**self.geometry.model_dump(), **own},
             density=self.materials.density,
             inner=self.materials.inner.material(),
             dry=self.materials.dry.material(),
-            failure=self.dem.failure,
-            upper_body=self.dem.upper_body,
+            failure=assembly.failure,
+            upper_body=assembly.upper_body,
         )
 
-    def limit_analysis_json(self) -> str:
-        """The parts of the study that limit analysis takes, as JSON."""
-        parts = {"samples", "geometry", "materials", "meshes", "eccentricities", "sidmacib"}
-        return self.model_dump_json(include=parts)
+    def tables_json(self) -> str:
+        """The parts of the study that tables depend on, as JSON: not how engines compute."""
+        parts = set(Study.model_fields) - {"results", "overrides", "variants", "figures", "dem"}
+        return self.model_dump_json(include={**dict.fromkeys(parts, True), "dem": {"engines"}})
+
+    def pieces_json(self) -> str:
+        """The parts that the models of the joint's pieces depend on, as JSON."""
+        return self.model_dump_json(exclude={"results", "overrides", "figures", "sidmacib", "dem"})
 
     def figures_json(self) -> str:
-        """What the figures depend on, as JSON: not how the distinct elements are computed."""
+        """What the figures depend on, as JSON: not how engines compute."""
         dem = {"numerics": True, "time_limit": True}
         return self.model_dump_json(exclude={"results": True, "overrides": True, "dem": dem})
 
@@ -350,13 +381,26 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
         sys.exit("\n".join(f"{path}: {line}" for line in error.args))
 
 
+def installed_engines(study: Study) -> list[str]:
+    """The engines of ``study`` that this system has; says on stderr which it lacks."""
+    missing = {name: ENGINES[name].missing() for name in study.dem.engines}
+    for reason in filter(None, missing.values()):
+        print(f"{reason}. The study goes on without it.", file=sys.stderr)
+    return [name for name, reason in missing.items() if reason is None]
+
+
 def main() -> None:
-    """Command line: a study's configuration, perhaps another results folder; prints the folder."""
-    parser = argparse.ArgumentParser(description="Print the folder that a study writes to.")
+    """Command line: a study's configuration; prints the folder of results, or the engines."""
+    parser = argparse.ArgumentParser(description="Print what a study writes to, or runs with.")
+    parser.add_argument("what", choices=["folder", "engines"])
     parser.add_argument("config", type=Path)
-    parser.add_argument("results", nargs="?")
+    parser.add_argument("--results", help="another folder than the configuration's")
     arguments = parser.parse_args()
-    print(read_study_file(arguments.config, arguments.results).results)
+    study = read_study_file(arguments.config, arguments.results)
+    if arguments.what == "folder":
+        print(study.results)
+    else:
+        print(", ".join(installed_engines(study)))
 
 
 if __name__ == "__main__":

@@ -2,26 +2,25 @@
 # Have the system packages that a study needs: install them as root or through sudo, or say which.
 set -eu
 
-missing=
-command -v python3 >/dev/null || missing="$missing python3"
-python3 -c 'import ensurepip, venv' 2>/dev/null || missing="$missing python3-venv"
-command -v yade >/dev/null || missing="$missing yade"
+# Python is needed; without an engine the study goes on with the models that need none.
+needed=
+command -v python3 >/dev/null || needed="$needed python3"
+python3 -c 'import ensurepip, venv' 2>/dev/null || needed="$needed python3-venv"
+engines=
+command -v yade >/dev/null || engines="$engines yade"
 
-if [ -n "$missing" ]; then
-    install="apt-get install --yes --no-install-recommends$missing"
-    if ! command -v apt-get >/dev/null; then
-        echo "multilock needs these programs, which this system lacks:$missing" >&2
-        exit 1
-    elif [ "$(id -u)" = 0 ]; then
-        echo "Installing$missing"
-        { apt-get update && DEBIAN_FRONTEND=noninteractive $install; } >/dev/null || exit 1
-    elif sudo -n true 2>/dev/null; then
-        echo "Installing$missing"
-        { sudo -n apt-get update && sudo -n env DEBIAN_FRONTEND=noninteractive $install; } >/dev/null || exit 1
-    else
-        echo "multilock needs packages that this system lacks; ask for: apt-get install$missing" >&2
-        exit 1
-    fi
+install() {
+    as=
+    [ "$(id -u)" = 0 ] || as="sudo -n"
+    command -v apt-get >/dev/null && { [ -z "$as" ] || $as true 2>/dev/null; } || return 1
+    echo "Installing$*"
+    $as apt-get update >/dev/null &&
+        $as env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $* >/dev/null
+}
+
+if [ -n "$needed$engines" ] && ! install "$needed$engines"; then
+    echo "Not installed; on Debian, ask for: apt-get install$needed$engines" >&2
+    [ -z "$needed" ] || exit 1
 fi
 
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {

@@ -36,9 +36,9 @@ def _figures(study: Study) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in study.samples:
         yield FigureSpec(f"options-{sample}", "options", sample)
-        for engine in study.dem.engines:
-            own = [case for case in cases if case.engine == engine and case.sample == sample]
-            suffix = "" if engine == study.dem.engines[0] else f"-{engine}"
+        for model in study.dem.engines or study.references[:1]:
+            own = [case for case in cases if case.model == model and case.sample == sample]
+            suffix = "" if model == study.references[0] else f"-{model}"
             for kind, case in (
                 ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
                 (
@@ -48,6 +48,7 @@ def _figures(study: Study) -> Iterator[FigureSpec]:
             ):
                 yield FigureSpec(f"{kind}-{sample}{suffix}", kind, sample, case)
         yield FigureSpec(f"revised-{sample}", "revised", sample)
+        yield FigureSpec(f"models-{sample}", "models", sample)
     yield FigureSpec("meshes", "meshes")
     yield FigureSpec("side_by_side", "side_by_side")
 

@@ -12,8 +12,6 @@ from analysis.figures.material import Material
 from sidmacib.capacity import Sidmacib
 from sidmacib.discretisation import Floats
 from sidmacib.envelope import envelope
-from workflow.cases import REFERENCE
-from workflow.engines import ENGINES
 
 REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 
@@ -62,20 +60,22 @@ def options(material: Material) -> Figure:
 
 
 def meshes(material: Material) -> Figure:
-    """The distinct elements' curves of every sample at every mesh."""
+    """The curves of every model of the pieces and sample, at every mesh."""
     figure = Figure(figsize=(8, 4.6), layout="constrained")
     samples = list(material.study.samples)
     axes = figure.subplots(1, len(samples), squeeze=False)[0]
     for axis, sample in zip(axes, samples, strict=True):
-        _engine_curves(axis, material.capacity, sample, lines=True)
-        _published_point(axis, material.capacity, sample)
+        for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
+            for model in material.study.references:
+                model_curve(axis, material, model, sample, mesh, colour)
+        published_point(axis, material.capacity, sample)
         style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")
-        axis.legend()
+        axis.legend(fontsize=8)
     style.caption(
         figure,
-        f"{material.place_in_paper}Peak loads of the distinct elements. The nodes are cell "
-        "centres: the coarser the mesh, the further the outermost node is from a face's edge, and "
-        f"the more torque a face takes. {material.assumed_geometry}",
+        f"{material.place_in_paper}Peak loads of the models of the joint's pieces. The nodes are "
+        "cell centres: the coarser the mesh, the further the outermost node is from a face's edge, "
+        f"and the more torque a face takes. {material.assumed_geometry}",
     )
     return figure
 
@@ -95,47 +95,57 @@ def revised(material: Material) -> Figure:
         & (material.capacity["sample"] == material.sample)
         & material.capacity["variant"].str.contains("-frictionless-")
         & (material.capacity["mesh_m"] == min(study.meshes))
-        & (material.capacity["weights_from"] == study.dem.engines[0])
+        & (material.capacity["weights_from"] == material.leading)
     ]
     for axis, reduction in zip(axes, titles, strict=True):
         for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
             rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
             axis.plot(rows["shear_N"], rows["torque_Nm"], color=colour, label=name)
-        _engine_curves(axis, material.capacity, material.sample, lines=False)
-        _published_point(axis, material.capacity, material.sample)
+        for mesh, marker in zip(study.meshes, cycle(style.MARKERS), strict=False):
+            curve = material.curve(material.leading, material.sample, mesh)
+            axis.plot(
+                curve["shear_N"],
+                curve["torque_Nm"],
+                marker,
+                markersize=4,
+                color="#444444",
+                markerfacecolor="white",
+                clip_on=False,
+                zorder=3,
+                label=f"{material.leading}, mesh {mesh:g} m",
+            )
+        published_point(axis, material.capacity, material.sample)
     for axis, title in zip(axes, titles.values(), strict=True):
         style.curve_axes(axis, title)
     axes[0].legend(fontsize=8)
     style.caption(
         figure,
-        f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against the distinct "
-        f"elements (marks), {study.samples[material.sample].locks} locks; weights read at e = "
-        f"{min(study.eccentricities):g} a, mesh {min(study.meshes):g} m. {style.ASSUMED_POINTS} "
-        f"{material.assumed_geometry}",
+        f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against "
+        f"{material.leading} (marks), {study.samples[material.sample].locks} locks; weights read "
+        f"at e = {min(study.eccentricities):g} a, mesh {min(study.meshes):g} m. "
+        f"{style.ASSUMED_POINTS} {material.assumed_geometry}",
     )
     return figure
 
 
-def _engine_curves(axis: Axes, capacity: pd.DataFrame, sample: str, lines: bool) -> None:
-    rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == REFERENCE)]
-    rows = rows[rows["model"].isin(ENGINES)].sort_values("eccentricity_m")
-    groups = rows.groupby(["model", "mesh_m"], sort=False)
-    for ((model, mesh), curve), marker in zip(groups, cycle(style.MARKERS), strict=False):
-        axis.plot(
-            curve["shear_N"],
-            curve["torque_Nm"],
-            marker=marker,
-            markersize=4,
-            linestyle="-" if lines else "none",
-            color=None if lines else "#444444",
-            markerfacecolor="white",
-            clip_on=False,
-            zorder=3,
-            label=f"{model}, mesh {mesh:g} m",
-        )
+def model_curve(
+    axis: Axes, material: Material, model: str, sample: str, mesh: float, colour: str
+) -> None:
+    """The V-M curve of a model of the pieces, in the style of the model."""
+    curve = material.curve(model, sample, mesh)
+    axis.plot(
+        curve["shear_N"],
+        curve["torque_Nm"],
+        **style.of_model(model, material.models),
+        color=colour,
+        clip_on=False,
+        zorder=3,
+        label=f"{model}, mesh {mesh:g} m",
+    )
 
 
-def _published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
+def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
+    """The paper's peak in pure shear, if it has the sample."""
     rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == "3dec")]
     if len(rows):
         axis.plot(

@@ -6,6 +6,7 @@ import pandas as pd
 
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
 from analysis.reading import CaseResult, read_published
+from workflow.cases import REFERENCE
 from workflow.study import Study
 
 
@@ -17,7 +18,30 @@ class Material:
     study: Study
     capacity: pd.DataFrame
     validation: pd.DataFrame
+    weights: pd.DataFrame
     result: CaseResult | None
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """The models of the joint's pieces, the leading one first."""
+        return *self.study.references, *(
+            model for model in self.study.models if model not in self.study.references
+        )
+
+    @property
+    def leading(self) -> str:
+        """The model that SiDMACIB is shown against."""
+        return self.study.references[0]
+
+    def curve(self, model: str, sample: str, mesh: float) -> pd.DataFrame:
+        """Capacities of a model in the reference variant, from pure shear to pure torsion."""
+        rows = self.capacity[
+            (self.capacity["model"] == model)
+            & (self.capacity["variant"] == REFERENCE)
+            & (self.capacity["sample"] == sample)
+            & (self.capacity["mesh_m"] == mesh)
+        ]
+        return rows.sort_values("eccentricity_m")
 
     @property
     def sample(self) -> str:

@@ -23,7 +23,8 @@ def side_by_side(material: Material) -> Figure:
         locks = own["locks"].iloc[0]
         _peaks(figure.add_subplot(grid[row, 0]), own, f"{locks} locks: peak V at e = 0 (N)")
         _weights(figure.add_subplot(grid[row, 1]), own, f"{locks} locks: weights at e = 0")
-    _table(figure.add_subplot(grid[len(samples), :]), table)
+    shown = table[table["model"].isin([material.leading, "sidmacib"])]
+    _table(figure.add_subplot(grid[len(samples), :]), shown)
     style.caption(
         figure,
         "Published: 3DEC and SiDMACIB, from the paper's text. Computed: this program. “Swapped”: "
@@ -37,20 +38,21 @@ def side_by_side(material: Material) -> Figure:
 
 def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     rows = own[own["quantity"] == "dem_pure_shear_N"]
-    for position, row in enumerate(rows.itertuples()):
-        for shift, value, colour in (
-            (-0.2, row.published, style.COLOURS[5]),
-            (0.2, row.computed, style.COLOURS[0]),
-        ):
-            bar = axes.bar(position + shift, float(value), 0.38, color=colour)
-            axes.bar_label(bar, fmt="%.1f", fontsize=7.5)
+    meshes = list(rows["mesh_m"].unique())
+    models = list(rows["model"].unique())
+    bars = {"published (3DEC)": rows.drop_duplicates("mesh_m")["published"].to_list()}
+    bars |= {model: rows.loc[rows["model"] == model, "computed"].to_list() for model in models}
+    width = 0.9 / len(bars)
+    colours = [style.COLOURS[5], style.COLOURS[0], style.COLOURS[4], style.COLOURS[2]]
+    for index, ((label, values), colour) in enumerate(zip(bars.items(), colours, strict=False)):
+        places = [place + (index - (len(bars) - 1) / 2) * width for place in range(len(meshes))]
+        bar = axes.bar(places, values, 0.95 * width, color=colour, label=label)
+        axes.bar_label(bar, fmt="%.1f", fontsize=6.5)
     if len(rows):
-        axes.set_ylim(0, 1.45 * max(rows["published"].max(), rows["computed"].max()))
-        axes.legend(axes.containers[:2], ["published (3DEC)", "computed"], fontsize=7)
+        axes.set_ylim(0, 1.6 * max(rows["published"].max(), rows["computed"].max()))
+        axes.legend(fontsize=7, ncols=2)
     axes.set_axisbelow(True)
-    axes.set_xticks(
-        range(len(rows)), [f"{r.model}\nmesh {r.mesh_m:g} m" for r in rows.itertuples()]
-    )
+    axes.set_xticks(range(len(meshes)), [f"mesh {mesh:g} m" for mesh in meshes])
     axes.set_title(title, loc="left", fontsize=9)
     axes.grid(axis="x", visible=False)
 

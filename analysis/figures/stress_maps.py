@@ -59,7 +59,7 @@ def _map(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{result.shear:.1f} N, M = {result.torque:.2f} N m; {case.engine}, mesh {case.mesh:g} m. "
+        f"{result.shear:.1f} N, M = {result.torque:.2f} N m; {case.model}, mesh {case.mesh:g} m. "
         "Seen from below. Faces of upper locks lie at z = h, of lower locks at z = 0; arrows: "
         "direction of the stress on the piece above; grey: broken. W: resultant over T0; mean: "
         f"mean magnitude over the cohesion. {material.assumed_geometry}",

@@ -3,7 +3,9 @@
 import os
 import re
 import textwrap
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
@@ -26,6 +28,19 @@ mpl.rcParams.update(
         "figure.dpi": 150,
     }
 )
+
+
+MODEL_LINES = (
+    {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"},
+    {"linestyle": "-", "linewidth": 1.2},
+    {"linestyle": "--", "linewidth": 1.0},
+    {"linestyle": "none", "marker": "x", "markersize": 5},
+)
+
+
+def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
+    """How the curve of one of ``models`` is drawn: the leading one by marks, the next by lines."""
+    return dict(MODEL_LINES[models.index(model) % len(MODEL_LINES)])
 
 
 def curve_axes(axes: Axes, title: str) -> None:

@@ -1,4 +1,5 @@
-# From a case's parameters to its engine's results: one pair of rules for each engine.
+# From a case's parameters to results: a pair of rules for each engine, with a job for each case, and
+# one rule and job for all cases of each model that needs no engine.
 
 
 def sources(*names):
@@ -11,6 +12,9 @@ MODEL_SOURCES = sources(
 )
 
 
+CASE_FILES = ["case.json", "history.csv", "nodes.csv", "result.json"]
+
+
 for engine in ENGINES.values():
     folder = case_folder(RESULTS, engine.name, "{case}")
 
@@ -21,6 +25,7 @@ for engine in ENGINES.values():
             code=MODEL_SOURCES
             + sources(
                 "sidmacib/contact_law.py",
+                "sidmacib/springs.py",
                 "sidmacib/vibration.py",
                 "workflow/cases.py",
                 "workflow/render.py",
@@ -68,3 +73,35 @@ for engine in ENGINES.values():
         shell:
             f"{PYTHON} -m workflow.execute {{params.engine}} {{params.folder:q}}"
             " --time-limit {resources.time_limit} > {log:q} 2>&1"
+
+
+for model in STUDY.models:
+    OWN_FOLDERS = [case_folder(RESULTS, model, name) for own, name in CASES if own == model]
+
+    rule:
+        name:
+            model
+        input:
+            code=MODEL_SOURCES
+            + sources(
+                *(
+                    f"sidmacib/{name}.py"
+                    for name in ("capacity", "contact_law", "limit", "springs", "static")
+                ),
+                *(f"workflow/{name}.py" for name in ("cases", "solve", "solvers", "study")),
+            ),
+        output:
+            expand("{folder}/{file}", folder=OWN_FOLDERS, file=CASE_FILES),
+        log:
+            f"{RESULTS}/logs/{model}.log",
+        benchmark:
+            f"{RESULTS}/benchmarks/{model}.tsv"
+        params:
+            model=model,
+            study=STUDY.pieces_json(),
+            results=RESULTS,
+        message:
+            f"Solve all cases of {model}"
+        shell:
+            f"{PYTHON} -m workflow.solve {{params.model}} {{params.study:q}} {{params.results:q}}"
+            " > {log:q} 2>&1"

@@ -16,11 +16,16 @@ rule figure:
             "analysis/weights.py",
             *(
                 f"analysis/figures/{name}.py"
-                for name in ("catalogue", "curves", "draw", "material", "side_by_side", "style")
+                for name in ("catalogue", "curves", "draw", "material")
             ),
+            *(f"analysis/figures/{name}.py" for name in ("models", "side_by_side", "style")),
             "analysis/figures/stress_maps.py",
         ),
-        tables=[rules.capacity.output[0], rules.validation.output[0]],
+        tables=[
+            rules.capacity.output[0],
+            rules.validation.output[0],
+            rules.weights.output.weights,
+        ],
         case=case_shown,
     output:
         png=f"{RESULTS}/figures/{{figure}}.png",

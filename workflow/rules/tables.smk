@@ -5,17 +5,17 @@ TABLES = f"{RESULTS}/tables"
 def read_of(cases):
     """The files of ``cases`` that the analysis reads."""
     return [
-        f"{case_folder(RESULTS, case.engine, case.name)}/{name}"
+        f"{case_folder(RESULTS, case.model, case.name)}/{name}"
         for case in cases
-        for name in ("result.json", "nodes.csv", "history.csv", "case.json")
+        for name in CASE_FILES
     ]
 
 
-CASE_FOLDERS = [case_folder(RESULTS, case.engine, case.name) for case in CASES.values()]
+CASE_FOLDERS = [case_folder(RESULTS, case.model, case.name) for case in CASES.values()]
 
 
 # Only what the tables depend on: other edits of the configuration do not run them again.
-STUDY_JSON = STUDY.limit_analysis_json()
+STUDY_JSON = STUDY.tables_json()
 READING = sources("analysis/reading.py", "workflow/cases.py", "workflow/study.py")
 LIMIT = MODEL_SOURCES + sources(
     *(f"sidmacib/{name}.py" for name in ("contact_points", "capacity", "revision"))

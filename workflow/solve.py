@@ -1,0 +1,105 @@
+"""Solve all cases of a model that needs no engine, and write what an engine would."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.capacity import CapacityError
+from sidmacib.discretisation import Discretisation, discretise
+from sidmacib.equilibrium import face_frames
+from sidmacib.loading import lateral_load
+from sidmacib.static import NoEquilibriumError
+from workflow.cases import Case, case_folder, cases_of
+from workflow.solvers import SOLVERS, Outcome, State
+from workflow.study import Study
+
+
+def solve_case(case: Case) -> tuple[Discretisation, Outcome]:
+    """The discretised joint of ``case``, and what its model finds."""
+    model = discretise(case.joint, case.mesh)
+    loads = lateral_load(model, case.loading)
+    return model, SOLVERS[case.model].solve(model, loads)
+
+
+def node_table(model: Discretisation, state: State) -> pd.DataFrame:
+    """Stresses at all nodes, in the columns of an engine's nodes.csv."""
+    faces = [model.faces[number] for number in model.nodes.face]
+    stress = state.force / model.nodes.area[:, None]
+    shear = np.einsum("nt,ntx->nx", stress[:, 1:], face_frames(model)[:, 1:])
+    return pd.DataFrame(
+        {
+            "face": [face.name for face in faces],
+            "kind": [str(face.kind) for face in faces],
+            "lock": [face.lock for face in faces],
+            **dict(zip(("x_m", "y_m", "z_m"), model.nodes.position.T, strict=True)),
+            "area_m2": model.nodes.area,
+            "normal_Pa": stress[:, 0],
+            **dict(zip(("shear_x_Pa", "shear_y_Pa", "shear_z_Pa"), shear.T, strict=True)),
+            "bonded": state.bonded.astype(int),
+        }
+    )
+
+
+def history_row(case: Case, model: Discretisation, state: State) -> dict[str, Any]:
+    """Load, displacement, shear on each lock and broken share of each inner face."""
+    row: dict[str, Any] = {
+        "load_N": state.load,
+        "shear_N": state.load * case.direction.shear,
+        "torque_Nm": state.load * case.direction.torque,
+        "displacement_m": state.displacement,
+    }
+    frames = face_frames(model)
+    for number, face in enumerate(model.faces):
+        own = model.nodes.face == number
+        if face.lock:
+            shear = np.einsum("nt,ntx->x", state.force[own, 1:], frames[own, 1:])
+            row[f"lock{face.lock}_shear_x_N"], row[f"lock{face.lock}_shear_y_N"] = shear[:2]
+    for number, face in enumerate(model.faces):
+        if face.kind == "inner":
+            row[f"{face.name}_broken_share"] = 1.0 - state.bonded[model.nodes.face == number].mean()
+    return row
+
+
+def write_results(case: Case, model: Discretisation, outcome: Outcome, folder: Path) -> None:
+    """Write case.json, nodes.csv, history.csv and, at the end, result.json."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
+    _write_table(node_table(model, outcome.path[-1]), folder / "nodes.csv")
+    history = pd.DataFrame([history_row(case, model, state) for state in outcome.path])
+    _write_table(history, folder / "history.csv")
+    result = {
+        "peak_load_N": outcome.path[-1].load,
+        "failed_load_N": outcome.failed_load,
+        "first_failure_load_N": outcome.first_failure_load,
+    }
+    (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
+
+
+def _write_table(rows: pd.DataFrame, path: Path) -> None:
+    rows.to_csv(path, index=False, float_format="%.10g")
+
+
+def main() -> None:
+    """Command line: the model, the study as JSON, and the results' folder."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("model", choices=SOLVERS)
+    parser.add_argument("study", type=Study.model_validate_json)
+    parser.add_argument("results")
+    arguments = parser.parse_args()
+    for (name, _), case in cases_of(arguments.study).items():
+        if name != arguments.model:
+            continue
+        try:
+            model, outcome = solve_case(case)
+        except (CapacityError, NoEquilibriumError) as error:
+            sys.exit(f"{case.name}: {name}: {error}")
+        write_results(case, model, outcome, Path(case_folder(arguments.results, name, case.name)))
+
+
+if __name__ == "__main__":
+    main()
