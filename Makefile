@@ -1,5 +1,6 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
+# make calibrate  which geometry fits the published numbers
 # make test    lint and all tests, real runs of the engines included
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
@@ -14,7 +15,7 @@ OPTIONS = --configfile "$(CONFIG)" --config $(if $(RESULTS),"results=$(RESULTS)"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study case test lint format lock system clean
+.PHONY: study case calibrate test lint format lock system clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
@@ -27,6 +28,15 @@ case: .venv/study.ready
 	@folder=$$($(BIN)/python -m workflow.cases "$(CONFIG)" "$(CASE)" $(if $(MODEL),--model "$(MODEL)") $(TO)) && \
 	$(BIN)/snakemake "$$folder/result.json" $(OPTIONS) && \
 	$(BIN)/python -m analysis.case "$$folder"
+
+# The best geometries are a study of their own, whose configuration the first step writes.
+calibrate: .venv/study.ready
+	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
+	engines=$$($(BIN)/python -m workflow.study engines "$(CONFIG)") && \
+	$(BIN)/snakemake calibrate $(OPTIONS) && \
+	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
+		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
+	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/summary.txt"
 
 test: .venv/test.ready lint
 	$(BIN)/pytest

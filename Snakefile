@@ -33,6 +33,7 @@ wildcard_constraints:
 include: "workflow/rules/cases.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/calibration.smk"
 
 
 rule all:

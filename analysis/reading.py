@@ -90,6 +90,10 @@ class Published:
             and 0.0 in study.eccentricities
         )
 
+    def samples(self, study: Study) -> dict[str, int]:
+        """Names and numbers of locks of the study's samples that the paper has."""
+        return {n: s.locks for n, s in study.samples.items() if self.covers(study, n)}
+
     def dem_pure_shear(self, locks: int, mesh: float) -> float | None:
         """Published peak V at e = 0, in N, if there is one for this mesh (m)."""
         value: float | None = self.numbers["dem_pure_shear"][locks].get(mesh)

@@ -63,8 +63,8 @@ class Joint:
     locks: int
     a: float = 0.06
     b: float = 0.05
-    h: float = 0.01
-    H: float = 0.034
+    h: float = 0.008
+    H: float = 0.027
     density: float = 1400.0
     inner: FaceMaterial = INNER
     dry: FaceMaterial = DRY

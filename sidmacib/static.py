@@ -7,7 +7,6 @@ history. When the first node fails, all of its strength goes at once (those that
 together) and a new equilibrium is sought at the same load; where none exists is the peak.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -170,40 +169,44 @@ def static_peak(model: Discretisation, loads: tuple[PieceLoad, ...]) -> StaticSo
 
 
 def _raised(
-    solver: Solver, path: list[Equilibrium], increment: float
+    solver: Solver, path: list[Equilibrium], largest: float
 ) -> tuple[list[Equilibrium], Flags]:
-    """Raise the load by ``increment`` (N) at a time until nodes are about to fail.
+    """Raise the load by at most ``largest`` (N) at a time until nodes are about to fail.
 
-    Returns the path to there and which nodes fail: none where the load cannot rise any more.
+    Returns the path to there and which nodes fail: none where the load cannot rise any more. Where
+    no equilibrium is found the increment is halved, and doubled again where one is: Newton's method
+    may fail from afar and arrive from nearby.
     """
 
     def used(point: Equilibrium) -> Floats:
         return utilisation(solver.law, point.state, point.force)
 
-    path = list(path)
+    path, increment = list(path), largest
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
-    limit = math.inf  # the lowest load that is known to be too high
     while True:
         low = path[-1]
         most = used(low).max()
         if most >= 1.0 - LEAST_INCREMENT:
             return path, used(low) >= most * (1.0 - 1e-5)
-        if low.load >= (1.0 - LEAST_INCREMENT) * limit:
-            return path, used(above) >= 1.0 if above else np.zeros(len(low.force), bool)
+        if above and above.load - low.load <= LEAST_INCREMENT * above.load:
+            return path, used(above) >= 1.0
+        if increment <= LEAST_INCREMENT * (low.load + increment):
+            return path, np.zeros(len(low.force), bool)
+        load = low.load + increment
         if above:  # where the utilisation, all but linear, comes just below 1
             share = (1.0 - most) / (used(above).max() - most)
-            load = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
-        else:
-            load = min(low.load + increment, (low.load + limit) / 2)
+            near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
+            load = min(load, near)
         try:
             point = solver.solve(load, _guess(load, path, above), low.state)
         except NoEquilibriumError:
-            above, limit = None, load
+            increment = (load - low.load) / 2
             continue
         if used(point).max() > 1.0:
-            above, limit = point, load
+            above = point
         else:
             path.append(point)
+            increment = min(2 * increment, largest)
 
 
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:

@@ -52,7 +52,7 @@ def test_a_single_point_has_one_vertex() -> None:
 
 def test_vertices_go_round_counter_clockwise_from_the_smallest_shear(joint: Joint) -> None:
     vertices = envelope(Sidmacib(joint, OPTIONS["option4"])).vertices
-    assert vertices[0, 0] == vertices[:, 0].min()
+    assert vertices[0, 0] == pytest.approx(vertices[:, 0].min())
     following = np.roll(vertices, -1, axis=0)
     assert np.sum(np.linalg.det(np.stack([vertices, following], axis=1))) > 0
 

@@ -20,6 +20,7 @@ from workflow.solvers import SOLVERS
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Share = Annotated[float, Field(gt=0, lt=1)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.]*$")]
 
 
@@ -150,7 +151,6 @@ RampPeriods = Annotated[float, Field(ge=1, le=1000)]
 HoldPeriods = Annotated[float, Field(ge=1, le=100_000)]
 UnbalancedRatio = Annotated[float, Field(ge=1e-9, le=0.01)]
 CollapseRatio = Annotated[float, Field(ge=5, le=10_000)]
-Proportion = Annotated[float, Field(gt=0, lt=1)]
 
 
 class Numerics(Section):
@@ -169,8 +169,8 @@ class Numerics(Section):
     hold_periods: HoldPeriods = 400.0
     unbalanced_ratio: UnbalancedRatio = 1e-4
     collapse_ratio: CollapseRatio = 200.0
-    damping: Proportion = 0.4
-    time_step_ratio: Proportion = 0.4
+    damping: Share = 0.4
+    time_step_ratio: Share = 0.4
 
 
 class NumericsChange(Section):
@@ -182,8 +182,8 @@ class NumericsChange(Section):
     hold_periods: HoldPeriods | None = None
     unbalanced_ratio: UnbalancedRatio | None = None
     collapse_ratio: CollapseRatio | None = None
-    damping: Proportion | None = None
-    time_step_ratio: Proportion | None = None
+    damping: Share | None = None
+    time_step_ratio: Share | None = None
 
 
 class Assembly(Section):
@@ -220,6 +220,22 @@ class Variant(Section):
         return reference.model_copy(update={k: v for k, v in own.items() if v is not None})
 
 
+class Calibration(Section):
+    """Geometries that the static model is tried on, to fit the published numbers."""
+
+    a: Annotated[tuple[Positive, ...], Field(min_length=1)] = (0.03, 0.04, 0.05, 0.06, 0.075, 0.1)
+    height_share: Annotated[tuple[Share, ...], Field(min_length=1)] = (
+        *(0.18, 0.19, 0.2, 0.21, 0.22),
+        *(0.23, 0.24, 0.25, 0.26, 0.27, 0.28),
+    )  # h / (h + H)
+    height_over_b: Annotated[tuple[Positive, ...], Field(min_length=1)] = (
+        *(0.3, 0.4, 0.5, 0.6, 0.7, 0.8),
+        *(0.9, 1.0, 1.1, 1.2, 1.4),
+    )  # (h + H) / b
+    mesh: Positive = 0.005  # m
+    confirmed: Annotated[int, Field(ge=1, le=20)] = 3  # how many of the best engines run
+
+
 class Figures(Section):
     """What the figures show: mesh in m (the finest if None), eccentricity of stress maps over a."""
 
@@ -244,6 +260,7 @@ class Study(Section):
     dem: Dem = Dem()
     variants: dict[Name, Variant] = {}
     overrides: dict[str, NumericsChange] = {}
+    calibration: Calibration = Calibration()
     figures: Figures = Figures()
 
     @model_validator(mode="after")
@@ -305,17 +322,26 @@ class Study(Section):
 
     def tables_json(self) -> str:
         """The parts of the study that tables depend on, as JSON: not how engines compute."""
-        parts = set(Study.model_fields) - {"results", "overrides", "variants", "figures", "dem"}
+        parts = set(Study.model_fields) - {
+            *("results", "overrides", "variants", "calibration", "figures", "dem"),
+        }
         return self.model_dump_json(include={**dict.fromkeys(parts, True), "dem": {"engines"}})
 
     def pieces_json(self) -> str:
         """The parts that the models of the joint's pieces depend on, as JSON."""
-        return self.model_dump_json(exclude={"results", "overrides", "figures", "sidmacib", "dem"})
+        excluded = {"results", "overrides", "figures", "calibration", "sidmacib", "dem"}
+        return self.model_dump_json(exclude=excluded)
+
+    def calibration_json(self) -> str:
+        """The parts that the search for the published geometry depends on, as JSON."""
+        parts = {"samples", "geometry", "materials", "dem", "calibration"}
+        return self.model_dump_json(include=parts)
 
     def figures_json(self) -> str:
         """What the figures depend on, as JSON: not how engines compute."""
         dem = {"numerics": True, "time_limit": True}
-        return self.model_dump_json(exclude={"results": True, "overrides": True, "dem": dem})
+        others = {"results": True, "overrides": True, "calibration": True}
+        return self.model_dump_json(exclude={**others, "dem": dem})
 
 
 class ConfigError(ValueError):
