@@ -237,7 +237,7 @@ def main() -> None:
     if not samples:
         sys.exit("samples: none of them is published, so there is nothing to calibrate with")
     table = misfit_map(study, published)
-    best = [geometry_of(row) for _, row in best_rows(table).iterrows()]
+    best = [geometry_of(row) for _, row in best_rows(table.iloc[:-1]).iterrows()]
     config = confirmation(
         study, samples, [study.geometry, *best[: study.calibration.confirmed]], arguments.results
     )

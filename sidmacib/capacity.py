@@ -175,10 +175,13 @@ class SupportFunction:
         return np.array([self.programme.shear.value, self.programme.torque.value], dtype=float)
 
 
-def solve(problem: cp.Problem, what: str, solver: str = cp.HIGHS) -> None:
-    """Solve; every status but an optimum raises an error that names ``what``."""
+def solve(problem: cp.Problem, what: str, solver: str = cp.HIGHS, **settings: float) -> None:
+    """Solve; every status but an optimum raises an error that names ``what``.
+
+    ``settings``: of the solver.
+    """
     try:
-        problem.solve(solver=solver)
+        problem.solve(solver=solver, **settings)
     except cp.SolverError as error:
         raise SolverError(f"{what}: {error}") from error
     status = problem.status

@@ -22,6 +22,9 @@ from sidmacib.discretisation import Discretisation, Floats
 from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
 from sidmacib.loading import PieceLoad
 
+ACCURACY = {"tol_gap_abs": 1e-7, "tol_gap_rel": 1e-7, "tol_feas": 1e-7}  # of Clarabel
+LEAST_BOUND = 1e-6  # of friction, over a node's mean share of the load: solvers need an interior
+
 
 class FrictionRule(StrEnum):
     """How friction enters the programme."""
@@ -48,11 +51,11 @@ def least_energy_forces(
     rows = free_rows(model)
     permanent, reference = permanent_and_reference(model, loads)
     target = (permanent + load * reference)[rows]
-    scale = float(np.abs(target).max())
+    # Per unit of a node's mean share of the load: numbers about 1 for the solver.
+    scale = float(np.abs(target).max()) / len(law.friction)
     dry = np.flatnonzero(~law.cohesive)
 
     force, bound = cp.Variable((len(law.friction), 3)), cp.Parameter(len(dry), nonneg=True)
-    # Per unit of load, and stiffness over its mean: numbers about 1 for the solver.
     mean = float(law.normal_stiffness.mean())
     flexibility = mean / np.column_stack(
         [law.normal_stiffness, law.shear_stiffness, law.shear_stiffness]
@@ -65,16 +68,19 @@ def least_energy_forces(
     ]
     what = f"least complementary energy at {load:g} N"
     cone = shear <= cp.multiply(law.friction[dry], force[dry, 0])
-    solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what, cp.CLARABEL)
+    solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what, cp.CLARABEL, **ACCURACY)
     if rule is FrictionRule.ASSOCIATED:
         return scale * np.array(force.value)
     problem = cp.Problem(cp.Minimize(energy), [*balanced, shear <= bound])
-    for _ in range(200):
-        bound.value = law.friction[dry] * np.maximum(force.value[dry, 0], 0.0)
-        solve(problem, what, cp.CLARABEL)
-        after = law.friction[dry] * np.maximum(force.value[dry, 0], 0.0)
-        if np.abs(after - bound.value).max() <= tolerance:
+    before = np.full(len(dry), np.inf)
+    for count in range(200):
+        after = law.friction[dry] * np.maximum(force.value[dry, 0], LEAST_BOUND)
+        if np.abs(after - before).max() <= tolerance * len(law.friction):
             return scale * np.array(force.value)
+        # Half way only after some rounds, against going round in circles.
+        before = after if count < 10 else (before + after) / 2
+        bound.value = before
+        solve(problem, what, cp.CLARABEL, **ACCURACY)
     raise RuntimeError(f"the friction bounds do not settle at {load:g} N")
 
 

@@ -18,7 +18,7 @@ from sidmacib.loading import PieceLoad
 from sidmacib.springs import Springs
 
 INCREMENT = 0.1  # load increment over T0
-LEAST_INCREMENT = 1e-6  # over the load: where the search for a failure or for the peak ends
+LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 NEWTON_STEPS = 60
 LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient

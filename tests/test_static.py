@@ -179,9 +179,10 @@ def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
 
 
 # --- the other formulation -----------------------------------------------------------------------
-@pytest.mark.parametrize("eccentricity", [0.0, 0.01, 0.03])
-def test_newton_and_least_complementary_energy_agree(joint: Joint, eccentricity: float) -> None:
-    model = discretise(joint, 0.03)
+@pytest.mark.parametrize("locks", [3, 4, 5])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.03, math.inf])
+def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: float) -> None:
+    model = discretise(Joint(locks), 0.03)
     loads = lateral_load(model, Loading(eccentricity))
     path = static_peak(model, loads).path
     load = 0.6 * path[-1].load
@@ -190,7 +191,7 @@ def test_newton_and_least_complementary_energy_agree(joint: Joint, eccentricity:
     nearest = min(path, key=lambda point: abs(point.load - load))
     newton = solver.solve(load, nearest.displacement, state).force  # in one step, as the programme
     programme = least_energy_forces(model, loads, load)
-    assert programme == pytest.approx(newton, abs=1e-5 * load)
+    assert programme == pytest.approx(newton, abs=5e-5 * load)
 
 
 def test_associated_friction_overestimates(joint: Joint) -> None:
