@@ -72,5 +72,5 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it."""
     write_case(case, folder)
-    execute(ENGINES[case.engine], folder, 300)
+    execute(ENGINES[case.model], folder, 300)
     return folder

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.engine
 def a_case(joint: Joint, loading: Loading, mesh: float = 0.03, **numerics: float) -> Case:
     return Case(
         name="case",
-        engine="yade",
+        model="yade",
         variant="reference",
         sample="n",
         joint=joint,
@@ -125,9 +125,9 @@ def test_an_inner_face_carries_no_more_than_its_cohesion(run) -> None:
     assert lock_weights(result)["max_shear_ratio"].max() <= 1.0 + 1e-6
 
 
-def test_three_locks_reach_the_published_peak_within_4_percent(run) -> None:
+def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -> None:
     result = run(a_case(Joint(3), Loading(0.0), mesh=0.02))
-    assert result.shear == pytest.approx(240.76, rel=0.04)
+    assert result.shear == pytest.approx(240.76, rel=0.035)
     published_first_two_swapped = [0.77, 0.99, 0.0]
     assert lock_weights(result)["weight"].tolist() == pytest.approx(
         published_first_two_swapped, abs=0.06
@@ -185,7 +185,7 @@ def test_ductile_monolithic_and_body_loaded_joints_carry_more(
 def test_a_ductile_joint_carries_half_its_locks_and_friction(run) -> None:
     joint = Joint(5, failure=Failure.DUCTILE)
     shear = run(a_case(joint, Loading(0.0))).shear
-    assert 2 * joint.T0 < shear < 2.1 * joint.T0
+    assert 2 * joint.T0 < shear < 2.15 * joint.T0
 
 
 def test_the_history_tells_load_displacement_shear_and_breakage(run) -> None:
