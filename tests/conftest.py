@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,22 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Discretisation:
     )
     faces = (Face("face", kind, 0, 1, 2, low, (x, joint.b, 0.0), lock=1),)
     return Discretisation(joint, mesh, pieces, faces, contact_nodes(faces, mesh))
+
+
+def renumbered(model: Discretisation) -> Discretisation:
+    """The same joint with its faces, and so its nodes, in reverse order."""
+    order = np.arange(len(model.faces))[::-1]
+    nodes = np.concatenate([np.flatnonzero(model.nodes.face == i) for i in order])
+    return replace(
+        model,
+        faces=tuple(model.faces[i] for i in order),
+        nodes=replace(
+            model.nodes,
+            face=np.argsort(order)[model.nodes.face[nodes]],
+            position=model.nodes.position[nodes],
+            area=model.nodes.area[nodes],
+        ),
+    )
 
 
 def load_on_block(force: tuple[float, float, float], moment_z: float) -> tuple[PieceLoad, ...]:

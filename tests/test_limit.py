@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block
+from conftest import block_on_ground, load_on_block, renumbered
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.discretisation import Kind, discretise
+from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
 from sidmacib.joint import Joint
 from sidmacib.limit import limit_load
 from sidmacib.loading import Loading, Push, lateral_load
@@ -72,6 +73,44 @@ def test_more_strength_never_carries_less(factor: float, eccentricity: float) ->
     stronger = replace(joint, inner=replace(joint.inner, cohesion=factor * joint.inner.cohesion))
     loading = Loading(eccentricity)
     assert limit_of(stronger, loading) >= limit_of(joint, loading) * (1 - 1e-6)
+
+
+@pytest.mark.parametrize("push", Push)
+def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
+    joint: Joint, push: Push
+) -> None:
+    expected = limit_of(joint, Loading(0.02))
+    for eccentricity in (0.02, -0.02):
+        found = limit_of(joint, Loading(eccentricity, push=push))
+        assert found == pytest.approx(expected, rel=1e-6)
+
+
+@settings(max_examples=10)
+@given(st.floats(0.2, 5.0))
+def test_scaling_all_lengths_and_loads_scales_the_limit(factor: float) -> None:
+    joint = Joint(3)
+    sizes = {name: factor * getattr(joint, name) for name in ("a", "b", "h", "H")}
+    scaled = replace(joint, **sizes, density=joint.density / factor)
+    expected = factor**2 * limit_of(joint, Loading(0.02))
+    found = limit_of(scaled, Loading(0.02 * factor), 0.03 * factor)
+    assert found == pytest.approx(expected, rel=1e-6)
+
+
+def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
+    model = discretise(joint, 0.03)
+    loads = lateral_load(model, Loading(0.02))
+    other = limit_load(renumbered(model), loads).load
+    assert other == pytest.approx(limit_load(model, loads).load, rel=1e-6)
+
+
+def test_the_forces_balance_every_piece(joint: Joint) -> None:
+    model = discretise(joint, 0.03)
+    loads = lateral_load(model, Loading(0.02))
+    found = limit_load(model, loads)
+    permanent, reference = permanent_and_reference(model, loads)
+    target = permanent + found.load * reference
+    residual = (equilibrium_matrix(model) @ found.force.ravel() - target)[free_rows(model)]
+    assert np.abs(residual).max() <= 1e-7 * found.load
 
 
 def test_strength_and_load_scale_together(joint: Joint) -> None:
