@@ -1,6 +1,7 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make calibrate  which geometry fits the published numbers
+# make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make times   how long each model takes, after a study
 # make test    lint and all tests, real runs of the engines included
 # make lint    ruff, snakefmt and mypy alone
@@ -16,7 +17,7 @@ OPTIONS = --configfile "$(CONFIG)" --config $(if $(RESULTS),"results=$(RESULTS)"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study case calibrate times test lint format lock system clean
+.PHONY: study case calibrate decks times test lint format lock system clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
@@ -38,6 +39,10 @@ calibrate: .venv/study.ready
 	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
 		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
 	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/summary.txt"
+
+decks: .venv/study.ready
+	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
+	$(BIN)/snakemake decks $(OPTIONS) && echo "Decks: $$folder/decks/3dec"
 
 times: .venv/study.ready
 	@OMP_NUM_THREADS=1 $(BIN)/python -m analysis.times "$(CONFIG)" $(TO)

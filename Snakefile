@@ -3,11 +3,13 @@
 import re
 import shlex
 import sys
+from pathlib import Path
 
 from analysis.figures.catalogue import figures_of
 from workflow.cases import case_folder, cases_of
 from workflow.engines import ENGINES
 from workflow.study import ConfigError, read_study
+from workflow.threedec import deck_folder, decks
 
 # A study of one's own is not mixed with this one.
 if not workflow.config_settings.configfiles:
@@ -22,6 +24,12 @@ except ConfigError as error:
     sys.exit(f"Error in the configuration: {error}")
 
 RESULTS = STUDY.results
+# Results of 3DEC that came back count like those of any other model.
+CASES |= {
+    (case.model, name): case
+    for name, case in decks(STUDY).items()
+    if Path(f"{deck_folder(RESULTS, name)}/results.txt").is_file()
+}
 PYTHON = shlex.quote(sys.executable)
 SOURCES = workflow.current_basedir
 
@@ -31,6 +39,7 @@ wildcard_constraints:
 
 
 include: "workflow/rules/cases.smk"
+include: "workflow/rules/decks.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/calibration.smk"
@@ -40,5 +49,5 @@ rule all:
     default_target: True
     input:
         f"{RESULTS}/summary.txt",
-        [rules.weights.output, rules.fit.output],
+        [rules.weights.output, rules.fit.output, rules.models.output],
         expand(rules.figure.output, figure=FIGURE_SPECS),

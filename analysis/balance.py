@@ -1,9 +1,11 @@
 """Check that all pieces are in equilibrium under the stresses that a model found."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from analysis.reading import CaseResult
-from sidmacib.discretisation import Floats, discretise
+from sidmacib.discretisation import Floats, Nodes, discretise
 from sidmacib.equilibrium import equilibrium_matrix, face_frames, permanent_and_reference
 from sidmacib.loading import lateral_load
 
@@ -13,8 +15,12 @@ def unbalanced_forces(result: CaseResult) -> Floats:
 
     The moments are about the pieces' centroids; fixed pieces have 0.
     """
-    model = discretise(result.case.joint, result.case.mesh)
     nodes = result.nodes
+    model = discretise(result.case.joint, result.case.mesh)
+    number = {face.name: index for index, face in enumerate(model.faces)}
+    places = nodes[["x_m", "y_m", "z_m"]].to_numpy()
+    owner = nodes["face"].map(number).to_numpy()
+    model = replace(model, nodes=Nodes(owner, places, nodes["area_m2"].to_numpy()))
     shear_on_above = nodes[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]].to_numpy()
     frames = face_frames(model)
     # Node forces on the piece below, in the frame of the face: compression pushes it back.

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from analysis.reading import CaseResult, read_case
 from sidmacib.discretisation import (
     Block,
     Discretisation,
@@ -18,7 +19,7 @@ from sidmacib.discretisation import (
     contact_nodes,
 )
 from sidmacib.joint import Direction, Joint
-from sidmacib.loading import PieceLoad
+from sidmacib.loading import Loading, PieceLoad
 from workflow.cases import Case
 from workflow.engines import ENGINES
 from workflow.execute import execute
@@ -72,10 +73,12 @@ def load_on_block(force: tuple[float, float, float], moment_z: float) -> tuple[P
 
 @pytest.fixture
 def run_block(tmp_path: Path) -> Callable[..., Path]:
-    """Search the peak of a block on the ground with YADE; returns the folder of the results."""
+    """Search the peak of a block on the ground; returns the folder of the results."""
 
-    def run(model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction) -> Path:
-        engine, folder = ENGINES["yade"], tmp_path / "block"
+    def run(
+        name: str, model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction
+    ) -> Path:
+        engine, folder = ENGINES[name], tmp_path / "block"
         folder.mkdir()
         text = script(engine, "block", model, loads, Numerics(tolerance=5e-4))
         (folder / engine.script).write_text(text)
@@ -84,6 +87,27 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
         return folder
 
     return run
+
+
+def a_case(
+    engine: str, joint: Joint, loading: Loading, mesh: float = 0.03, **numerics: float
+) -> Case:
+    return Case(
+        name="case",
+        model=engine,
+        variant="reference",
+        sample="n",
+        joint=joint,
+        mesh=mesh,
+        loading=loading,
+        numerics=Numerics(**numerics),
+    )
+
+
+@pytest.fixture
+def run(tmp_path: Path) -> Callable[[Case], CaseResult]:
+    folders = iter(range(100))
+    return lambda case: read_case(run_case(case, tmp_path / str(next(folders))))
 
 
 def run_case(case: Case, folder: Path) -> Path:

@@ -19,7 +19,8 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     figures = figures_of(read_study(yaml.safe_load((ROOT / "config.yaml").read_text())))
     kinds = ("options", "shear_stress", "torsion_stress", "revised", "models")
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in ("n3", "n5")}
-    assert set(figures) == per_sample | {"meshes", "side_by_side"}
+    of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
+    assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY)
 
 

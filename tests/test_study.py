@@ -10,6 +10,7 @@ from conftest import ROOT
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Failure, Joint
 from workflow.cases import Case, cases_of
+from workflow.engines import ENGINES
 from workflow.study import ConfigError, installed_engines, read_study
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -72,7 +73,10 @@ def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
             {"samples": {"n1": {"locks": 1}}},
             "samples.n1.locks: got 1, .* greater than or equal to 2",
         ),
-        (merged(dem={"engines": ["3dec"]}), "dem.engines.0: got '3dec', input should be 'yade'"),
+        (
+            merged(dem={"engines": ["3dec"]}),
+            "dem.engines.0: got '3dec', input should be 'yade' or 'liggghts'",
+        ),
         (
             merged(assembly={"failure": "soft"}),
             "assembly.failure: got 'soft', .* 'brittle' or 'ductile'",
@@ -98,10 +102,18 @@ def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
             merged(dem={"engines": []}, models=["limit"]),
             r"models: got \['limit'\], allowed without an engine .* are lists with static",
         ),
+        (
+            merged(materials={"inner": {"shear_stiffness": 5e9}}),
+            "materials.inner.shear_stiffness: got 5e.09 Pa/m, allowed with liggghts is",
+        ),
         (merged(models=["magic"]), "models.0: got 'magic', input should be 'static' or 'limit'"),
         (
             merged(assembly={"failure": "ductile"}),
             "models: got static, allowed with assembly.failure ductile are: limit",
+        ),
+        (
+            merged(assembly={"failure": "ductile"}, models=["limit"]),
+            "assembly.failure: got ductile, allowed with liggghts is brittle",
         ),
         (merged(sidmacib={"options": {}}), "sidmacib.options: got {}, .* at least 1 item .*"),
         (
@@ -139,8 +151,8 @@ def test_an_even_number_of_locks_is_welcome_without_the_rule_that_needs_an_odd_o
 def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
     study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
     reference = [case for case in cases_of(study).values() if case.variant == "reference"]
-    assert len(reference) == 3 * 2 * 2 * 9
-    assert {case.model for case in reference} == {"yade", "static", "limit"}
+    assert len(reference) == 4 * 2 * 2 * 9
+    assert {case.model for case in reference} == {"yade", "liggghts", "static", "limit"}
     assert {case.loading.eccentricity for case in reference} == {
         0.06 * ratio for ratio in (0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf)
     }
@@ -156,7 +168,7 @@ def test_a_variant_changes_what_it_names_where_it_says() -> None:
     cases = cases_of(read_study(merged(variants=variants)))
     assert {key for key, case in cases.items() if case.variant == "soft"} == {
         (model, "n3-mesh0.02-e0a-soft")
-        for model in ("yade", "limit")  # static: brittle only
+        for model in ("yade", "limit")  # the others are brittle only
     }
     soft = cases["yade", "n3-mesh0.02-e0a-soft"]
     assert soft.joint.failure is Failure.DUCTILE
@@ -166,8 +178,8 @@ def test_a_variant_changes_what_it_names_where_it_says() -> None:
 
 def test_a_variant_of_the_numerics_is_for_engines_only() -> None:
     cases = cases_of(read_study(merged(variants={"slow": {"numerics": {"ramp_periods": 80}}})))
-    assert {case.model for case in cases.values() if case.variant == "slow"} == {"yade"}
-    assert all(case.numerics is None for case in cases.values() if case.model != "yade")
+    assert {case.model for case in cases.values() if case.variant == "slow"} == {*ENGINES}
+    assert all((case.numerics is None) == (case.model not in ENGINES) for case in cases.values())
 
 
 def test_without_engines_the_static_model_leads() -> None:
@@ -180,7 +192,7 @@ def test_an_engine_that_is_not_installed_is_left_out_and_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = read_study(ONE)
-    assert installed_engines(study) == ["yade"]
+    assert installed_engines(study) == ["yade", "liggghts"]
     monkeypatch.setenv("PATH", "")
     assert installed_engines(study) == []
     assert "yade: not installed; on Debian: apt-get install yade" in capsys.readouterr().err
@@ -190,5 +202,5 @@ def test_an_override_changes_one_case_only() -> None:
     before = cases_of(read_study(ONE))
     after = cases_of(read_study(merged(overrides={"n3-mesh0.02-torsion": {"ramp_periods": 50}})))
     changed = [key for key in before if before[key] != after[key]]
-    assert changed == [("yade", "n3-mesh0.02-torsion")]
+    assert changed == [(engine, "n3-mesh0.02-torsion") for engine in ENGINES]
     assert after[changed[0]].numerics.ramp_periods == 50

@@ -14,6 +14,7 @@ from conftest import ROOT
 SMALL = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
+    "dem": {"engines": ["yade"]},
     "eccentricities": [0, 0.5, "torsion"],
     "variants": {"soft": {"failure": "ductile", "eccentricities": [0]}},
 }
@@ -135,7 +136,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
 
     # Another time limit runs nothing.
     workspace.snakemake()
-    workspace.configure(dem={"time_limit": 500})
+    workspace.configure(dem={"engines": ["yade"], "time_limit": 500})
     assert workspace.planned() == set()
     workspace.configure()
 

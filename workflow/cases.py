@@ -86,12 +86,12 @@ def _cases(study: Study) -> Iterator[Case]:
 
 
 def _runs(model: str, variant: str, assembly: Assembly, study: Study) -> bool:
-    """Whether ``model`` can tell something of ``variant``: engines always, others if it is new."""
-    if model in ENGINES or variant == REFERENCE:
-        return True
-    if SOLVERS[model].brittle and assembly.failure is not Failure.BRITTLE:
+    """Whether ``model`` knows how ``variant`` fails, and can tell something new of it."""
+    engine = ENGINES.get(model)
+    brittle_only = engine.brittle_only if engine else SOLVERS[model].brittle
+    if brittle_only and assembly.failure is not Failure.BRITTLE:
         return False
-    return assembly != study.assembly
+    return engine is not None or variant == REFERENCE or assembly != study.assembly
 
 
 def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import sys
 from dataclasses import dataclass
 
 
@@ -11,7 +12,8 @@ class Engine:
 
     ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
     the program, followed by the script's name; ``package``: Debian's package that has it;
-    ``probe``: a program of that package, which tells whether it is installed.
+    ``probe``: a program of that package, which tells whether it is installed; ``brittle_only``: it
+    knows no ductile faces; ``one_stiffness``: its inner faces are as stiff along as across.
     """
 
     name: str
@@ -20,6 +22,8 @@ class Engine:
     command: tuple[str, ...]
     package: str
     probe: str
+    brittle_only: bool = False
+    one_stiffness: bool = False
 
     def missing(self) -> str | None:
         """What to install, in one line; None if the program is there."""
@@ -39,6 +43,16 @@ ENGINES = {
             command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
             package="yade",
             probe="yade",
+        ),
+        Engine(
+            name="liggghts",
+            template="liggghts.py.j2",
+            script="joint.py",
+            command=(sys.executable,),  # the script starts LIGGGHTS and gives it commands
+            package="liggghts",
+            probe="liggghts",
+            brittle_only=True,
+            one_stiffness=True,
         ),
     )
 }

@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from workflow.engines import ENGINES, Engine
@@ -61,13 +62,23 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
         except subprocess.TimeoutExpired:
             raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log)) from None
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
+            _end(process)
     if status < 0:
         raise EngineError(_with_tail(f"killed by signal {-status}", log))
     if status > 0:
         raise EngineError(_with_tail(f"ended with exit code {status}", log))
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """End what is left of the process group: asked first, as mpirun then ends its ranks itself."""
+    for number, patience in ((signal.SIGTERM, 5.0), (signal.SIGKILL, 1.0)):
+        deadline = time.monotonic() + patience
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(process.pid, number)
+            while time.monotonic() < deadline:
+                process.poll()
+                os.killpg(process.pid, 0)  # until nobody is left
+                time.sleep(0.02)
 
 
 def _check(folder: Path, log: Path) -> None:

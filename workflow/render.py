@@ -90,6 +90,8 @@ def script(
         ductile=model.joint.failure is Failure.DUCTILE,
         flat_radius_m=2 * model.joint.a,
         time_step_s=_rounded(time_step),
+        period_steps=_rounded(period_steps),
+        ranks=numerics.ranks,
         ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
         hold_steps=math.ceil(numerics.hold_periods * period_steps),
         first_increment_N=numerics.first_increment * model.joint.T0,

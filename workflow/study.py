@@ -150,6 +150,7 @@ FirstIncrement = Annotated[float, Field(gt=0, le=1)]
 RampPeriods = Annotated[float, Field(ge=1, le=1000)]
 HoldPeriods = Annotated[float, Field(ge=1, le=100_000)]
 UnbalancedRatio = Annotated[float, Field(ge=1e-9, le=0.01)]
+Ranks = Annotated[int, Field(ge=1, le=1024)]
 CollapseRatio = Annotated[float, Field(ge=5, le=10_000)]
 
 
@@ -161,6 +162,7 @@ class Numerics(Section):
     equilibrium after it, over the unbroken joint's longest natural period. ``unbalanced_ratio``:
     mean unbalanced force on a piece over the load. ``collapse_ratio``: displacement over that of
     the unbroken joint under the same load. ``time_step_ratio``: over the largest stable time step.
+    ``ranks``: processes for one case, of engines that can share it out.
     """
 
     tolerance: Tolerance = 0.001
@@ -171,6 +173,7 @@ class Numerics(Section):
     collapse_ratio: CollapseRatio = 200.0
     damping: Share = 0.4
     time_step_ratio: Share = 0.4
+    ranks: Ranks = 1
 
 
 class NumericsChange(Section):
@@ -184,6 +187,7 @@ class NumericsChange(Section):
     collapse_ratio: CollapseRatio | None = None
     damping: Share | None = None
     time_step_ratio: Share | None = None
+    ranks: Ranks | None = None
 
 
 class Assembly(Section):
@@ -198,7 +202,7 @@ class Assembly(Section):
 class Dem(Section):
     """The distinct-element model."""
 
-    engines: tuple[Literal[tuple(ENGINES)], ...] = ("yade",)  # type: ignore[valid-type]
+    engines: tuple[Literal[tuple(ENGINES)], ...] = tuple(ENGINES)  # type: ignore[valid-type]
     time_limit: Annotated[float, Field(ge=1, le=1e7)] = 3600.0  # s, of one case
     numerics: Numerics = Numerics()
 
@@ -294,6 +298,17 @@ class Study(Section):
                 f"models: got {brittle[0]}, allowed with assembly.failure {self.assembly.failure} "
                 f"are: {', '.join(s.name for s in SOLVERS.values() if not s.brittle)}"
             )
+        inner = self.materials.inner
+        for name in self.dem.engines:
+            if ENGINES[name].one_stiffness and inner.normal_stiffness != inner.shear_stiffness:
+                raise ValueError(
+                    f"materials.inner.shear_stiffness: got {inner.shear_stiffness:g} Pa/m, allowed "
+                    f"with {name} is normal_stiffness, {inner.normal_stiffness:g} Pa/m"
+                )
+            if ENGINES[name].brittle_only and self.assembly.failure is not Failure.BRITTLE:
+                raise ValueError(
+                    f"assembly.failure: got {self.assembly.failure}, allowed with {name} is brittle"
+                )
         if self.figures.mesh not in (None, *self.meshes):
             raise ValueError(
                 f"figures.mesh: got {self.figures.mesh}, allowed are meshes: {list(self.meshes)}"

@@ -7,7 +7,9 @@ needed=
 command -v python3 >/dev/null || needed="$needed python3"
 python3 -c 'import ensurepip, venv' 2>/dev/null || needed="$needed python3-venv"
 engines=
-command -v yade >/dev/null || engines="$engines yade"
+for engine in yade liggghts; do
+    command -v "$engine" >/dev/null || engines="$engines $engine"
+done
 
 install() {
     as=

@@ -29,14 +29,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("name")
     parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("--tables", type=Path, nargs=3, help="capacity, validation, weights")
+    parser.add_argument("--tables", type=Path, nargs=3, help="capacity, validation, models")
     parser.add_argument("--case", type=Path, nargs="*", help="files of the case shown")
     parser.add_argument("--output", type=Path, nargs="+")
     arguments = parser.parse_args()
     spec = figures_of(arguments.study)[arguments.name]
-    capacity, validation, weights = (pd.read_csv(path) for path in arguments.tables)
+    capacity, validation, table = (pd.read_csv(path) for path in arguments.tables)
     result = read_case(arguments.case[0].parent) if arguments.case else None
-    material = Material(spec, arguments.study, capacity, validation, weights, result)
+    material = Material(spec, arguments.study, capacity, validation, table, result)
     style.save(DRAWN_BY[spec.kind](material), arguments.output)
 
 

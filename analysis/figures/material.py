@@ -12,21 +12,24 @@ from workflow.study import Study
 
 @dataclass(frozen=True)
 class Material:
-    """A figure's specification, the study, its tables, and the stresses that the figure shows."""
+    """A figure's specification, the study, tables, and the stresses that the figure shows.
+
+    ``table``: the models beside each other, as `analysis.models` writes it.
+    """
 
     spec: FigureSpec
     study: Study
     capacity: pd.DataFrame
     validation: pd.DataFrame
-    weights: pd.DataFrame
+    table: pd.DataFrame
     result: CaseResult | None
 
     @property
     def models(self) -> tuple[str, ...]:
-        """The models of the joint's pieces, the leading one first."""
-        return *self.study.references, *(
-            model for model in self.study.models if model not in self.study.references
-        )
+        """The models of the joint's pieces, the leading one first, those from elsewhere last."""
+        own = self.table["model"].unique()
+        ordered = [m for m in (*self.study.references, *self.study.models) if m in own]
+        return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
 
     @property
     def leading(self) -> str:

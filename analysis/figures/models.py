@@ -1,5 +1,8 @@
 """The models of the joint's pieces beside each other."""
 
+from collections.abc import Sequence
+
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -7,48 +10,82 @@ from matplotlib.figure import Figure
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point
 from analysis.figures.material import Material
-from workflow.cases import REFERENCE
+from analysis.models import SHARES
 
 
 def models(material: Material) -> Figure:
-    """Curves and weights of all models of a sample, at the finest mesh."""
-    mesh = min(material.study.meshes)
-    figure = Figure(figsize=(8.6, 4.6), layout="constrained")
-    curves, bars = figure.subplots(1, 2, width_ratios=[1.0, 1.1])
+    """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
+    study, mesh = material.study, min(material.study.meshes)
+    own = material.table[
+        (material.table["sample"] == material.sample) & (material.table["mesh_m"] == mesh)
+    ]
+    figure = Figure(figsize=(8.6, 8.2), layout="constrained")
+    (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model, colour in zip(material.models, style.COLOURS, strict=False):
         model_curve(curves, material, model, material.sample, mesh, colour)
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
     curves.legend(fontsize=8)
-    _weights(bars, material, mesh)
+    first = own[own["eccentricity_m"] == own["eccentricity_m"].min()]
+    _weights(weights, material.models, first, study.samples[material.sample].locks)
+    ratio = min(study.eccentricities)
+    weights.set_title(f"weights at e = {ratio:g} a", loc="left", fontsize=10)
+    _displacements(moved, material.models, first)
+    moved.set_title(f"displacement at e = {ratio:g} a", loc="left", fontsize=10)
+    _friction(friction, material.models, own)
     style.caption(
         figure,
-        f"The same pieces and nodes, {material.study.samples[material.sample].locks} locks, mesh "
-        f"{mesh:g} m. Distinct elements and the static model follow brittle failure and Coulomb "
-        "friction; limit analysis redistributes freely and has no friction here: its weights are "
-        f"one state of many. Weight: shear on a lock over T0. {material.assumed_geometry}",
+        f"The same pieces and nodes, {study.samples[material.sample].locks} locks, mesh {mesh:g} "
+        "m. Distinct elements and the static model follow brittle failure and Coulomb friction; "
+        "limit analysis redistributes freely, has no friction here and does not move: its weights "
+        "are one state of many. Weight: shear on a lock over T0. Displacement: the one that the "
+        "load works on, at a quarter, half and three quarters of the first failure. Friction: "
+        f"V that reaches the lower body other than by its locks. {material.assumed_geometry}",
+        height=0.13,
     )
     return figure
 
 
-def _weights(axes: Axes, material: Material, mesh: float) -> None:
-    rows = material.weights[
-        (material.weights["sample"] == material.sample)
-        & (material.weights["variant"] == REFERENCE)
-        & (material.weights["mesh_m"] == mesh)
-    ]
-    rows = rows[rows["eccentricity_m"] == rows["eccentricity_m"].min()]
-    width = 0.8 / len(material.models)
-    for index, (model, colour) in enumerate(zip(material.models, style.COLOURS, strict=False)):
-        own: pd.DataFrame = rows[rows["model"] == model].sort_values("lock")
-        shift = (index - (len(material.models) - 1) / 2) * width
-        bar = axes.bar(own["lock"] + shift, own["weight"], width, color=colour, label=model)
-        axes.bar_label(bar, fmt="%.2f", fontsize=6, rotation=90, padding=2)
-    axes.set_xticks(rows["lock"].unique())
+def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) -> None:
+    numbers = np.arange(1, locks + 1)
+    width = 0.8 / len(models)
+    for index, (model, colour) in enumerate(zip(models, style.COLOURS, strict=False)):
+        row = rows[rows["model"] == model].iloc[0]
+        values = [row[f"weight_lock{number}"] for number in numbers]
+        shift = (index - (len(models) - 1) / 2) * width
+        bar = axes.bar(numbers + shift, values, width, color=colour, label=model)
+        axes.bar_label(bar, fmt="%.2f", fontsize=5.5, rotation=90, padding=2)
+    axes.set_xticks(numbers)
     axes.set_xlabel("lock")
-    axes.set_ylim(0, 1.3)
+    axes.set_ylim(0, 1.4)
     axes.set_axisbelow(True)
     axes.grid(axis="x", visible=False)
-    ratio = min(material.study.eccentricities)
-    axes.set_title(f"weights at e = {ratio:g} a", loc="left", fontsize=10)
-    axes.legend(fontsize=8, ncols=3)
+    axes.legend(fontsize=8, ncols=2)
+
+
+def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
+    for model, colour in zip(models, style.COLOURS, strict=False):
+        row = rows[rows["model"] == model].iloc[0]
+        moved = [row[f"displacement_at_{100 * share:g}_percent_m"] for share in SHARES]
+        loads = [share * row["given_load_N"] for share in SHARES]
+        if not np.isnan(moved).any():
+            places = 1e6 * np.array(moved)
+            axes.plot(places, loads, **style.of_model(model, models), color=colour, label=model)
+    axes.set_xlabel("displacement (µm)")
+    axes.set_ylabel("load (N)")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.legend(fontsize=8)
+
+
+def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
+    for model, colour in zip(models, style.COLOURS, strict=False):
+        own = rows[(rows["model"] == model) & np.isfinite(rows["eccentricity_m"])]
+        own = own.sort_values("eccentricity_m")
+        line = style.of_model(model, models)
+        shares = 100 * own["friction_share"]
+        axes.plot(own["eccentricity_m"], shares, **line, color=colour, label=model)
+    axes.set_xlabel("eccentricity e (m)")
+    axes.set_ylabel("friction (% of V)")
+    axes.set_title("friction share at the peak", loc="left", fontsize=10)
+    axes.legend(fontsize=8)

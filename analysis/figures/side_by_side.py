@@ -1,5 +1,7 @@
 """One page that puts published and computed values side by side."""
 
+from itertools import cycle
+
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -43,11 +45,11 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     bars = {"published (3DEC)": rows.drop_duplicates("mesh_m")["published"].to_list()}
     bars |= {model: rows.loc[rows["model"] == model, "computed"].to_list() for model in models}
     width = 0.9 / len(bars)
-    colours = [style.COLOURS[5], style.COLOURS[0], style.COLOURS[4], style.COLOURS[2]]
+    colours = cycle([style.COLOURS[index] for index in (5, 0, 1, 4, 2, 3)])
     for index, ((label, values), colour) in enumerate(zip(bars.items(), colours, strict=False)):
         places = [place + (index - (len(bars) - 1) / 2) * width for place in range(len(meshes))]
         bar = axes.bar(places, values, 0.95 * width, color=colour, label=label)
-        axes.bar_label(bar, fmt="%.1f", fontsize=6.5)
+        axes.bar_label(bar, fmt="%.1f", fontsize=5.5)
     if len(rows):
         axes.set_ylim(0, 1.6 * max(rows["published"].max(), rows["computed"].max()))
         axes.legend(fontsize=7, ncols=2)

@@ -11,6 +11,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from workflow.solvers import SOLVERS
+
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -30,17 +32,19 @@ mpl.rcParams.update(
 )
 
 
-MODEL_LINES = (
+MARKS = (
     {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"},
-    {"linestyle": "-", "linewidth": 1.2},
-    {"linestyle": "--", "linewidth": 1.0},
-    {"linestyle": "none", "marker": "x", "markersize": 5},
+    {"linestyle": "none", "marker": "x", "markersize": 4},
+    {"linestyle": "none", "marker": "s", "markersize": 4, "markerfacecolor": "white"},
 )
+LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 1.0})
 
 
 def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
-    """How the curve of one of ``models`` is drawn: the leading one by marks, the next by lines."""
-    return dict(MODEL_LINES[models.index(model) % len(MODEL_LINES)])
+    """How the curve of one of ``models`` is drawn: distinct elements by marks, others by lines."""
+    own = [name for name in models if (name in SOLVERS) == (model in SOLVERS)]
+    styles = LINES if model in SOLVERS else MARKS
+    return dict(styles[own.index(model) % len(styles)])
 
 
 def curve_axes(axes: Axes, title: str) -> None:

@@ -31,6 +31,7 @@ for engine in ENGINES.values():
                 "workflow/render.py",
                 "workflow/study.py",
                 f"templates/{engine.template}",
+                "templates/results.py.j2",
             ),
         output:
             script=f"{folder}/{engine.script}",

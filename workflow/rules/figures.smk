@@ -24,7 +24,7 @@ rule figure:
         tables=[
             rules.capacity.output[0],
             rules.validation.output[0],
-            rules.weights.output.weights,
+            rules.models.output[0],
         ],
         case=case_shown,
     output:

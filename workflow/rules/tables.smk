@@ -60,6 +60,22 @@ rule capacity:
         " {params.cases:q} > {log:q} 2>&1"
 
 
+rule models:
+    input:
+        read_of(CASES.values()),
+        code=READING + sources("analysis/models.py", "analysis/weights.py"),
+    output:
+        f"{TABLES}/models.csv",
+    log:
+        f"{RESULTS}/logs/models.log",
+    params:
+        cases=CASE_FOLDERS,
+    message:
+        "Put the models beside each other"
+    shell:
+        f"{PYTHON} -m analysis.models {{output:q}} {{params.cases:q}} > {{log:q}} 2>&1"
+
+
 rule fit:
     input:
         code=READING + LIMIT + sources("analysis/fit.py"),

@@ -1,0 +1,155 @@
+"""What every engine must find, against theory and the static model. Real runs, small ones."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import a_case, block_on_ground, load_on_block, run_case
+
+from analysis.balance import unbalanced_share
+from analysis.weights import lock_weights
+from sidmacib.discretisation import Kind, discretise
+from sidmacib.joint import DRY, Direction, Joint
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.static import static_peak
+from workflow.engines import ENGINES
+from workflow.execute import OUTPUTS
+
+pytestmark = pytest.mark.engine
+
+
+@pytest.fixture(params=ENGINES)
+def engine(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+# --- a single face -------------------------------------------------------------------------------
+def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
+    engine: str, joint: Joint, run_block
+) -> None:
+    model = block_on_ground(joint, Kind.INNER, mesh=0.02)
+    folder = run_block(engine, model, load_on_block((0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0))
+    result = json.loads((folder / "result.json").read_text())
+    assert result["peak_load_N"] == pytest.approx(joint.T0, rel=1e-3)
+    assert result["peak_load_N"] <= joint.T0 <= result["failed_load_N"]
+
+
+def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
+    engine: str, joint: Joint, run_block
+) -> None:
+    # 3 x 3 nodes: when the corners fail, what is left carries less, so first failure is the peak.
+    model = block_on_ground(joint, Kind.INNER, mesh=0.02)
+    arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
+    elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
+    folder = run_block(
+        engine, model, load_on_block((0.0, 0.0, 0.0), joint.a), Direction(0.0, joint.a)
+    )
+    result = json.loads((folder / "result.json").read_text())
+    assert result["peak_load_N"] * joint.a == pytest.approx(elastic, rel=1e-3)
+    shear = pd.read_csv(folder / "nodes.csv")[["shear_x_Pa", "shear_y_Pa"]].to_numpy()
+    magnitude = np.linalg.norm(shear, axis=1)
+    assert magnitude / magnitude.max() == pytest.approx(arm / arm.max(), abs=2e-3)
+
+
+def test_a_dry_block_slides_at_friction_times_its_weight(
+    engine: str, joint: Joint, run_block
+) -> None:
+    model = block_on_ground(replace(joint, density=1e6), Kind.DRY, mesh=0.02)
+    limit = joint.dry.friction * model.pieces[1].weight
+    folder = run_block(engine, model, load_on_block((0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0))
+    assert json.loads((folder / "result.json").read_text())["peak_load_N"] == pytest.approx(
+        limit, rel=1e-3
+    )
+
+
+# --- the joint -----------------------------------------------------------------------------------
+def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
+    joint = Joint(locks=2, dry=replace(DRY, friction=0.0))
+    result = run(a_case(engine, joint, Loading(0.0)))
+    assert result.shear == pytest.approx(joint.T0, rel=2.5e-3)
+    weights = lock_weights(result).set_index("lock")["weight"]
+    assert weights[2] == pytest.approx(1.0, abs=3e-3)
+
+
+@pytest.mark.parametrize("push", Push)
+def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
+    weights = lock_weights(run(a_case(engine, Joint(3), Loading(0.0, push=push))))[
+        "weight"
+    ].tolist()
+    ordered = weights if push is Push.PLUS_Y else weights[::-1]
+    assert ordered == pytest.approx([0.74, 1.0, 0.01], abs=0.02)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.03, float("inf")])
+def test_every_piece_is_in_equilibrium_under_its_stresses(
+    engine: str, run, eccentricity: float
+) -> None:
+    result = run(a_case(engine, Joint(3), Loading(eccentricity), mesh=0.02))
+    assert unbalanced_share(result) < 0.0075
+
+
+def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> None:
+    result = run(a_case(engine, Joint(3), Loading(0.0), mesh=0.02))
+    nodes = result.nodes[result.nodes["z_m"] == 0.0]
+    carried = -float(nodes["shear_y_Pa"] @ nodes["area_m2"])
+    assert carried == pytest.approx(result.shear, rel=0.005)
+    dry = nodes[nodes["kind"] == "dry"]
+    assert 0.0 < -float(dry["shear_y_Pa"] @ dry["area_m2"]) < 0.1 * result.shear
+
+
+def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: str, run) -> None:
+    result = run(a_case(engine, Joint(3), Loading(0.03), mesh=0.02))
+    dry = result.nodes[result.nodes["kind"] == "dry"]
+    shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
+    assert (dry["normal_Pa"] >= 0.0).all()
+    assert (shear <= 0.3 * dry["normal_Pa"] * (1 + 1e-6) + 1e-6).all()
+
+
+def test_an_inner_face_carries_no_more_than_its_cohesion(engine: str, run) -> None:
+    result = run(a_case(engine, Joint(3), Loading(0.03), mesh=0.02))
+    assert lock_weights(result)["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
+    assert lock_weights(result)["max_shear_ratio"].max() <= 1.0 + 1e-6
+
+
+def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> None:
+    result = run(a_case(engine, Joint(3), Loading(0.0)))
+    assert 0.0 < result.failed_load / result.peak_load - 1.0 <= 0.001
+
+
+def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run) -> None:
+    history = run(a_case(engine, Joint(3), Loading(0.0))).history
+    assert set(history["stage"]) >= {"equilibrium", "collapse"}
+    still = history[history["stage"] == "equilibrium"]
+    assert still["load_N"].is_monotonic_increasing
+    assert still["displacement_m"].is_monotonic_increasing
+    assert still["inner-lower-lock2_broken_share"].max() == 0.0
+    assert history["inner-lower-lock2_broken_share"].max() == 1.0
+    assert history.iloc[-1]["stage"] != "equilibrium"
+    assert history["time_step"].is_monotonic_increasing
+    assert history["attempt"].is_monotonic_increasing
+    assert {"shear_N", "torque_Nm", "lock2_shear_y_N"} <= set(history.columns)
+
+
+@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.012), (3, float("inf"))])
+def test_the_static_model_finds_the_same_peak_and_weights(
+    engine: str, run, locks: int, eccentricity: float
+) -> None:
+    loading = Loading(eccentricity)
+    result = run(a_case(engine, Joint(locks), loading, mesh=0.02))
+    model = discretise(Joint(locks), 0.02)
+    peak = static_peak(model, lateral_load(model, loading)).peak
+    assert peak.load == pytest.approx(result.peak_load, rel=0.01)
+    inner = result.nodes["lock"].to_numpy()
+    for row in lock_weights(result).itertuples():
+        shear = np.linalg.norm(peak.force[inner == row.lock, 1:].sum(axis=0))
+        assert shear / model.joint.T0 == pytest.approx(row.weight, abs=0.01)
+
+
+def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
+    case = a_case(engine, Joint(2), Loading(0.01))
+    one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))
+    for name in OUTPUTS:
+        assert (one / name).read_bytes() == (other / name).read_bytes()

@@ -1,0 +1,179 @@
+"""Decks for 3DEC, the commercial program of the paper, and the reader of what it prints back.
+
+3DEC is not run here: who has a licence runs the decks and leaves each one's results.txt beside it.
+What the decks assume of 3DEC is in docs/models.md; it has not been tried.
+"""
+
+import argparse
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import pandas as pd
+
+from sidmacib.discretisation import Discretisation, discretise
+from sidmacib.joint import GRAVITY
+from sidmacib.loading import PieceLoad, lateral_load
+from workflow.cases import REFERENCE, Case, case_folder, cases_of
+from workflow.render import TEMPLATES
+from workflow.study import Study
+
+MODEL = "3dec"
+TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
+INCREMENT = 0.0025  # -, of the load, over the strength of the lower locks
+RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
+
+
+def decks(study: Study) -> dict[str, Case]:
+    """The cases that decks are written for, by name: those of the reference variant."""
+    reference = [case for case in cases_of(study).values() if case.variant == REFERENCE]
+    return {case.name: case.model_copy(update={"model": MODEL}) for case in reference}
+
+
+def deck_folder(results: str, name: str) -> str:
+    """Where the deck of a case is, and where what 3DEC prints is looked for."""
+    return f"{results}/decks/{MODEL}/{name}"
+
+
+def deck(case: Case) -> str:
+    """3DEC's commands for ``case``: pieces, faces, loads."""
+    model = discretise(case.joint, case.mesh)
+    faces = [
+        {
+            "below": model.pieces[face.below].name,
+            "above": model.pieces[face.above].name,
+            **_law(asdict(model.material(face.kind))),
+        }
+        for face in model.faces
+    ]
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TEMPLATES),
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    increment = INCREMENT * case.joint.T0 * len(case.joint.lower_locks)
+    return environment.get_template(TEMPLATE).render(
+        title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
+        case=case.name,
+        pieces=model.pieces,
+        faces=faces,
+        dry=_law(asdict(case.joint.dry)),
+        mesh=case.mesh,
+        density=case.joint.density,
+        gravity=GRAVITY,
+        increment=increment,
+        corners=_corners(model, lateral_load(model, case.loading), increment),
+        ratio=RATIO,
+        cycles=CYCLES,
+    )
+
+
+def _law(material: dict[str, float]) -> dict[str, Any]:
+    return {"law": material, "friction_degrees": math.degrees(math.atan(material["friction"]))}
+
+
+def _corners(
+    model: Discretisation, loads: tuple[PieceLoad, ...], increment: float
+) -> list[dict[str, Any]]:
+    """Forces (N) on the corners of the loaded faces, of the same resultant as ``loads``.
+
+    At the corner x, each piece's force over four, plus or minus its torque over 2 a.
+    """
+    found = []
+    for load in loads:
+        piece = model.pieces[load.piece]
+        y = piece.low[1] if load.force[1] >= 0.0 else piece.high[1]
+        for x, sign in ((piece.low[0], -1.0), (piece.high[0], 1.0)):
+            share = load.force / 4
+            share[1] += sign * load.moment[2] / (2 * piece.size[0])
+            found += [
+                {
+                    "piece": piece.name,
+                    "place": (x, y, z),
+                    "force": (increment * share).tolist(),
+                    "radius": 1e-6 + 0.01 * float(min(piece.size)),
+                }
+                for z in (piece.low[2], piece.high[2])
+            ]
+    return found
+
+
+def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
+    """Load carried and load failed (N), and the nodes' stresses, from what 3DEC printed.
+
+    Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
+    ValueError if the text is not of ``case`` or not whole.
+    """
+    model = discretise(case.joint, case.mesh)
+    faces = {
+        frozenset((model.pieces[face.below].name, model.pieces[face.above].name)): face
+        for face in model.faces
+    }
+    loads: list[float] = []
+    rows = []
+    for line in text.splitlines():
+        tag, _, content = line.strip().partition("|")
+        if tag != "MULTILOCK":
+            continue
+        kind, *values = content.split("|")
+        if kind == "CASE" and values != [case.name]:
+            raise ValueError(f"{RETURNED}: got results of {values[0]}, allowed are: {case.name}")
+        if kind == "LOAD":
+            loads = [float(value) for value in values]
+        if kind == "NODE" and frozenset(values[:2]) in faces:
+            face = faces[frozenset(values[:2])]
+            x, y, z, area, normal, *shear, _ = (float(value) for value in values[2:])
+            stress = [force / area for force in (normal, *shear)]
+            rows.append((face.name, str(face.kind), face.lock, x, y, z, area, *stress, 1))
+    if len(loads) != 2 or not rows:
+        raise ValueError(f"{RETURNED} of {case.name}: not whole, run the deck again")
+    columns = [
+        *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
+        *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
+    ]
+    return loads[0], loads[1], pd.DataFrame(rows, columns=columns)
+
+
+def convert(case: Case, text: str, folder: Path) -> None:
+    """Write what 3DEC printed in the form of every other model's results."""
+    carried, failed, nodes = read_returned(text, case)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
+    nodes.to_csv(folder / "nodes.csv", index=False, float_format="%.10g")
+    history = pd.DataFrame([{"load_N": carried, "displacement_m": math.nan}])
+    history.to_csv(folder / "history.csv", index=False)
+    result = {"peak_load_N": carried, "failed_load_N": failed, "first_failure_load_N": None}
+    (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
+
+
+def main() -> None:
+    """Command line: write all decks of a study, or read one that came back."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", choices=["write", "read"])
+    parser.add_argument("study", type=Study.model_validate_json)
+    parser.add_argument("results")
+    parser.add_argument("case", nargs="?")
+    arguments = parser.parse_args()
+    cases = decks(arguments.study)
+    if arguments.what == "write":
+        for name, case in cases.items():
+            folder = Path(deck_folder(arguments.results, name))
+            folder.mkdir(parents=True, exist_ok=True)
+            (folder / DECK).write_text(deck(case))
+        return
+    case = cases[arguments.case]
+    returned = Path(deck_folder(arguments.results, case.name)) / RETURNED
+    folder = Path(case_folder(arguments.results, MODEL, case.name))
+    try:
+        convert(case, returned.read_text(), folder)
+    except ValueError as error:
+        raise SystemExit(f"{returned}: {error}") from None
+
+
+if __name__ == "__main__":
+    main()
