@@ -38,7 +38,7 @@ calibrate: .venv/study.ready
 	$(BIN)/snakemake calibrate $(OPTIONS) && \
 	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
 		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
-	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/summary.txt"
+	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/best.txt"
 
 decks: .venv/study.ready
 	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \

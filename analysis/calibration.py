@@ -236,6 +236,12 @@ def main() -> None:
         sys.exit(f"calibration.mesh: got {study.calibration.mesh:g} m, allowed is a published one")
     if not samples:
         sys.exit("samples: none of them is published, so there is nothing to calibrate with")
+    shortest = min(min(g.a, g.b) for g in geometries(study, published))
+    if shortest <= study.calibration.mesh:
+        sys.exit(
+            f"calibration.mesh: got {study.calibration.mesh:g} m, allowed is less than "
+            f"{shortest:g} m, the shortest side of a lock in calibration.a"
+        )
     table = misfit_map(study, published)
     best = [geometry_of(row) for _, row in best_rows(table.iloc[:-1]).iterrows()]
     config = confirmation(

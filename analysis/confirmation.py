@@ -20,7 +20,7 @@ def confirmation_table(
         own = {n: s.locks for n, s in study.samples.items() if n.split("_")[0] == rank}
         joint = study.joint(next(iter(own)))
         geometry = Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
-        for model in study.references:
+        for model in (m for m in study.references if m in set(capacity["model"])):
             loads = capacity[capacity["model"] == model].set_index("sample")["load_N"]
             shares = weights[weights["model"] == model].sort_values("lock")
             peaks = {locks: float(loads[name]) for name, locks in own.items()}

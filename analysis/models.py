@@ -19,7 +19,7 @@ KEYS = ["sample", "mesh_m", "eccentricity_m"]
 def friction_share(result: CaseResult) -> float:
     """Share of V that reaches the lower body other than by its locks; nan in pure torsion."""
     weights = lock_weights(result)
-    by_locks = float(weights.loc[weights["block"] == "lower", "shear_y_N"].abs().sum())
+    by_locks = abs(float(weights.loc[weights["block"] == "lower", "shear_y_N"].sum()))
     return 1.0 - by_locks / result.shear if result.shear > 0.0 else float("nan")
 
 

@@ -71,7 +71,7 @@ def _models(capacity: pd.DataFrame) -> Iterator[str]:
     keys = ["sample", "mesh_m", "eccentricity_m"]
     for (sample, mesh, eccentricity), rows in own.groupby(keys, sort=False):
         loads = rows.set_index("model")["load_N"]
-        cells = "".join(f"{loads[model]:>10.2f}" for model in models)
+        cells = "".join(f"{loads[m]:>10.2f}" if m in loads else " " * 10 for m in models)
         yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}"
 
 

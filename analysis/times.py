@@ -1,6 +1,7 @@
 """How long each model takes for each case, on this machine; run it after a study."""
 
 import argparse
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -72,8 +73,11 @@ def main() -> None:
     study = read_study_file(arguments.config, arguments.results)
     table = pd.DataFrame(times(study))
     write_table(table, Path(study.results) / "tables/times.csv")
-    measured = table.dropna()["model"]
-    print(describe(table, next(m for m in study.references if m in set(measured))))
+    measured = set(table.dropna()["model"])
+    leading = next((model for model in study.references if model in measured), None)
+    if leading is None:
+        sys.exit(f"{study.results}: no engine has run there, so run make study first")
+    print(describe(table, leading))
 
 
 if __name__ == "__main__":

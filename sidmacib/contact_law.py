@@ -119,8 +119,14 @@ def advanced(law: NodeLaw, state: NodeState, delta: Floats, force: Floats) -> No
 
 
 def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:
-    """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,)."""
+    """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,).
+
+    Without tensile strength any tension counts as infinite.
+    """
     shear = np.hypot(force[:, 1], force[:, 2])
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.maximum(shear / law.shear_strength, -force[:, 0] / law.tensile_strength)
-    return np.where(state.bonded, np.nan_to_num(ratios, nan=0.0, posinf=np.inf), 0.0)
+    tension = np.maximum(-force[:, 0], 0.0)
+    own = state.bonded & (law.tensile_strength > 0.0)
+    ratios = np.where(state.bonded & (tension > 0.0), np.inf, 0.0)
+    np.divide(tension, law.tensile_strength, out=ratios, where=own)
+    held = np.divide(shear, law.shear_strength, out=np.zeros_like(shear), where=state.bonded)
+    return np.asarray(np.maximum(ratios, held))

@@ -58,7 +58,7 @@ class StaticSolution:
 
     @property
     def failed_load(self) -> float:
-        """The smallest load known to have no equilibrium, in N."""
+        """Just above the peak, where bonds fail and no equilibrium follows, in N."""
         return self.peak.load * (1.0 + LEAST_INCREMENT)
 
 
@@ -194,9 +194,10 @@ def _raised(
             return path, np.zeros(len(low.force), bool)
         load = low.load + increment
         if above:  # where the utilisation, all but linear, comes just below 1
-            share = (1.0 - most) / (used(above).max() - most)
+            over = used(above).max()
+            share = (1.0 - most) / (over - most) if np.isfinite(over) else 0.5
             near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
-            load = min(load, near)
+            load = min(load, max(near, low.load + LEAST_INCREMENT * above.load / 2))
         try:
             point = solver.solve(load, _guess(load, path, above), low.state)
         except NoEquilibriumError:

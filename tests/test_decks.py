@@ -1,6 +1,7 @@
 """Decks for 3DEC: what can be tested without it."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from sidmacib.loading import lateral_load
 from workflow.cases import Case
 from workflow.solve import node_table, solve_case
 from workflow.study import read_study
-from workflow.threedec import INCREMENT, convert, deck, decks, read_returned
+from workflow.threedec import INCREMENT, convert, deck, decks, fingerprint, read_returned
 
 STUDY = read_study(
     {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0, 0.5, "torsion"]}
@@ -32,14 +33,18 @@ def returned(case: Case, load: float) -> str:
     model, outcome = solve_case(case.model_copy(update={"model": "static"}))
     nodes = node_table(model, outcome.path[-1])
     faces = {face.name: face for face in model.faces}
-    lines = ["3DEC>program log on", f"MULTILOCK|CASE|{case.name}", f"MULTILOCK|LOAD|{load}|{load}"]
+    lines = [
+        "3DEC>program log on",
+        f"MULTILOCK|CASE|{fingerprint(case)}",
+        f"MULTILOCK|LOAD|{load}|{load}",
+    ]
     for row in nodes.itertuples():
         face = faces[str(row.face)]
         forces = np.array([row.normal_Pa, row.shear_x_Pa, row.shear_y_Pa, row.shear_z_Pa])
         values = [row.x_m, row.y_m, row.z_m, row.area_m2, *(forces * row.area_m2), 0]
         pair = [model.pieces[face.below].name, model.pieces[face.above].name]
         lines.append("|".join(["MULTILOCK", "NODE", *pair, *(repr(float(v)) for v in values)]))
-    return "\n".join(lines)
+    return "\n".join([*lines, "MULTILOCK|END"])
 
 
 def discretised(case: Case) -> Discretisation:
@@ -109,8 +114,8 @@ def test_every_line_is_a_command_or_fish(case: Case) -> None:
         elif words[0] in ("end", "endloop", "endif", "endcommand"):
             depth -= 1
         else:
-            commands = ("block", "model", "program", "local", "out", "carried", "failed")
-            assert words[0] in (*commands, "standing", "else"), line
+            commands = ("block", "model", "program", "local", "out", "carried", "failed", "rounds")
+            assert words[0] in (*commands, "standing", "else", "system.error"), line
     assert depth == 0
 
 
@@ -126,7 +131,21 @@ def test_what_comes_back_reads_like_any_other_model(case: Case, tmp_path: Path) 
 
 def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
     text = returned(case, 100.0)
-    with pytest.raises(ValueError, match=r"got results of other, allowed are: n3-mesh0.03"):
+    with pytest.raises(ValueError, match=r"got results of other-.*, allowed are: n3-mesh0.03"):
         read_returned(text.replace(case.name, "other"), case)
     with pytest.raises(ValueError, match=r"not whole, run the deck again"):
-        read_returned(text.split("MULTILOCK|LOAD")[0], case)
+        read_returned(text.removesuffix("MULTILOCK|END"), case)
+
+
+def test_results_of_the_same_case_on_another_joint_are_refused(case: Case) -> None:
+    taller = case.model_copy(update={"joint": replace(case.joint, h=0.02)})
+    with pytest.raises(ValueError, match=r"got results of n3-mesh0.03-.*, allowed are: n3-mesh0.0"):
+        read_returned(returned(case, 100.0), taller)
+
+
+def test_a_face_that_is_not_covered_is_named(case: Case) -> None:
+    lines = [x for x in returned(case, 100.0).splitlines() if "lock1|column1" not in x]
+    with pytest.raises(
+        ValueError, match=r"got 0 m2 of subcontacts on inner-lock1-column1, allowed"
+    ):
+        read_returned("\n".join(lines), case)

@@ -70,6 +70,13 @@ def test_one_inner_face_alone_fails_at_T0_in_pure_shear(joint: Joint) -> None:
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
 
 
+def test_without_tensile_strength_the_first_tension_breaks_a_bond() -> None:
+    joint = Joint(3, inner=replace(INNER, tensile_strength=0.0))
+    _, found = solved(joint, 0.0)
+    assert 0.0 <= found.first_failure_load < 240.0
+    assert found.peak.load >= found.first_failure_load
+
+
 def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, 0.02)
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)

@@ -11,7 +11,7 @@ from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Failure, Joint
 from workflow.cases import Case, cases_of
 from workflow.engines import ENGINES
-from workflow.study import ConfigError, installed_engines, read_study
+from workflow.study import ConfigError, Study, installed_engines, read_study
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
@@ -106,6 +106,10 @@ def test_another_results_folder_may_be_a_number_or_badly_spelled() -> None:
             merged(materials={"inner": {"shear_stiffness": 5e9}}),
             "materials.inner.shear_stiffness: got 5e.09 Pa/m, allowed with liggghts is",
         ),
+        (
+            merged(models=["static", "static"]),
+            r"models: got \['static', 'static'\], allowed is each name once",
+        ),
         (merged(models=["magic"]), "models.0: got 'magic', input should be 'static' or 'limit'"),
         (
             merged(assembly={"failure": "ductile"}),
@@ -186,6 +190,35 @@ def test_without_engines_the_static_model_leads() -> None:
     study = read_study(merged(dem={"engines": []}))
     assert study.references == ("static",)
     assert {model for model, _ in cases_of(study)} == {"static", "limit"}
+
+
+@pytest.mark.parametrize(
+    "config",
+    [
+        {"samples": {"n": {"locks": 4}}, "sidmacib": {"reductions": ["none"]}},
+        merged(assembly={"failure": "ductile"}, models=["limit"], dem={"engines": ["yade"]}),
+        merged(materials={"inner": {"shear_stiffness": 5e9}}, dem={"engines": []}),
+        {"samples": {"n": {"locks": 3, "b": 0.02}}, "meshes": [0.005]},
+    ],
+)
+def test_the_parts_that_steps_get_are_valid_studies_too(config: dict[str, Any]) -> None:
+    study = read_study(config)
+    for part in ("tables", "pieces", "figures", "calibration"):
+        again = Study.model_validate_json(getattr(study, f"{part}_json")())
+        assert (again.assembly, again.samples) == (study.assembly, study.samples)
+
+
+def test_an_override_may_be_for_an_engine_that_is_left_out() -> None:
+    variants = {"slow": {"numerics": {"ramp_periods": 80}}}
+    overrides = {"n3-mesh0.02-e0a-slow": {"tolerance": 0.002}}
+    config = merged(variants=variants, overrides=overrides, dem={"engines": []})
+    assert cases_of(read_study(config))
+
+
+def test_only_an_engine_that_can_gets_several_ranks() -> None:
+    cases = cases_of(read_study(merged(dem={"numerics": {"ranks": 2}})))
+    ranks = {m: c.numerics.ranks for (m, _), c in cases.items() if c.numerics is not None}
+    assert ranks == {"yade": 1, "liggghts": 2}
 
 
 def test_an_engine_that_is_not_installed_is_left_out_and_named(

@@ -53,7 +53,9 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
         if (case.model, case.name) in cases:
             raise ConfigError(f"variants.{case.variant}: got {case.name} twice, allowed is once")
         cases[case.model, case.name] = case
-    names = {name for _, name in cases}
+    # Engines that are left out, because they are not installed, have these cases too.
+    every = study.model_copy(update={"dem": study.dem.model_copy(update={"engines": (*ENGINES,)})})
+    names = {case.name for case in _cases(every) if case.model in ENGINES}
     for name in study.overrides:
         if name not in names:
             raise ConfigError(f"overrides: got {name}, {_allowed(name, names)}")
@@ -73,6 +75,8 @@ def _cases(study: Study) -> Iterator[Case]:
                         name = case_name(sample, mesh, ratio, variant)
                         numerics = _replaced(study.dem.numerics, change.numerics)
                         numerics = _replaced(numerics, study.overrides.get(name, NumericsChange()))
+                        if model in ENGINES and not ENGINES[model].shares_out:
+                            numerics = numerics.model_copy(update={"ranks": 1})
                         yield Case(
                             name=name,
                             model=model,
@@ -123,7 +127,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description="Print the folder of a case.")
     parser.add_argument("config", type=Path)
     parser.add_argument("case")
-    parser.add_argument("--model", help="the leading one if not given")
+    parser.add_argument("--model", help="the first that is installed if not given")
     parser.add_argument("--results")
     arguments = parser.parse_args()
     study = read_study_file(arguments.config, arguments.results)
@@ -131,7 +135,8 @@ def main() -> None:
         cases = cases_of(study)
     except ConfigError as error:
         sys.exit(f"{arguments.config}: {error}")
-    model = arguments.model or study.references[0]
+    there = [m for m in study.references if m not in ENGINES or not ENGINES[m].missing()]
+    model = arguments.model or (there or study.references)[0]
     models = {model for model, _ in cases}
     if model not in models:
         sys.exit(f"MODEL: got {model}, allowed are: {', '.join(sorted(models))}")

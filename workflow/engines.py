@@ -13,7 +13,8 @@ class Engine:
     ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
     the program, followed by the script's name; ``package``: Debian's package that has it;
     ``probe``: a program of that package, which tells whether it is installed; ``brittle_only``: it
-    knows no ductile faces; ``one_stiffness``: its inner faces are as stiff along as across.
+    knows no ductile faces; ``one_stiffness``: its inner faces are as stiff along as across;
+    ``shares_out``: it can share a case out to several processes.
     """
 
     name: str
@@ -24,6 +25,7 @@ class Engine:
     probe: str
     brittle_only: bool = False
     one_stiffness: bool = False
+    shares_out: bool = False
 
     def missing(self) -> str | None:
         """What to install, in one line; None if the program is there."""
@@ -53,6 +55,7 @@ ENGINES = {
             probe="liggghts",
             brittle_only=True,
             one_stiffness=True,
+            shares_out=True,
         ),
     )
 }

@@ -19,6 +19,13 @@ from workflow.study import Numerics
 
 DATA_FILE = "joint.json"
 TEMPLATES = Path(__file__).parents[1] / "templates"
+ENVIRONMENT = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(TEMPLATES),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
 
 
 def joint_data(
@@ -75,14 +82,7 @@ def script(
     frequencies = natural_frequencies(model)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
     period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    return environment.get_template(engine.template).render(
+    return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,

@@ -287,6 +287,9 @@ class Study(Section):
             values = getattr(self, key)
             if len({f"{value:g}" for value in values}) < len(values):  # as in names of cases
                 raise ValueError(f"{key}: got {list(values)}, allowed is each value once")
+        for key, names in (("models", self.models), ("dem.engines", self.dem.engines)):
+            if len(set(names)) < len(names):
+                raise ValueError(f"{key}: got {list(names)}, allowed is each name once")
         brittle = [name for name in self.models if SOLVERS[name].brittle]
         if not self.dem.engines and not brittle:
             raise ValueError(
@@ -336,27 +339,25 @@ class Study(Section):
         )
 
     def tables_json(self) -> str:
-        """The parts of the study that tables depend on, as JSON: not how engines compute."""
-        parts = set(Study.model_fields) - {
-            *("results", "overrides", "variants", "calibration", "figures", "dem"),
-        }
-        return self.model_dump_json(include={**dict.fromkeys(parts, True), "dem": {"engines"}})
+        """What tables depend on, as JSON: not how engines compute."""
+        return self._without("results", "overrides", "variants", "calibration", "figures")
 
     def pieces_json(self) -> str:
-        """The parts that the models of the joint's pieces depend on, as JSON."""
-        excluded = {"results", "overrides", "figures", "calibration", "sidmacib", "dem"}
-        return self.model_dump_json(exclude=excluded)
-
-    def calibration_json(self) -> str:
-        """The parts that the search for the published geometry depends on, as JSON."""
-        parts = {"samples", "geometry", "materials", "dem", "calibration"}
-        return self.model_dump_json(include=parts)
+        """What the models of the joint's pieces that need no engine depend on, as JSON."""
+        return self._without("results", "overrides", "calibration", "figures")
 
     def figures_json(self) -> str:
-        """What the figures depend on, as JSON: not how engines compute."""
+        """What figures depend on, as JSON: not how engines compute."""
+        return self._without("results", "overrides", "calibration")
+
+    def calibration_json(self) -> str:
+        """What the search for the published geometry depends on, as JSON."""
+        return self.model_dump_json(exclude={"results", "overrides", "variants", "figures"})
+
+    def _without(self, *sections: str) -> str:
+        """All but some sections and how engines compute; what is left is a valid study."""
         dem = {"numerics": True, "time_limit": True}
-        others = {"results": True, "overrides": True, "calibration": True}
-        return self.model_dump_json(exclude={**others, "dem": dem})
+        return self.model_dump_json(exclude={**dict.fromkeys(sections, True), "dem": dem})
 
 
 class ConfigError(ValueError):

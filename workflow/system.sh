@@ -15,15 +15,18 @@ install() {
     as=
     [ "$(id -u)" = 0 ] || as="sudo -n"
     command -v apt-get >/dev/null && { [ -z "$as" ] || $as true 2>/dev/null; } || return 1
-    echo "Installing$*"
+    echo "Installing $*"
     $as apt-get update >/dev/null &&
         $as env DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends $* >/dev/null
 }
 
-if [ -n "$needed$engines" ] && ! install "$needed$engines"; then
-    echo "Not installed; on Debian, ask for: apt-get install$needed$engines" >&2
-    [ -z "$needed" ] || exit 1
+if [ -n "$needed" ] && ! install $needed; then
+    echo "Not installed; on Debian, ask for: apt-get install$needed" >&2
+    exit 1
 fi
+for engine in $engines; do
+    install "$engine" || echo "Not installed; on Debian, ask for: apt-get install $engine" >&2
+done
 
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
     echo "python3: got $(python3 -V), allowed is 3.11 or newer" >&2

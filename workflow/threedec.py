@@ -5,32 +5,43 @@ What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 """
 
 import argparse
+import hashlib
 import json
 import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import jinja2
 import pandas as pd
 
 from sidmacib.discretisation import Discretisation, discretise
-from sidmacib.joint import GRAVITY
+from sidmacib.joint import GRAVITY, Failure
 from sidmacib.loading import PieceLoad, lateral_load
 from workflow.cases import REFERENCE, Case, case_folder, cases_of
-from workflow.render import TEMPLATES
+from workflow.render import ENVIRONMENT
 from workflow.study import Study
 
 MODEL = "3dec"
 TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
 INCREMENT = 0.0025  # -, of the load, over the strength of the lower locks
+ROUNDS = 4000  # at most: ten times the strength of the lower locks
 RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
 
 
 def decks(study: Study) -> dict[str, Case]:
-    """The cases that decks are written for, by name: those of the reference variant."""
-    reference = [case for case in cases_of(study).values() if case.variant == REFERENCE]
-    return {case.name: case.model_copy(update={"model": MODEL}) for case in reference}
+    """The cases that decks are written for, by name: brittle ones of the reference variant."""
+    own = {"model": MODEL, "numerics": None}
+    return {
+        case.name: case.model_copy(update=own)
+        for case in cases_of(study).values()
+        if case.variant == REFERENCE and case.joint.failure is Failure.BRITTLE
+    }
+
+
+def fingerprint(case: Case) -> str:
+    """Name of a case with a digest of all that its results depend on."""
+    told = case.model_dump_json(include={"joint", "mesh", "loading"})
+    return f"{case.name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
 
 
 def deck_folder(results: str, name: str) -> str:
@@ -49,17 +60,10 @@ def deck(case: Case) -> str:
         }
         for face in model.faces
     ]
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TEMPLATES),
-        undefined=jinja2.StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     increment = INCREMENT * case.joint.T0 * len(case.joint.lower_locks)
-    return environment.get_template(TEMPLATE).render(
+    return ENVIRONMENT.get_template(TEMPLATE).render(
         title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
-        case=case.name,
+        case=fingerprint(case),
         pieces=model.pieces,
         faces=faces,
         dry=_law(asdict(case.joint.dry)),
@@ -67,6 +71,7 @@ def deck(case: Case) -> str:
         density=case.joint.density,
         gravity=GRAVITY,
         increment=increment,
+        rounds=ROUNDS,
         corners=_corners(model, lateral_load(model, case.loading), increment),
         ratio=RATIO,
         cycles=CYCLES,
@@ -107,7 +112,7 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
     """Load carried and load failed (N), and the nodes' stresses, from what 3DEC printed.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
-    ValueError if the text is not of ``case`` or not whole.
+    ValueError if the text is not of ``case`` as it is now, or not whole.
     """
     model = discretise(case.joint, case.mesh)
     faces = {
@@ -116,27 +121,40 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
     }
     loads: list[float] = []
     rows = []
+    of, ended = "", False
     for line in text.splitlines():
         tag, _, content = line.strip().partition("|")
         if tag != "MULTILOCK":
             continue
         kind, *values = content.split("|")
-        if kind == "CASE" and values != [case.name]:
-            raise ValueError(f"{RETURNED}: got results of {values[0]}, allowed are: {case.name}")
+        of = values[0] if kind == "CASE" else of
+        ended |= kind == "END"
         if kind == "LOAD":
             loads = [float(value) for value in values]
         if kind == "NODE" and frozenset(values[:2]) in faces:
             face = faces[frozenset(values[:2])]
             x, y, z, area, normal, *shear, _ = (float(value) for value in values[2:])
+            if area <= 0.0:  # nothing of the face belongs to it
+                continue
             stress = [force / area for force in (normal, *shear)]
             rows.append((face.name, str(face.kind), face.lock, x, y, z, area, *stress, 1))
-    if len(loads) != 2 or not rows:
+    if not ended or len(loads) != 2:
         raise ValueError(f"{RETURNED} of {case.name}: not whole, run the deck again")
+    if of != fingerprint(case):
+        raise ValueError(f"{RETURNED}: got results of {of}, allowed are: {fingerprint(case)}")
     columns = [
         *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
         *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
     ]
-    return loads[0], loads[1], pd.DataFrame(rows, columns=columns)
+    nodes = pd.DataFrame(rows, columns=columns)
+    covered = nodes.groupby("face")["area_m2"].sum()
+    for face in faces.values():
+        if not math.isclose(covered.get(face.name, 0.0), face.area, rel_tol=0.01):
+            raise ValueError(
+                f"{RETURNED}: got {covered.get(face.name, 0.0):g} m2 of subcontacts on "
+                f"{face.name}, allowed is its area, {face.area:g} m2"
+            )
+    return loads[0], loads[1], nodes
 
 
 def convert(case: Case, text: str, folder: Path) -> None:

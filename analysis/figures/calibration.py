@@ -20,7 +20,8 @@ def calibration(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
     spans = [(0, 0, 3), (0, 3, 4), (0, 4, 5), (0, 5, 6), (1, 0, 3), (1, 3, 6)]
     layout = figure.add_gridspec(2, 6, height_ratios=[1.0, 1.1])
     cells = [figure.add_subplot(layout[row, start:end]) for row, start, end in spans]
-    _map(figure, cells[0], grid[np.isclose(grid["a_m"], own["a_m"])], own)
+    nearest = grid.loc[(grid["a_m"] - own["a_m"]).abs().idxmin(), "a_m"]
+    _map(figure, cells[0], grid[grid["a_m"] == nearest], own)
     for axes, column in zip(cells[1:4], AXES, strict=True):
         _profile(axes, grid, own, column)
     for axes, (locks, rows) in zip(cells[4:], curves.groupby("locks"), strict=False):
@@ -40,15 +41,19 @@ def calibration(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
 
 def _map(figure: Figure, axes: Axes, grid: pd.DataFrame, own: pd.Series) -> None:
     values = grid.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
-    levels = np.linspace(1.2, 3.0, 10)
-    shown = axes.contourf(
-        values.columns, values.index, values, levels=levels, cmap="viridis_r", extend="both"
-    )
-    figure.colorbar(shown, ax=axes, label="misfit")
+    if min(values.shape) > 1:
+        least = float(np.floor(10 * values.min(axis=None)) / 10)
+        shown = axes.contourf(
+            *(values.columns, values.index, values),
+            levels=np.linspace(least, least + 1.8, 10),
+            cmap="viridis_r",
+            extend="both",
+        )
+        figure.colorbar(shown, ax=axes, label="misfit")
     axes.plot(own["height_share"], own["height_over_b"], "X", color="white", markeredgecolor="k")
     axes.set_xlabel(AXES["height_share"])
     axes.set_ylabel(AXES["height_over_b"])
-    axes.set_title(f"misfit, a = {own['a_m']:g} m", loc="left", fontsize=10)
+    axes.set_title(f"misfit, a = {grid['a_m'].iloc[0]:g} m", loc="left", fontsize=10)
     axes.grid(visible=False)
 
 
@@ -56,7 +61,8 @@ def _profile(axes: Axes, grid: pd.DataFrame, own: pd.Series, column: str) -> Non
     least = grid.groupby(column)["misfit_swapped"].min()
     axes.plot(least.index, least, "o-", color=style.COLOURS[0], markersize=3)
     axes.plot(own[column], own["misfit_swapped"], "X", color=style.COLOURS[6])
-    axes.set_ylim(1.0, 3.0)
+    lowest = grid["misfit_swapped"].min()
+    axes.set_ylim(max(0.0, lowest - 0.25), lowest + 1.75)
     axes.set_xlabel(AXES[column])
     if column == "height_share":
         axes.set_title("least misfit", loc="left", fontsize=10)

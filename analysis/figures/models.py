@@ -50,7 +50,10 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
     numbers = np.arange(1, locks + 1)
     width = 0.8 / len(models)
     for index, (model, colour) in enumerate(zip(models, style.COLOURS, strict=False)):
-        row = rows[rows["model"] == model].iloc[0]
+        own = rows[rows["model"] == model]
+        if own.empty:
+            continue
+        row = own.iloc[0]
         values = [row[f"weight_lock{number}"] for number in numbers]
         shift = (index - (len(models) - 1) / 2) * width
         bar = axes.bar(numbers + shift, values, width, color=colour, label=model)
@@ -65,7 +68,10 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
 
 def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     for model, colour in zip(models, style.COLOURS, strict=False):
-        row = rows[rows["model"] == model].iloc[0]
+        own = rows[rows["model"] == model]
+        if own.empty:
+            continue
+        row = own.iloc[0]
         moved = [row[f"displacement_at_{100 * share:g}_percent_m"] for share in SHARES]
         loads = [share * row["given_load_N"] for share in SHARES]
         if not np.isnan(moved).any():

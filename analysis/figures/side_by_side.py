@@ -43,7 +43,8 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     meshes = list(rows["mesh_m"].unique())
     models = list(rows["model"].unique())
     bars = {"published (3DEC)": rows.drop_duplicates("mesh_m")["published"].to_list()}
-    bars |= {model: rows.loc[rows["model"] == model, "computed"].to_list() for model in models}
+    found = rows.set_index(["model", "mesh_m"])["computed"]
+    bars |= {m: [found.get((m, mesh), float("nan")) for mesh in meshes] for m in models}
     width = 0.9 / len(bars)
     colours = cycle([style.COLOURS[index] for index in (5, 0, 1, 4, 2, 3)])
     for index, ((label, values), colour) in enumerate(zip(bars.items(), colours, strict=False)):

@@ -46,12 +46,16 @@ rule calibration_figure:
 rule confirmation:
     input:
         rules.calibration_figure.output,
-        code=READING + sources("analysis/calibration.py", "analysis/confirmation.py"),
+        code=READING
+        + sources(
+            *(f"analysis/{name}.py" for name in ("calibration", "confirmation", "weights")),
+            "analysis/published.yaml",
+        ),
         config=rules.calibrate.output.config,
         tables=[f"{CALIBRATION}/tables/{name}.csv" for name in ("capacity", "weights")],
     output:
         table=f"{TABLES}/calibration.csv",
-        summary=f"{CALIBRATION}/summary.txt",
+        summary=f"{CALIBRATION}/best.txt",
     log:
         f"{RESULTS}/logs/confirmation.log",
     message:

@@ -64,6 +64,7 @@ for engine in ENGINES.values():
             f"{RESULTS}/logs/{engine.name}/{{case}}.log",
         benchmark:
             f"{RESULTS}/benchmarks/{engine.name}/{{case}}.tsv"
+        threads: lambda wildcards, engine=engine: CASES[engine.name, wildcards.case].numerics.ranks
         resources:  # not params: another limit does not change results
             time_limit=int(STUDY.dem.time_limit),
         params:

@@ -3,7 +3,7 @@ rule decks:
     input:
         code=MODEL_SOURCES
         + sources(
-            *(f"workflow/{name}.py" for name in ("cases", "study", "threedec")),
+            *(f"workflow/{name}.py" for name in ("cases", "render", "study", "threedec")),
             "templates/3dec.dat.j2",
         ),
     output:
@@ -21,7 +21,8 @@ rule decks:
 
 rule read_3dec:
     input:
-        code=MODEL_SOURCES + sources("workflow/threedec.py"),
+        code=MODEL_SOURCES
+        + sources(*(f"workflow/{name}.py" for name in ("cases", "study", "threedec"))),
         returned=f"{deck_folder(RESULTS, '{case}')}/results.txt",
     output:
         expand("{folder}/{file}", folder=case_folder(RESULTS, "3dec", "{{case}}"), file=CASE_FILES),

@@ -20,6 +20,9 @@ rule figure:
             ),
             *(f"analysis/figures/{name}.py" for name in ("models", "side_by_side", "style")),
             "analysis/figures/stress_maps.py",
+            "analysis/models.py",
+            "analysis/published.yaml",
+            "workflow/solvers.py",
         ),
         tables=[
             rules.capacity.output[0],

@@ -44,7 +44,10 @@ rule capacity:
         read_of(CASES.values()),
         code=READING
         + LIMIT
-        + sources("analysis/balance.py", "analysis/capacity.py", "analysis/published.yaml"),
+        + sources(
+            *(f"analysis/{name}.py" for name in ("balance", "capacity", "weights")),
+            "analysis/published.yaml",
+        ),
         weights=rules.weights.output.weights,
     output:
         f"{TABLES}/capacity.csv",
@@ -95,7 +98,11 @@ rule fit:
 
 rule validation:
     input:
-        code=READING + sources("analysis/validation.py", "analysis/published.yaml"),
+        code=READING
+        + sources(
+            *(f"analysis/{name}.py" for name in ("capacity", "fit", "validation")),
+            "analysis/published.yaml",
+        ),
         tables=[rules.capacity.output[0], rules.weights.output.weights, rules.fit.output.fit],
     output:
         f"{TABLES}/validation.csv",
