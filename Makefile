@@ -21,8 +21,8 @@ COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
-	engines=$$($(BIN)/python -m workflow.study engines "$(CONFIG)") && \
+	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
+	engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)") && \
 	$(BIN)/snakemake $(OPTIONS) "dem={engines: [$$engines]}" && cat "$$folder/summary.txt"
 
 case: .venv/study.ready
@@ -33,15 +33,15 @@ case: .venv/study.ready
 
 # The best geometries are a study of their own, whose configuration the first step writes.
 calibrate: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
-	engines=$$($(BIN)/python -m workflow.study engines "$(CONFIG)") && \
+	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
+	engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)") && \
 	$(BIN)/snakemake calibrate $(OPTIONS) && \
 	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
 		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
 	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/best.txt"
 
 decks: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.study folder "$(CONFIG)" $(TO)) && \
+	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
 	$(BIN)/snakemake decks $(OPTIONS) && echo "Decks: $$folder/decks/3dec"
 
 times: .venv/study.ready

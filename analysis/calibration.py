@@ -23,8 +23,9 @@ from analysis.reading import CaseResult, Published, read_published, write_table
 from analysis.weights import lock_weights
 from sidmacib.discretisation import Floats
 from workflow.cases import cases_of
+from workflow.configuration import read_study
 from workflow.solve import node_table, solve_case
-from workflow.study import Geometry, Study, read_study
+from workflow.study import Geometry, Study
 
 PEAK_SCALE = 0.01  # -, of a peak: published ones differ by up to 0.6 % between meshes
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant

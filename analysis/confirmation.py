@@ -7,7 +7,8 @@ import pandas as pd
 
 from analysis.calibration import misfit_columns, size_columns
 from analysis.reading import Published, read_published, write_table
-from workflow.study import Geometry, Study, read_study_file
+from workflow.configuration import read_study_file
+from workflow.study import Geometry, Study
 
 
 def confirmation_table(

@@ -11,9 +11,10 @@ import pandas as pd
 
 from analysis.reading import write_table
 from workflow.cases import REFERENCE, Case, cases_of
+from workflow.configuration import read_study_file
 from workflow.engines import ENGINES
 from workflow.solve import solve_case
-from workflow.study import Study, read_study_file
+from workflow.study import Study
 
 REPEATS = 3
 

@@ -19,7 +19,8 @@ from sidmacib.discretisation import discretise
 from sidmacib.joint import Direction
 from sidmacib.revision import active
 from workflow.cases import Case, cases_of
-from workflow.study import Study, read_study
+from workflow.configuration import read_study
+from workflow.study import Study
 
 
 def result_with(case: Case, shear_x: float, shear_y: float, peak: float = 100.0) -> CaseResult:

@@ -16,7 +16,8 @@ from analysis.calibration import (
 )
 from analysis.figures.calibration import calibration
 from analysis.reading import read_published
-from workflow.study import Study, read_study
+from workflow.configuration import read_study
+from workflow.study import Study
 
 PUBLISHED = read_published()
 

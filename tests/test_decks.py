@@ -13,8 +13,8 @@ from analysis.weights import lock_weights
 from sidmacib.discretisation import Discretisation, discretise
 from sidmacib.loading import lateral_load
 from workflow.cases import Case
+from workflow.configuration import read_study
 from workflow.solve import node_table, solve_case
-from workflow.study import read_study
 from workflow.threedec import INCREMENT, convert, deck, decks, fingerprint, read_returned
 
 STUDY = read_study(

@@ -12,7 +12,7 @@ from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
 from sidmacib.discretisation import discretise
 from sidmacib.joint import Joint
-from workflow.study import read_study
+from workflow.configuration import read_study
 
 
 def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from workflow.cases import cases_of
+from workflow.configuration import read_study
 from workflow.engines import ENGINES
 from workflow.render import DATA_FILE, TEMPLATES, write_case
-from workflow.study import read_study
 
 
 @pytest.fixture

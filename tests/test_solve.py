@@ -8,9 +8,9 @@ from analysis.balance import unbalanced_share
 from analysis.reading import NODE_COLUMNS, read_case
 from analysis.weights import lock_weights
 from workflow.cases import Case, cases_of
+from workflow.configuration import read_study
 from workflow.solve import solve_case, write_results
 from workflow.solvers import SOLVERS
-from workflow.study import read_study
 
 
 def case_of(model: str, direction: str, locks: int = 3) -> Case:

@@ -10,8 +10,9 @@ from conftest import ROOT
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Failure, Joint
 from workflow.cases import Case, cases_of
+from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
-from workflow.study import ConfigError, Study, installed_engines, read_study
+from workflow.study import Study
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 

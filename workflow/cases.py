@@ -11,17 +11,10 @@ from pydantic import BaseModel, ConfigDict
 
 from sidmacib.joint import Direction, Failure, Joint
 from sidmacib.loading import Loading
+from workflow.configuration import ConfigError, read_study_file
 from workflow.engines import ENGINES
 from workflow.solvers import SOLVERS
-from workflow.study import (
-    Assembly,
-    ConfigError,
-    Numerics,
-    NumericsChange,
-    Study,
-    Variant,
-    read_study_file,
-)
+from workflow.study import Assembly, Numerics, NumericsChange, Study, Variant
 
 REFERENCE = "reference"  # the variant that is held against the published numbers
 

@@ -16,7 +16,10 @@ CASE_FOLDERS = [case_folder(RESULTS, case.model, case.name) for case in CASES.va
 
 # Only what the tables depend on: other edits of the configuration do not run them again.
 STUDY_JSON = STUDY.tables_json()
-READING = sources("analysis/reading.py", "workflow/cases.py", "workflow/study.py")
+READING = sources(
+    "analysis/reading.py",
+    *(f"workflow/{name}.py" for name in ("cases", "configuration", "study")),
+)
 LIMIT = MODEL_SOURCES + sources(
     *(f"sidmacib/{name}.py" for name in ("contact_points", "capacity", "revision"))
 )
