@@ -10,6 +10,10 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import ROOT
+from test_decks import returned
+
+from workflow.configuration import read_study
+from workflow.threedec import decks
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},
@@ -156,6 +160,20 @@ def test_a_study_without_engines_has_the_static_model_in_their_place(workspace: 
     assert set(pd.read_csv(results / "tables/fit.csv")["model"]) == {"static"}
     assert "SiDMACIB against static" in (results / "summary.txt").read_text()
     assert (results / "figures/shear_stress-n3.png").stat().st_size > 5000
+
+
+def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Workspace) -> None:
+    change: dict[str, object] = {"dem": {"engines": []}, "eccentricities": [0], "variants": {}}
+    workspace.configure(**change)
+    case = decks(read_study({**SMALL, **change}))["n3-mesh0.03-e0a"]
+    folder = workspace.folder / "results/decks/3dec/n3-mesh0.03-e0a"
+    folder.mkdir(parents=True)
+    (folder / "results.txt").write_text(returned(case, 245.5))
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    capacity = pd.read_csv(workspace.folder / "results/tables/capacity.csv")
+    assert capacity.loc[capacity["model"] == "3dec", "shear_N"].tolist() == [245.5]
+    assert "static, limit, 3dec" in (workspace.folder / "results/summary.txt").read_text()
 
 
 @pytest.mark.engine

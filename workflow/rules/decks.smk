@@ -25,7 +25,7 @@ rule read_3dec:
         + sources(*(f"workflow/{name}.py" for name in ("cases", "study", "threedec"))),
         returned=f"{deck_folder(RESULTS, '{case}')}/results.txt",
     output:
-        expand("{folder}/{file}", folder=case_folder(RESULTS, "3dec", "{{case}}"), file=CASE_FILES),
+        expand("{folder}/{file}", folder=case_folder(RESULTS, "3dec", "{case}"), file=CASE_FILES),
     log:
         f"{RESULTS}/logs/3dec/{{case}}.log",
     params:
