@@ -14,6 +14,8 @@ MODEL ?=
 BIN := .venv/bin
 TO = $(if $(RESULTS),--results "$(RESULTS)")
 OPTIONS = --configfile "$(CONFIG)" --config $(if $(RESULTS),"results=$(RESULTS)")
+FOLDER = folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO))
+ENGINES = engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)")
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
@@ -21,8 +23,8 @@ COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
-	engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)") && \
+	@$(FOLDER) && \
+	$(ENGINES) && \
 	$(BIN)/snakemake $(OPTIONS) "dem={engines: [$$engines]}" && cat "$$folder/summary.txt"
 
 case: .venv/study.ready
@@ -33,15 +35,15 @@ case: .venv/study.ready
 
 # The best geometries are a study of their own, whose configuration the first step writes.
 calibrate: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
-	engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)") && \
+	@$(FOLDER) && \
+	$(ENGINES) && \
 	$(BIN)/snakemake calibrate $(OPTIONS) && \
 	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
 		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
 	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/best.txt"
 
 decks: .venv/study.ready
-	@folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO)) && \
+	@$(FOLDER) && \
 	$(BIN)/snakemake decks $(OPTIONS) && echo "Decks: $$folder/decks/3dec"
 
 times: .venv/study.ready

@@ -7,8 +7,9 @@ from pathlib import Path
 
 from analysis.figures.catalogue import figures_of
 from workflow.cases import case_folder, cases_of
-from workflow.engines import ENGINES
 from workflow.configuration import ConfigError, read_study
+from workflow.engines import ENGINES
+from workflow.results import CASE_FILES
 from workflow.threedec import deck_folder, decks
 
 # A study of one's own is not mixed with this one.

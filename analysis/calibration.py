@@ -19,11 +19,12 @@ import numpy as np
 import pandas as pd
 import yaml
 
-from analysis.reading import CaseResult, Published, read_published, write_table
+from analysis.reading import CaseResult, Published, read_published
 from analysis.weights import lock_weights
 from sidmacib.discretisation import Floats
 from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.results import write_table
 from workflow.solve import node_table, solve_case
 from workflow.study import Geometry, Study
 
@@ -151,7 +152,7 @@ class TwoParts:
     def of(cls, points: Floats) -> "TwoParts":
         """The closest two straight parts to ``points`` (V, M) from pure shear on, (N, 2)."""
         scaled = points / points.max(axis=0)
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(scaled, axis=0).T))])
+        length = length_along(scaled)
         place = length / length[-1]
         fits = []
         for turn in np.linspace(0.1, 0.9, 81):
@@ -163,6 +164,11 @@ class TwoParts:
         first, second = np.diff(knots, axis=0)
         slopes = (float(-first[1] / first[0]), float(-second[1] / second[0]))
         return cls(turn, slopes, residual)
+
+
+def length_along(points: Floats) -> Floats:
+    """Length of a curve from its first point to each of ``points``, (N, 2); shape (N,)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
 def curve_table(

@@ -9,12 +9,13 @@ from typing import Any
 import pandas as pd
 
 from analysis.balance import unbalanced_share
-from analysis.reading import CaseResult, Published, read_case, read_published, write_table
+from analysis.reading import CaseResult, Published, read_case, read_published
 from analysis.weights import case_columns
 from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.joint import Direction
 from sidmacib.revision import REDUCTIONS
 from workflow.cases import REFERENCE
+from workflow.results import write_table
 from workflow.study import Study
 
 COLUMNS = (
@@ -108,10 +109,8 @@ def sidmacib_variant(option: str, friction: bool, reduction: str) -> str:
 
 def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any]]:
     """The paper's pure-shear capacities, for the samples that it has."""
-    for sample in study.samples:
+    for sample in published.samples(study):
         joint = study.joint(sample)
-        if not published.covers(study, sample):
-            continue
         for mesh in study.meshes:
             value = published.dem_pure_shear(joint.locks, mesh)
             values = {"sidmacib": published.numbers["limit_pure_shear"][joint.locks], "3dec": value}

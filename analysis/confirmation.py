@@ -6,8 +6,9 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.calibration import misfit_columns, size_columns
-from analysis.reading import Published, read_published, write_table
+from analysis.reading import Published, read_published
 from workflow.configuration import read_study_file
+from workflow.results import write_table
 from workflow.study import Geometry, Study
 
 

@@ -16,12 +16,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from analysis.reading import write_table
 from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.contact_points import ContactOption
 from sidmacib.discretisation import Floats
 from sidmacib.joint import Direction, Joint
 from workflow.cases import REFERENCE
+from workflow.results import write_table
 from workflow.study import Study
 
 BEST_COLUMNS = (

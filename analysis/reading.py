@@ -10,12 +10,8 @@ import pandas as pd
 import yaml
 
 from workflow.cases import Case
+from workflow.results import NODE_COLUMNS
 from workflow.study import Assembly, Study
-
-NODE_COLUMNS = (
-    *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
-    *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
-)
 
 
 @dataclass(frozen=True)
@@ -24,9 +20,9 @@ class CaseResult:
 
     ``peak_load`` and ``failed_load``: the largest load at equilibrium and the smallest one above
     it that failed, along the case's direction, in N; ``first_failure_load``: where the first node
-    failed, None where a model does not tell. ``nodes``: stresses at the peak, one row per
-    node with `NODE_COLUMNS`; normal stress is positive in compression, shear is that on the piece
-    above. ``history``: one row per look at the joint.
+    failed, None where a model does not tell. ``nodes``: stresses at the peak, one row per node with
+    `workflow.results.NODE_COLUMNS`; normal stress is positive in compression, shear is that on the
+    piece above. ``history``: one row per look at the joint.
     """
 
     case: Case
@@ -61,12 +57,6 @@ def read_case(folder: Path) -> CaseResult:
         nodes=nodes,
         history=pd.read_csv(folder / "history.csv"),
     )
-
-
-def write_table(rows: pd.DataFrame, path: Path) -> None:
-    """Write ``rows`` as CSV, numbers with ten digits."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    rows.to_csv(path, index=False, float_format="%.10g")
 
 
 @dataclass(frozen=True)

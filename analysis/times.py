@@ -9,10 +9,10 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.reading import write_table
 from workflow.cases import REFERENCE, Case, cases_of
 from workflow.configuration import read_study_file
 from workflow.engines import ENGINES
+from workflow.results import write_table
 from workflow.solve import solve_case
 from workflow.study import Study
 

@@ -10,8 +10,9 @@ import pandas as pd
 
 from analysis.capacity import pure_shear_weights
 from analysis.fit import winner
-from analysis.reading import Published, read_published, write_table
+from analysis.reading import Published, read_published
 from workflow.cases import REFERENCE
+from workflow.results import write_table
 from workflow.study import Study
 
 COLUMNS = (
@@ -30,10 +31,8 @@ def validation_table(
 ) -> pd.DataFrame:
     """One row for each published number that the study can be held against."""
     rows: list[dict[str, Any]] = []
-    for sample in study.samples:
+    for sample in published.samples(study):
         joint = study.joint(sample)
-        if not published.covers(study, sample):
-            continue
         own = capacity[(capacity["sample"] == sample) & (capacity["eccentricity_m"] == 0.0)]
         found = [
             *_limit_rows(own, published.numbers["limit_pure_shear"][joint.locks]),

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.reading import CaseResult, read_case, write_table
+from analysis.reading import CaseResult, read_case
+from workflow.results import write_table
 
 
 def case_columns(result: CaseResult) -> dict[str, Any]:

@@ -44,12 +44,11 @@ class StaticSolution:
     """The path of the joint to its peak.
 
     ``first_failure_load`` in N: where the first node fails. ``path``: the equilibria on the way;
-    the last is the peak. ``newton_steps``: how many it took, in all.
+    the last is the peak.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
-    newton_steps: int
 
     @property
     def peak(self) -> Equilibrium:
@@ -67,7 +66,7 @@ class NoEquilibriumError(RuntimeError):
 
 
 class Solver:
-    """Newton's method on ``model`` under ``loads``; counts its steps."""
+    """Newton's method on ``model`` under ``loads``."""
 
     def __init__(self, model: Discretisation, loads: tuple[PieceLoad, ...]) -> None:
         permanent, reference = permanent_and_reference(model, loads)
@@ -75,7 +74,6 @@ class Solver:
         self.load, self.weight = reference[rows], permanent[rows]
         self.springs = Springs.of(model)
         self.law = self.springs.law
-        self.steps = 0
         self.elastic = self.springs.elastic_stiffness()
         # Keeps pieces that nothing holds for a moment from flying off.
         self.floor = 1e-10 * np.diag(np.diag(self.elastic))
@@ -121,7 +119,6 @@ class Solver:
             displacement, response, residual, size = now
             if size <= allowed:
                 return displacement
-            self.steps += 1
             stiffness = self.bonds + loose.stiffness(tangent(loose.law, response)) + self.floor
             step = np.linalg.solve(stiffness, residual)
             if not np.abs(step).max() < 1.0:
@@ -165,7 +162,7 @@ def static_peak(model: Discretisation, loads: tuple[PieceLoad, ...]) -> StaticSo
         except NoEquilibriumError:
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
-    return StaticSolution(first_failure, tuple(path[: peak + 1]), solver.steps)
+    return StaticSolution(first_failure, tuple(path[: peak + 1]))
 
 
 def _raised(
@@ -185,9 +182,10 @@ def _raised(
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
     while True:
         low = path[-1]
-        most = used(low).max()
+        own = used(low)
+        most = own.max()
         if most >= 1.0 - LEAST_INCREMENT:
-            return path, used(low) >= most * (1.0 - 1e-5)
+            return path, own >= most * (1.0 - 1e-5)
         if above and above.load - low.load <= LEAST_INCREMENT * above.load:
             return path, used(above) >= 1.0
         if increment <= LEAST_INCREMENT * (low.load + increment):

@@ -16,7 +16,7 @@ from sidmacib.joint import DRY, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.static import static_peak
 from workflow.engines import ENGINES
-from workflow.execute import OUTPUTS
+from workflow.results import OUTPUTS
 
 pytestmark = pytest.mark.engine
 

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from workflow.engines import ENGINES, Engine
-from workflow.execute import OUTPUTS, EngineError, execute
+from workflow.execute import EngineError, execute
 from workflow.render import DATA_FILE
+from workflow.results import OUTPUTS
 
 GOOD = """
 open("history.csv", "w").write("load_N")

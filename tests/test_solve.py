@@ -5,11 +5,12 @@ from pathlib import Path
 import pytest
 
 from analysis.balance import unbalanced_share
-from analysis.reading import NODE_COLUMNS, read_case
+from analysis.reading import read_case
 from analysis.weights import lock_weights
 from workflow.cases import Case, cases_of
 from workflow.configuration import read_study
-from workflow.solve import solve_case, write_results
+from workflow.results import NODE_COLUMNS
+from workflow.solve import solve_case, write_outcome
 from workflow.solvers import SOLVERS
 
 
@@ -24,7 +25,7 @@ def case_of(model: str, direction: str, locks: int = 3) -> Case:
 
 
 def solved(case: Case, folder: Path) -> Path:
-    write_results(case, *solve_case(case), folder)
+    write_outcome(case, *solve_case(case), folder)
     return folder
 
 

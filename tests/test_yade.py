@@ -12,7 +12,7 @@ from analysis.weights import lock_weights
 from sidmacib.joint import Failure, Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare
 from workflow.engines import ENGINES
-from workflow.execute import OUTPUTS
+from workflow.results import OUTPUTS
 
 pytestmark = pytest.mark.engine
 

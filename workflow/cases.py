@@ -46,6 +46,8 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
         if (case.model, case.name) in cases:
             raise ConfigError(f"variants.{case.variant}: got {case.name} twice, allowed is once")
         cases[case.model, case.name] = case
+    if not study.overrides:
+        return cases
     # Engines that are left out, because they are not installed, have these cases too.
     every = study.model_copy(update={"dem": study.dem.model_copy(update={"engines": (*ENGINES,)})})
     names = {case.name for case in _cases(every) if case.model in ENGINES}

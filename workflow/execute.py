@@ -14,8 +14,8 @@ from pathlib import Path
 
 from workflow.engines import ENGINES, Engine
 from workflow.render import DATA_FILE
+from workflow.results import OUTPUTS
 
-OUTPUTS = ("history.csv", "nodes.csv", "result.json")
 TAIL_LINES = 20
 
 

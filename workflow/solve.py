@@ -1,7 +1,6 @@
 """Solve all cases of a model that needs no engine, and write what an engine would."""
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ from sidmacib.equilibrium import face_frames
 from sidmacib.loading import lateral_load
 from sidmacib.static import NoEquilibriumError
 from workflow.cases import Case, case_folder, cases_of
+from workflow.results import write_results
 from workflow.solvers import SOLVERS, Outcome, State
 from workflow.study import Study
 
@@ -65,23 +65,11 @@ def history_row(case: Case, model: Discretisation, state: State) -> dict[str, An
     return row
 
 
-def write_results(case: Case, model: Discretisation, outcome: Outcome, folder: Path) -> None:
-    """Write case.json, nodes.csv, history.csv and, at the end, result.json."""
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
-    _write_table(node_table(model, outcome.path[-1]), folder / "nodes.csv")
+def write_outcome(case: Case, model: Discretisation, outcome: Outcome, folder: Path) -> None:
+    """Write what a model found, see `workflow.results`."""
     history = pd.DataFrame([history_row(case, model, state) for state in outcome.path])
-    _write_table(history, folder / "history.csv")
-    result = {
-        "peak_load_N": outcome.path[-1].load,
-        "failed_load_N": outcome.failed_load,
-        "first_failure_load_N": outcome.first_failure_load,
-    }
-    (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
-
-
-def _write_table(rows: pd.DataFrame, path: Path) -> None:
-    rows.to_csv(path, index=False, float_format="%.10g")
+    loads = (outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load)
+    write_results(case, folder, node_table(model, outcome.path[-1]), history, loads)
 
 
 def main() -> None:
@@ -98,7 +86,7 @@ def main() -> None:
             model, outcome = solve_case(case)
         except (CapacityError, NoEquilibriumError) as error:
             sys.exit(f"{case.name}: {name}: {error}")
-        write_results(case, model, outcome, Path(case_folder(arguments.results, name, case.name)))
+        write_outcome(case, model, outcome, Path(case_folder(arguments.results, name, case.name)))
 
 
 if __name__ == "__main__":

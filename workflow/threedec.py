@@ -6,7 +6,6 @@ What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 
 import argparse
 import hashlib
-import json
 import math
 from dataclasses import asdict
 from pathlib import Path
@@ -19,6 +18,7 @@ from sidmacib.joint import GRAVITY, Failure
 from sidmacib.loading import PieceLoad, lateral_load
 from workflow.cases import REFERENCE, Case, case_folder, cases_of
 from workflow.render import ENVIRONMENT
+from workflow.results import NODE_COLUMNS, write_results
 from workflow.study import Study
 
 MODEL = "3dec"
@@ -142,11 +142,7 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
         raise ValueError(f"{RETURNED} of {case.name}: not whole, run the deck again")
     if of != fingerprint(case):
         raise ValueError(f"{RETURNED}: got results of {of}, allowed are: {fingerprint(case)}")
-    columns = [
-        *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
-        *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
-    ]
-    nodes = pd.DataFrame(rows, columns=columns)
+    nodes = pd.DataFrame(rows, columns=list(NODE_COLUMNS))
     covered = nodes.groupby("face")["area_m2"].sum()
     for face in faces.values():
         if not math.isclose(covered.get(face.name, 0.0), face.area, rel_tol=0.01):
@@ -160,13 +156,8 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
 def convert(case: Case, text: str, folder: Path) -> None:
     """Write what 3DEC printed in the form of every other model's results."""
     carried, failed, nodes = read_returned(text, case)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
-    nodes.to_csv(folder / "nodes.csv", index=False, float_format="%.10g")
     history = pd.DataFrame([{"load_N": carried, "displacement_m": math.nan}])
-    history.to_csv(folder / "history.csv", index=False)
-    result = {"peak_load_N": carried, "failed_load_N": failed, "first_failure_load_N": None}
-    (folder / "result.json").write_text(json.dumps(result, indent=1) + "\n")
+    write_results(case, folder, nodes, history, (carried, failed, None))
 
 
 def main() -> None:

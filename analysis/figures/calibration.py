@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.calibration import length_along
 from analysis.figures import style
 
 AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
@@ -78,7 +79,7 @@ def _curves(axes: Axes, rows: pd.DataFrame, own: pd.Series, locks: int) -> None:
         is_own = bool(np.allclose(first[sizes].astype(float), own[sizes].astype(float)))
         scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
         x, y = scaled.to_numpy().T
-        length = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+        length = length_along(scaled.to_numpy())
         turn = first["turn_from_shear"] * length[-1]
         colour = style.COLOURS[lengths.index(first["a_m"]) % len(style.COLOURS)]
         label = f"a = {first['a_m']:g} m{', the study' if is_own else ''}"

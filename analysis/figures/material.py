@@ -55,8 +55,7 @@ class Material:
     @property
     def assumed_geometry(self) -> str:
         """What to say of the geometry where it stands for the paper's."""
-        published = read_published()
-        if any(published.covers(self.study, sample) for sample in self.study.samples):
+        if read_published().samples(self.study):
             return "Assumed: a, b, h and H (the paper's text gives a·b only)."
         return ""
 

@@ -26,7 +26,7 @@ def models(material: Material) -> Figure:
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
     curves.legend(fontsize=8)
-    first = own[own["eccentricity_m"] == own["eccentricity_m"].min()]
+    first = own[own["eccentricity_m"] == own["eccentricity_m"].min()].set_index("model")
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     ratio = min(study.eccentricities)
     weights.set_title(f"weights at e = {ratio:g} a", loc="left", fontsize=10)
@@ -50,10 +50,9 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
     numbers = np.arange(1, locks + 1)
     width = 0.8 / len(models)
     for index, (model, colour) in enumerate(zip(models, style.COLOURS, strict=False)):
-        own = rows[rows["model"] == model]
-        if own.empty:
+        if model not in rows.index:
             continue
-        row = own.iloc[0]
+        row = rows.loc[model]
         values = [row[f"weight_lock{number}"] for number in numbers]
         shift = (index - (len(models) - 1) / 2) * width
         bar = axes.bar(numbers + shift, values, width, color=colour, label=model)
@@ -68,10 +67,9 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
 
 def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     for model, colour in zip(models, style.COLOURS, strict=False):
-        own = rows[rows["model"] == model]
-        if own.empty:
+        if model not in rows.index:
             continue
-        row = own.iloc[0]
+        row = rows.loc[model]
         moved = [row[f"displacement_at_{100 * share:g}_percent_m"] for share in SHARES]
         loads = [share * row["given_load_N"] for share in SHARES]
         if not np.isnan(moved).any():

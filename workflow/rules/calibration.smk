@@ -5,11 +5,9 @@ CALIBRATION = f"{RESULTS}/calibration"
 
 rule calibrate:
     input:
-        code=MODEL_SOURCES
+        code=SOLVER_SOURCES
         + READING
         + sources(
-            *(f"sidmacib/{name}.py" for name in ("contact_law", "springs", "static")),
-            *(f"workflow/{name}.py" for name in ("solve", "solvers")),
             *(f"analysis/{name}" for name in ("calibration.py", "weights.py", "published.yaml")),
         ),
     output:
@@ -30,7 +28,11 @@ rule calibrate:
 
 rule calibration_figure:
     input:
-        code=sources("analysis/figures/calibration.py", "analysis/figures/style.py"),
+        code=sources(
+            "analysis/calibration.py",
+            "analysis/figures/calibration.py",
+            "analysis/figures/style.py",
+        ),
         tables=[rules.calibrate.output.map, rules.calibrate.output.curves],
     output:
         png=f"{RESULTS}/figures/calibration.png",

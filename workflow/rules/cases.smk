@@ -12,7 +12,10 @@ MODEL_SOURCES = sources(
 )
 
 
-CASE_FILES = ["case.json", "history.csv", "nodes.csv", "result.json"]
+SOLVER_SOURCES = MODEL_SOURCES + sources(
+    *(f"sidmacib/{name}.py" for name in ("capacity", "contact_law", "limit", "springs", "static")),
+    *(f"workflow/{name}.py" for name in ("cases", "results", "solve", "solvers", "study")),
+)
 
 
 for engine in ENGINES.values():
@@ -31,6 +34,7 @@ for engine in ENGINES.values():
                 "workflow/render.py",
                 "workflow/study.py",
                 f"templates/{engine.template}",
+                "templates/joint.py.j2",
                 "templates/results.py.j2",
             ),
         output:
@@ -53,7 +57,7 @@ for engine in ENGINES.values():
         name:
             engine.name
         input:
-            code=sources("workflow/engines.py", "workflow/execute.py"),
+            code=sources(*(f"workflow/{name}.py" for name in ("engines", "execute", "results"))),
             script=getattr(rules, f"render_{engine.name}").output.script,
             joint=getattr(rules, f"render_{engine.name}").output.joint,
         output:
@@ -84,14 +88,7 @@ for model in STUDY.models:
         name:
             model
         input:
-            code=MODEL_SOURCES
-            + sources(
-                *(
-                    f"sidmacib/{name}.py"
-                    for name in ("capacity", "contact_law", "limit", "springs", "static")
-                ),
-                *(f"workflow/{name}.py" for name in ("cases", "solve", "solvers", "study")),
-            ),
+            code=SOLVER_SOURCES,
         output:
             expand("{folder}/{file}", folder=OWN_FOLDERS, file=CASE_FILES),
         log:

@@ -22,7 +22,7 @@ rule decks:
 rule read_3dec:
     input:
         code=MODEL_SOURCES
-        + sources(*(f"workflow/{name}.py" for name in ("cases", "study", "threedec"))),
+        + sources(*(f"workflow/{name}.py" for name in ("cases", "results", "study", "threedec"))),
         returned=f"{deck_folder(RESULTS, '{case}')}/results.txt",
     output:
         expand("{folder}/{file}", folder=case_folder(RESULTS, "3dec", "{case}"), file=CASE_FILES),

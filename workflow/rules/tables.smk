@@ -18,7 +18,7 @@ CASE_FOLDERS = [case_folder(RESULTS, case.model, case.name) for case in CASES.va
 STUDY_JSON = STUDY.tables_json()
 READING = sources(
     "analysis/reading.py",
-    *(f"workflow/{name}.py" for name in ("cases", "configuration", "study")),
+    *(f"workflow/{name}.py" for name in ("cases", "configuration", "results", "study")),
 )
 LIMIT = MODEL_SOURCES + sources(
     *(f"sidmacib/{name}.py" for name in ("contact_points", "capacity", "revision"))
