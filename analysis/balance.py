@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.reading import CaseResult
-from sidmacib.discretisation import Floats, Nodes, discretise
-from sidmacib.equilibrium import equilibrium_matrix, face_frames, permanent_and_reference
 from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Floats, Nodes
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames
+from sidmacib.pieces import assemble
 
 
 def unbalanced_forces(result: CaseResult) -> Floats:
@@ -16,21 +17,22 @@ def unbalanced_forces(result: CaseResult) -> Floats:
     The moments are about the pieces' centroids; fixed pieces have 0.
     """
     nodes = result.nodes
-    model = discretise(result.case.joint, result.case.mesh)
-    number = {face.name: index for index, face in enumerate(model.faces)}
+    assembly = assemble(result.case.joint, result.case.mesh)
+    number = {face.name: index for index, face in enumerate(assembly.faces)}
     places = nodes[["x_m", "y_m", "z_m"]].to_numpy()
     owner = nodes["face"].map(number).to_numpy()
-    model = replace(model, nodes=Nodes(owner, places, nodes["area_m2"].to_numpy()))
+    assembly = replace(assembly, nodes=Nodes(owner, places, nodes["area_m2"].to_numpy()))
     shear_on_above = nodes[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]].to_numpy()
-    frames = face_frames(model)
+    frames = face_frames(assembly)
     # Node forces on the piece below, in the frame of the face: compression pushes it back.
     local = -np.einsum("nij,nj->ni", frames, shear_on_above)
     local[:, 0] -= nodes["normal_Pa"].to_numpy()
-    node_forces = local * model.nodes.area[:, None]
-    permanent, reference = permanent_and_reference(model, lateral_load(model, result.case.loading))
-    inside = equilibrium_matrix(model) @ node_forces.ravel()
-    force = (inside + permanent + result.peak_load * reference).reshape(-1, 6)
-    for index, piece in enumerate(model.pieces):
+    node_forces = local * assembly.nodes.area[:, None]
+    loads = lateral_load(result.case.joint, assembly, result.case.loading)
+    outside = loads.permanent + result.peak_load * loads.variable
+    inside = equilibrium_matrix(assembly) @ node_forces.ravel()
+    force = inside.reshape(-1, 6) + outside
+    for index, piece in enumerate(assembly.pieces):
         if piece.fixed:
             force[index] = 0.0
     return force

@@ -21,7 +21,8 @@ import yaml
 
 from analysis.reading import CaseResult, Published, read_published
 from analysis.weights import lock_weights
-from sidmacib.discretisation import Floats
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.pieces import lock_faces
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results import write_table
@@ -63,7 +64,9 @@ def static_results(
         model, outcome = solve_case(case)
         peak = outcome.path[-1]
         loads = (peak.load, outcome.failed_load, outcome.first_failure_load)
-        yield CaseResult(case, *loads, node_table(model, peak), pd.DataFrame())
+        nodes = node_table(model, peak)
+        nodes["lock"] = nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int)
+        yield CaseResult(case, *loads, nodes, pd.DataFrame())
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ import pandas as pd
 from analysis.balance import unbalanced_share
 from analysis.reading import CaseResult, Published, read_case, read_published
 from analysis.weights import case_columns
-from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.joint import Direction
+from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS
 from workflow.cases import REFERENCE
 from workflow.results import write_table
@@ -66,7 +66,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
     """
     for sample in study.samples:
         joint = study.joint(sample)
-        directions = [Direction.at_eccentricity(e * joint.a, joint.a) for e in study.eccentricities]
+        directions = [Direction(e) for e in study.eccentricities]
         read = {
             source: own
             for source, own in pure_shear_weights(weights, sample).items()

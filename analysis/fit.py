@@ -16,10 +16,10 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.contact_points import ContactOption
-from sidmacib.discretisation import Floats
 from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.programme import Sidmacib, capacities
 from workflow.cases import REFERENCE
 from workflow.results import write_table
 from workflow.study import Study
@@ -90,7 +90,7 @@ def best_pair(
     Two points per lock at +-d, every lock of the same strength. ``curve`` has columns
     ``eccentricity_m`` and ``load_N``.
     """
-    directions = [Direction.at_eccentricity(e, joint.a) for e in curve["eccentricity_m"]]
+    directions = [Direction(e / joint.a) for e in curve["eccentricity_m"]]
     reference = curve["load_N"].to_numpy()
 
     def loads(unknowns: Floats) -> Floats:

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
+from sidmacib.pieces import lock_faces
 from workflow.cases import Case
 from workflow.results import NODE_COLUMNS
 from workflow.study import Assembly, Study
@@ -40,7 +41,7 @@ class CaseResult:
     @property
     def torque(self) -> float:
         """M at the peak, in N m."""
-        return self.peak_load * self.case.direction.torque
+        return self.peak_load * self.case.direction.torque * self.case.joint.a
 
 
 def read_case(folder: Path) -> CaseResult:
@@ -49,8 +50,10 @@ def read_case(folder: Path) -> CaseResult:
     nodes = pd.read_csv(folder / "nodes.csv")
     if missing := set(NODE_COLUMNS) - set(nodes.columns):
         raise ValueError(f"{folder / 'nodes.csv'}: no column {', '.join(sorted(missing))}")
+    case = Case.model_validate_json((folder / "case.json").read_bytes())
+    nodes.insert(2, "lock", nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int))
     return CaseResult(
-        case=Case.model_validate_json((folder / "case.json").read_bytes()),
+        case=case,
         peak_load=result["peak_load_N"],
         failed_load=result["failed_load_N"],
         first_failure_load=result.get("first_failure_load_N"),

@@ -44,7 +44,7 @@ def times(study: Study) -> Iterator[dict[str, Any]]:
                 "model": case.model,
                 "sample": case.sample,
                 "mesh_m": case.mesh,
-                "eccentricity_m": case.loading.eccentricity,
+                "eccentricity_m": case.eccentricity_m,
                 "time_s": seconds_of(case, Path(study.results) / "benchmarks"),
             }
 

@@ -26,7 +26,7 @@ def case_columns(result: CaseResult) -> dict[str, Any]:
         "sample": case.sample,
         "locks": case.joint.locks,
         "mesh_m": case.mesh,
-        "eccentricity_m": case.loading.eccentricity,
+        "eccentricity_m": case.eccentricity_m,
     }
 
 

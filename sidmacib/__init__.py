@@ -1,33 +1,43 @@
 """Models of interlocking masonry joints with several locks under torsion and shear."""
 
-from sidmacib.capacity import (
-    Capacity,
-    CapacityError,
-    InfeasibleError,
-    Sidmacib,
-    SolverError,
-    UnboundedError,
-    capacities,
-    capacity,
-)
-from sidmacib.contact_points import OPTIONS, ContactOption
-from sidmacib.envelope import Envelope, envelope
-from sidmacib.joint import Direction, FaceMaterial, Joint
+import importlib
+from typing import Any
 
-__all__ = [
-    "OPTIONS",
-    "Capacity",
-    "CapacityError",
-    "ContactOption",
-    "Direction",
-    "Envelope",
-    "FaceMaterial",
-    "InfeasibleError",
-    "Joint",
-    "Sidmacib",
-    "SolverError",
-    "UnboundedError",
-    "capacities",
-    "capacity",
-    "envelope",
-]
+# Where each public name is: a module is imported when one of its names is first used, as solvers
+# take longer to import than most models take to run.
+_HOME = {
+    "OPTIONS": "contact_points",
+    "Assembly": "mechanics.assembly",
+    "Capacity": "programme",
+    "CapacityError": "errors",
+    "ContactOption": "contact_points",
+    "Direction": "joint",
+    "Envelope": "polygon",
+    "FaceMaterial": "mechanics.assembly",
+    "InfeasibleError": "errors",
+    "Joint": "joint",
+    "Loading": "loading",
+    "Loads": "mechanics.assembly",
+    "Sidmacib": "programme",
+    "SolverError": "errors",
+    "UnboundedError": "errors",
+    "assemble": "pieces",
+    "capacities": "programme",
+    "capacity": "programme",
+    "envelope": "polygon",
+    "lateral_load": "loading",
+    "limit_load": "mechanics.limit",
+    "static_peak": "mechanics.static",
+}
+
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(importlib.import_module(f"{__name__}.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.discretisation import Floats
 from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Floats
 
 
 @dataclass(frozen=True)

@@ -12,29 +12,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-GRAVITY = 9.81  # m/s2
-
-
-@dataclass(frozen=True)
-class FaceMaterial:
-    """Law of a contact face, per unit of area.
-
-    ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu.
-    """
-
-    normal_stiffness: float
-    shear_stiffness: float
-    friction: float
-    cohesion: float
-    tensile_strength: float
-
-
-class Failure(StrEnum):
-    """What a node of an inner face keeps once its strength is reached."""
-
-    BRITTLE = "brittle"  # it loses cohesion and tensile strength at once
-    DUCTILE = "ductile"  # it goes on to carry its strength
+from sidmacib.mechanics.assembly import FaceMaterial, Failure
 
 
 class UpperBody(StrEnum):
@@ -97,30 +75,27 @@ class Joint:
 
 @dataclass(frozen=True)
 class Direction:
-    """A direction of loading in the (V, M) plane: V = load * shear, M = load * torque.
+    """A direction of loading in the (V, M) plane: V = load * shear, M = load * torque * a.
 
-    ``shear`` is a pure number and ``torque`` a length in m, so ``load`` is in N for every
-    direction, pure torsion included.
+    ``eccentricity`` is e / a, the lever of the force over the locks' length; ``inf`` is pure
+    torsion. ``shear`` and ``torque`` are pure numbers with shear**2 + torque**2 = 1, so ``load`` is
+    in N for every direction, pure torsion included. ValueError if it is not a number.
     """
 
-    shear: float
-    torque: float
+    eccentricity: float
 
-    @classmethod
-    def at_eccentricity(cls, eccentricity: float, length: float) -> "Direction":
-        """Direction of a force at ``eccentricity`` (m; ``inf`` is pure torsion).
-
-        ``length`` (m, the locks' length a) weighs torque against shear, so that
-        shear**2 + (torque / length)**2 = 1.
-        """
-        if math.isinf(eccentricity):
-            return cls(0.0, math.copysign(length, eccentricity))
-        norm = math.hypot(1.0, eccentricity / length)
-        return cls(1.0 / norm, eccentricity / norm)
+    def __post_init__(self) -> None:
+        if math.isnan(self.eccentricity):
+            raise ValueError("eccentricity: got nan, allowed is a number (e / a) or inf")
 
     @property
-    def eccentricity(self) -> float:
-        """M / V in m; ``inf`` for pure torsion."""
-        if self.shear == 0.0:
-            return math.copysign(math.inf, self.torque)
-        return self.torque / self.shear
+    def shear(self) -> float:
+        """V over the load."""
+        return 0.0 if math.isinf(self.eccentricity) else 1.0 / math.hypot(1.0, self.eccentricity)
+
+    @property
+    def torque(self) -> float:
+        """M over the load times a."""
+        if math.isinf(self.eccentricity):
+            return math.copysign(1.0, self.eccentricity)
+        return self.eccentricity / math.hypot(1.0, self.eccentricity)

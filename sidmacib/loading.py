@@ -1,12 +1,13 @@
-"""The lateral load on the pieces of the joint."""
+"""The lateral load on the joint's pieces."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
 
-from sidmacib.discretisation import Block, Discretisation, Floats, Piece
-from sidmacib.joint import Direction
+from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads, Nodes, self_weight
+from sidmacib.pieces import lock_name, upper_bodies
 
 
 class LoadShare(StrEnum):
@@ -25,45 +26,55 @@ class Push(StrEnum):
 
 @dataclass(frozen=True)
 class Loading:
-    """Where the lateral load acts, and its eccentricity in m (``inf`` is pure torsion)."""
+    """The direction of the lateral load in the (V, M) plane, and where it acts."""
 
-    eccentricity: float
+    direction: Direction
     share: LoadShare = LoadShare.FACE
     push: Push = Push.PLUS_Y
 
 
-@dataclass(frozen=True)
-class PieceLoad:
-    """Force (N) and moment about the piece's centroid (N m), both of shape (3,)."""
-
-    piece: int
-    force: Floats
-    moment: Floats
-
-
-def lateral_load(model: Discretisation, loading: Loading) -> tuple[PieceLoad, ...]:
-    """Loads on the pieces for a load of 1 N along the direction of ``loading``.
+def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
+    """Self-weight, and 1 N of load along the direction of ``loading`` on the pieces of ``joint``.
 
     The paper (section 3) applies a pressure that is uniform in z and linear in x to the lateral
     face of the upper block: its resultant is V at mid-length and the torque M about z. Each loaded
     piece takes both in proportion to its height.
     """
-    direction = Direction.at_eccentricity(loading.eccentricity, model.joint.a)
+    direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
-    loaded = [i for i, piece in enumerate(model.pieces) if _is_loaded(piece, model, loading)]
-    height = sum(model.pieces[i].size[2] for i in loaded)
+    names = _loaded(joint, loading)
+    loaded = [i for i, piece in enumerate(assembly.pieces) if piece.name in names]
+    height = np.array([assembly.pieces[i].size[2] for i in loaded])
+    part = height / height.sum()
+    variable = np.zeros((len(assembly.pieces), 6))
+    variable[loaded, 1] = sign * direction.shear * part
+    variable[loaded, 5] = direction.torque * joint.a * part
+    return Loads(self_weight(assembly.pieces), variable, joint.T0)
 
-    def load(index: int) -> PieceLoad:
-        part = float(model.pieces[index].size[2] / height)
-        force = np.array([0.0, sign * direction.shear * part, 0.0])
-        return PieceLoad(index, force, np.array([0.0, 0.0, direction.torque * part]))
 
-    return tuple(load(i) for i in loaded)
+def pressed(
+    joint: Joint, assembly: Assembly, loads: Loads, overload: float
+) -> tuple[Assembly, Loads]:
+    """The joint with a force (N, down, shared by the upper bodies) in place of the fixed plate."""
+    kept = [i for i, face in enumerate(assembly.faces) if face.kind is not Kind.PLATE]
+    own = np.isin(assembly.nodes.face, kept)
+    nodes = Nodes(
+        np.searchsorted(kept, assembly.nodes.face[own]),
+        assembly.nodes.position[own],
+        assembly.nodes.area[own],
+    )
+    bodies = [i for i, p in enumerate(assembly.pieces) if p.name in upper_bodies(joint)]
+    permanent = loads.permanent.copy()
+    permanent[bodies, 2] -= overload / len(bodies)
+    faces = tuple(assembly.faces[i] for i in kept)
+    return replace(assembly, faces=faces, nodes=nodes), replace(loads, permanent=permanent)
 
 
-def _is_loaded(piece: Piece, model: Discretisation, loading: Loading) -> bool:
-    if piece.block is not Block.UPPER or (loading.share is LoadShare.BODY and piece.lock):
-        return False
-    if loading.push is Push.PLUS_Y:
-        return piece.low[1] == 0.0
-    return bool(np.isclose(piece.high[1], model.joint.locks * model.joint.b))
+def _loaded(joint: Joint, loading: Loading) -> set[str]:
+    """Names of the pieces that the load acts on."""
+    first = loading.push is Push.PLUS_Y
+    lock = 1 if first else joint.locks
+    names = {upper_bodies(joint)[0 if first else -1]}
+    if loading.share is LoadShare.FACE and joint.is_upper(lock):
+        names.add(lock_name(lock))
+    return names

@@ -1,6 +1,6 @@
 """Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
 
-Every rule returns the factors w_j of `sidmacib.capacity.Sidmacib`, one per lock. A lock that does
+Every rule returns the factors w_j of `sidmacib.programme.Sidmacib`, one per lock. A lock that does
 not count keeps its normal force and its friction along the lock. Which locks count does not change
 the V-M curve, as their forces across act along y through points whose x does not depend on the
 lock; the rules start with the lower locks, which carry the load to the ground.

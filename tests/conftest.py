@@ -10,20 +10,21 @@ import pytest
 from hypothesis import settings
 
 from analysis.reading import CaseResult, read_case
-from sidmacib.discretisation import (
-    Block,
-    Discretisation,
-    Face,
+from sidmacib.joint import Joint
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import (
+    Assembly,
     Kind,
+    Loads,
     Piece,
     contact_nodes,
+    self_weight,
+    shared_face,
 )
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, PieceLoad
 from workflow.cases import Case
 from workflow.engines import ENGINES
 from workflow.execute import execute
-from workflow.render import DATA_FILE, joint_data, script, write_case
+from workflow.render import DATA_FILE, assembly_data, script, write_case
 from workflow.study import Numerics
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
@@ -38,51 +39,52 @@ def joint() -> Joint:
     return Joint(locks=3)
 
 
-def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Discretisation:
+def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     """One free block, a x b x h, on a fixed one, across a single face."""
     x = joint.a / 2
     mass = joint.density * joint.a * joint.b * joint.h
-    low, high = (-x, 0.0, 0.0), (x, joint.b, joint.h)
     pieces = (
-        Piece("lower", Block.LOWER, (-x, 0.0, -joint.h), (x, joint.b, 0.0), mass, fixed=True),
-        Piece("block", Block.UPPER, low, high, mass),
+        Piece("lower", (-x, 0.0, -joint.h), (x, joint.b, 0.0), mass, fixed=True),
+        Piece("block", (-x, 0.0, 0.0), (x, joint.b, joint.h), mass),
     )
-    faces = (Face("face", kind, 0, 1, 2, low, (x, joint.b, 0.0), lock=1),)
-    return Discretisation(joint, mesh, pieces, faces, contact_nodes(faces, mesh))
+    material = joint.inner if kind is Kind.INNER else joint.dry
+    faces = (shared_face("face", kind, material, pieces, (0, 1)),)
+    return Assembly(pieces, faces, contact_nodes(faces, mesh), joint.a)
 
 
-def renumbered(model: Discretisation) -> Discretisation:
+def renumbered(assembly: Assembly) -> Assembly:
     """The same joint with its faces, and so its nodes, in reverse order."""
-    order = np.arange(len(model.faces))[::-1]
-    nodes = np.concatenate([np.flatnonzero(model.nodes.face == i) for i in order])
+    order = np.arange(len(assembly.faces))[::-1]
+    nodes = np.concatenate([np.flatnonzero(assembly.nodes.face == i) for i in order])
     return replace(
-        model,
-        faces=tuple(model.faces[i] for i in order),
+        assembly,
+        faces=tuple(assembly.faces[i] for i in order),
         nodes=replace(
-            model.nodes,
-            face=np.argsort(order)[model.nodes.face[nodes]],
-            position=model.nodes.position[nodes],
-            area=model.nodes.area[nodes],
+            assembly.nodes,
+            face=np.argsort(order)[assembly.nodes.face[nodes]],
+            position=assembly.nodes.position[nodes],
+            area=assembly.nodes.area[nodes],
         ),
     )
 
 
-def load_on_block(force: tuple[float, float, float], moment_z: float) -> tuple[PieceLoad, ...]:
-    return (PieceLoad(1, np.array(force), np.array([0.0, 0.0, moment_z])),)
+def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_z: float) -> Loads:
+    """Self-weight, and a force (N) and a moment (N m) on the free block; T0 as their scale."""
+    variable = np.zeros((len(assembly.pieces), 6))
+    variable[1] = [*force, 0.0, 0.0, moment_z]
+    return Loads(self_weight(assembly.pieces), variable, Joint(3).T0)
 
 
 @pytest.fixture
 def run_block(tmp_path: Path) -> Callable[..., Path]:
     """Search the peak of a block on the ground; returns the folder of the results."""
 
-    def run(
-        name: str, model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction
-    ) -> Path:
+    def run(name: str, assembly: Assembly, loads: Loads) -> Path:
         engine, folder = ENGINES[name], tmp_path / "block"
         folder.mkdir()
-        text = script(engine, "block", model, loads, Numerics(tolerance=5e-4))
+        text = script(engine, "block", assembly, loads, Numerics(tolerance=5e-4))
         (folder / engine.script).write_text(text)
-        (folder / DATA_FILE).write_text(json.dumps(joint_data(model, loads, direction)))
+        (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
         execute(engine, folder, 120)
         return folder
 

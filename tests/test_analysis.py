@@ -13,10 +13,9 @@ from analysis.reading import CaseResult, read_published
 from analysis.summary import summary
 from analysis.validation import validation_table
 from analysis.weights import case_columns, lock_weights, tabulate, weight_sums
-from sidmacib.capacity import Sidmacib, capacities
 from sidmacib.contact_points import ContactOption
-from sidmacib.discretisation import discretise
 from sidmacib.joint import Direction
+from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import active
 from workflow.cases import Case, cases_of
 from workflow.configuration import read_study
@@ -25,7 +24,7 @@ from workflow.study import Study
 
 def result_with(case: Case, shear_x: float, shear_y: float, peak: float = 100.0) -> CaseResult:
     """A result with the same shear stress (Pa) on all nodes."""
-    model = discretise(case.joint, case.mesh)
+    model = assemble(case.joint, case.mesh)
     faces = [model.faces[face] for face in model.nodes.face]
     nodes = pd.DataFrame(
         {

@@ -10,8 +10,8 @@ import pytest
 from analysis.balance import unbalanced_share
 from analysis.reading import read_case
 from analysis.weights import lock_weights
-from sidmacib.discretisation import Discretisation, discretise
 from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Assembly
 from workflow.cases import Case
 from workflow.configuration import read_study
 from workflow.solve import node_table, solve_case
@@ -47,8 +47,8 @@ def returned(case: Case, load: float) -> str:
     return "\n".join([*lines, "MULTILOCK|END"])
 
 
-def discretised(case: Case) -> Discretisation:
-    return discretise(case.joint, case.mesh)
+def discretised(case: Case) -> Assembly:
+    return assemble(case.joint, case.mesh)
 
 
 def test_there_is_a_deck_for_every_case_of_the_reference() -> None:

@@ -11,10 +11,10 @@ from conftest import a_case, block_on_ground, load_on_block, run_case
 
 from analysis.balance import unbalanced_share
 from analysis.weights import lock_weights
-from sidmacib.discretisation import Kind, discretise
 from sidmacib.joint import DRY, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.static import static_peak
+from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.static import static_peak
 from workflow.engines import ENGINES
 from workflow.results import OUTPUTS
 
@@ -31,7 +31,9 @@ def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
     engine: str, joint: Joint, run_block
 ) -> None:
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
-    folder = run_block(engine, model, load_on_block((0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0))
+    folder = run_block(
+        engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0)
+    )
     result = json.loads((folder / "result.json").read_text())
     assert result["peak_load_N"] == pytest.approx(joint.T0, rel=1e-3)
     assert result["peak_load_N"] <= joint.T0 <= result["failed_load_N"]
@@ -45,7 +47,7 @@ def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
     folder = run_block(
-        engine, model, load_on_block((0.0, 0.0, 0.0), joint.a), Direction(0.0, joint.a)
+        engine, model, load_on_block(model, (0.0, 0.0, 0.0), joint.a), Direction(0.0, joint.a)
     )
     result = json.loads((folder / "result.json").read_text())
     assert result["peak_load_N"] * joint.a == pytest.approx(elastic, rel=1e-3)
@@ -59,7 +61,9 @@ def test_a_dry_block_slides_at_friction_times_its_weight(
 ) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, mesh=0.02)
     limit = joint.dry.friction * model.pieces[1].weight
-    folder = run_block(engine, model, load_on_block((0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0))
+    folder = run_block(
+        engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0)
+    )
     assert json.loads((folder / "result.json").read_text())["peak_load_N"] == pytest.approx(
         limit, rel=1e-3
     )
@@ -68,7 +72,7 @@ def test_a_dry_block_slides_at_friction_times_its_weight(
 # --- the joint -----------------------------------------------------------------------------------
 def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
     joint = Joint(locks=2, dry=replace(DRY, friction=0.0))
-    result = run(a_case(engine, joint, Loading(0.0)))
+    result = run(a_case(engine, joint, Loading(Direction(0.0))))
     assert result.shear == pytest.approx(joint.T0, rel=2.5e-3)
     weights = lock_weights(result).set_index("lock")["weight"]
     assert weights[2] == pytest.approx(1.0, abs=3e-3)
@@ -76,7 +80,7 @@ def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
 
 @pytest.mark.parametrize("push", Push)
 def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
-    weights = lock_weights(run(a_case(engine, Joint(3), Loading(0.0, push=push))))[
+    weights = lock_weights(run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))))[
         "weight"
     ].tolist()
     ordered = weights if push is Push.PLUS_Y else weights[::-1]
@@ -87,12 +91,12 @@ def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push
 def test_every_piece_is_in_equilibrium_under_its_stresses(
     engine: str, run, eccentricity: float
 ) -> None:
-    result = run(a_case(engine, Joint(3), Loading(eccentricity), mesh=0.02))
+    result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
     assert unbalanced_share(result) < 0.0075
 
 
 def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(0.0), mesh=0.02))
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.0)), mesh=0.02))
     nodes = result.nodes[result.nodes["z_m"] == 0.0]
     carried = -float(nodes["shear_y_Pa"] @ nodes["area_m2"])
     assert carried == pytest.approx(result.shear, rel=0.005)
@@ -101,7 +105,7 @@ def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> No
 
 
 def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(0.03), mesh=0.02))
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.03)), mesh=0.02))
     dry = result.nodes[result.nodes["kind"] == "dry"]
     shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
     assert (dry["normal_Pa"] >= 0.0).all()
@@ -109,18 +113,18 @@ def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: s
 
 
 def test_an_inner_face_carries_no_more_than_its_cohesion(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(0.03), mesh=0.02))
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.03)), mesh=0.02))
     assert lock_weights(result)["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
     assert lock_weights(result)["max_shear_ratio"].max() <= 1.0 + 1e-6
 
 
 def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(0.0)))
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.0))))
     assert 0.0 < result.failed_load / result.peak_load - 1.0 <= 0.001
 
 
 def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run) -> None:
-    history = run(a_case(engine, Joint(3), Loading(0.0))).history
+    history = run(a_case(engine, Joint(3), Loading(Direction(0.0)))).history
     assert set(history["stage"]) >= {"equilibrium", "collapse"}
     still = history[history["stage"] == "equilibrium"]
     assert still["load_N"].is_monotonic_increasing
@@ -137,10 +141,10 @@ def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run
 def test_the_static_model_finds_the_same_peak_and_weights(
     engine: str, run, locks: int, eccentricity: float
 ) -> None:
-    loading = Loading(eccentricity)
+    loading = Loading(Direction(eccentricity))
     result = run(a_case(engine, Joint(locks), loading, mesh=0.02))
-    model = discretise(Joint(locks), 0.02)
-    peak = static_peak(model, lateral_load(model, loading)).peak
+    model = assemble(Joint(locks), 0.02)
+    peak = static_peak(model, lateral_load(joint, model, loading)).peak
     assert peak.load == pytest.approx(result.peak_load, rel=0.01)
     inner = result.nodes["lock"].to_numpy()
     for row in lock_weights(result).itertuples():
@@ -149,7 +153,7 @@ def test_the_static_model_finds_the_same_peak_and_weights(
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
-    case = a_case(engine, Joint(2), Loading(0.01))
+    case = a_case(engine, Joint(2), Loading(Direction(0.01)))
     one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))
     for name in OUTPUTS:
         assert (one / name).read_bytes() == (other / name).read_bytes()

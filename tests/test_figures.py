@@ -10,7 +10,6 @@ from analysis.figures.catalogue import figures_of
 from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
-from sidmacib.discretisation import discretise
 from sidmacib.joint import Joint
 from workflow.configuration import read_study
 
@@ -37,7 +36,7 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
 
 @pytest.fixture
 def face_and_nodes():
-    model = discretise(Joint(3), 0.005)
+    model = assemble(Joint(3), 0.005)
     number, face = next((i, f) for i, f in enumerate(model.faces) if f.lock == 1)
     positions = model.nodes.position[model.nodes.face == number]
     return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])

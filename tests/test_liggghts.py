@@ -7,10 +7,9 @@ import pytest
 from conftest import a_case
 
 from analysis.weights import lock_weights
-from sidmacib.discretisation import discretise
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.static import static_peak
+from sidmacib.mechanics.static import static_peak
 from workflow.engines import ENGINES
 from workflow.execute import EngineError, execute
 from workflow.render import write_case
@@ -25,7 +24,8 @@ def test_both_engines_find_the_same_first_failure_and_weights(
     run, locks: int, eccentricity: float
 ) -> None:
     one, other = (
-        run(a_case(engine, Joint(locks), Loading(eccentricity), mesh=0.02)) for engine in ENGINES
+        run(a_case(engine, Joint(locks), Loading(Direction(eccentricity)), mesh=0.02))
+        for engine in ENGINES
     )
     assert other.first_failure_load == pytest.approx(one.first_failure_load, rel=0.01)
     assert other.peak_load == pytest.approx(one.peak_load, rel=0.01)
@@ -36,23 +36,23 @@ def test_both_engines_find_the_same_first_failure_and_weights(
 def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
     joint, loading = Joint(3), Loading(0.12)
     found = run(a_case("liggghts", joint, loading, mesh=0.01))
-    model = discretise(joint, 0.01)
-    expected = static_peak(model, lateral_load(model, loading))
+    model = assemble(joint, 0.01)
+    expected = static_peak(model, lateral_load(joint, model, loading))
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
     assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
 
 
 def test_more_than_fifteen_locks_work(run) -> None:
     joint = Joint(17)
-    found = run(a_case("liggghts", joint, Loading(0.0)))
-    model = discretise(joint, 0.03)
-    peak = static_peak(model, lateral_load(model, Loading(0.0))).peak
+    found = run(a_case("liggghts", joint, Loading(Direction(0.0))))
+    model = assemble(joint, 0.03)
+    peak = static_peak(model, lateral_load(joint, model, Loading(Direction(0.0)))).peak
     assert found.peak_load == pytest.approx(peak.load, rel=0.01)
 
 
 def test_two_ranks_find_what_one_finds(run) -> None:
     one, two = (
-        run(a_case("liggghts", Joint(3), Loading(0.03), mesh=0.02, ranks=n)).peak_load
+        run(a_case("liggghts", Joint(3), Loading(Direction(0.03)), mesh=0.02, ranks=n)).peak_load
         for n in (1, 2)
     )
     assert two == pytest.approx(one, rel=0.002)
@@ -68,7 +68,7 @@ def test_two_ranks_find_what_one_finds(run) -> None:
 def test_a_broken_input_script_fails_with_liggghts_own_words(
     tmp_path: Path, change: str, message: str
 ) -> None:
-    write_case(a_case("liggghts", Joint(2), Loading(0.0)), tmp_path)
+    write_case(a_case("liggghts", Joint(2), Loading(Direction(0.0))), tmp_path)
     script = tmp_path / ENGINES["liggghts"].script
     broken = script.read_text().replace(change, change.replace("neighbor", "neighbour", 1))
     broken = broken.replace('"variable load equal 0.0"', '"variable load equal v_nothing"')
@@ -79,7 +79,7 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(
 
 
 def test_no_process_of_liggghts_is_left_after_the_time_limit(tmp_path: Path) -> None:
-    write_case(a_case("liggghts", Joint(5), Loading(0.0), mesh=0.004, ranks=2), tmp_path)
+    write_case(a_case("liggghts", Joint(5), Loading(Direction(0.0)), mesh=0.004, ranks=2), tmp_path)
     with pytest.raises(EngineError, match="out of time after 3 s"):
         execute(ENGINES["liggghts"], tmp_path, 3)
     left = []

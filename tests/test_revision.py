@@ -2,9 +2,9 @@
 
 import pytest
 
-from sidmacib.capacity import Sidmacib, capacity
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Direction, Joint
+from sidmacib.programme import Sidmacib, capacity
 from sidmacib.revision import REDUCTIONS, active, half_rule
 
 WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)

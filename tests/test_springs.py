@@ -3,20 +3,19 @@
 import numpy as np
 import pytest
 
-from sidmacib.contact_law import NodeLaw
-from sidmacib.discretisation import discretise
-from sidmacib.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.joint import Joint
-from sidmacib.springs import Springs
+from sidmacib.mechanics.contact_law import NodeLaw
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.springs import Springs
 
 
 @pytest.fixture
 def springs(joint: Joint) -> Springs:
-    return Springs.of(discretise(joint, 0.03))
+    return Springs.of(assemble(joint, 0.03))
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(joint: Joint, springs: Springs) -> None:
-    model = discretise(joint, 0.03)
+    model = assemble(joint, 0.03)
     balance, law = equilibrium_matrix(model)[free_rows(model)], NodeLaw.of(model)
     stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
     expected = (balance * stiffness.ravel()) @ balance.T

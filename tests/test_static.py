@@ -9,23 +9,23 @@ from conftest import block_on_ground, load_on_block, renumbered
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.complementary import FrictionRule, first_failure_load, least_energy_forces
-from sidmacib.contact_law import NodeLaw, NodeState, respond, tangent, utilisation
-from sidmacib.discretisation import Discretisation, Kind, discretise
-from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
 from sidmacib.joint import DRY, INNER, Joint
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.static import NoEquilibriumError, Solver, StaticSolution, static_peak
+from sidmacib.mechanics.assembly import Assembly, Kind
+from sidmacib.mechanics.complementary import FrictionRule, first_failure_load, least_energy_forces
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState, respond, tangent, utilisation
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
+from sidmacib.mechanics.static import NoEquilibriumError, Solver, StaticSolution, static_peak
 
 
 def solved(
     joint: Joint, eccentricity: float, mesh: float = 0.03
-) -> tuple[Discretisation, StaticSolution]:
-    model = discretise(joint, mesh)
-    return model, static_peak(model, lateral_load(model, Loading(eccentricity)))
+) -> tuple[Assembly, StaticSolution]:
+    model = assemble(joint, mesh)
+    return model, static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
 
 
-def lock_shear(model: Discretisation, solution: StaticSolution) -> list[float]:
+def lock_shear(model: Assembly, solution: StaticSolution) -> list[float]:
     """Resultant shear on each inner face over T0."""
     faces = sorted((face.lock, i) for i, face in enumerate(model.faces) if face.lock)
     shear = solution.peak.force[:, 1:]
@@ -66,7 +66,7 @@ def test_the_tangent_is_the_derivative_of_the_force(n: float, x: float, y: float
 # --- theory --------------------------------------------------------------------------------------
 def test_one_inner_face_alone_fails_at_T0_in_pure_shear(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, 0.02)
-    found = static_peak(model, load_on_block((0.0, 1.0, 0.0), 0.0))
+    found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
 
 
@@ -81,13 +81,13 @@ def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(joint: 
     model = block_on_ground(joint, Kind.INNER, 0.02)
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
-    found = static_peak(model, load_on_block((0.0, 0.0, 0.0), joint.a))
+    found = static_peak(model, load_on_block(model, (0.0, 0.0, 0.0), joint.a))
     assert found.peak.load * joint.a == pytest.approx(elastic, rel=1e-5)
 
 
 def test_a_dry_block_slides_at_friction_times_its_weight(joint: Joint) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, 0.02)
-    found = static_peak(model, load_on_block((0.0, 1.0, 0.0), 0.0))
+    found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
     assert found.peak.load == pytest.approx(0.3 * model.pieces[1].weight, rel=1e-4)
 
 
@@ -101,7 +101,7 @@ def test_an_unsupported_joint_does_not_stand(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.DRY, 0.02)
     pieces = (model.pieces[0], replace(model.pieces[1], mass=-1.0))  # it floats away
     with pytest.raises(NoEquilibriumError, match="no equilibrium at 0 N"):
-        static_peak(replace(model, pieces=pieces), load_on_block((0.0, 1.0, 0.0), 0.0))
+        static_peak(replace(model, pieces=pieces), load_on_block(model, (0.0, 1.0, 0.0), 0.0))
 
 
 def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
@@ -116,7 +116,7 @@ def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
 @pytest.mark.parametrize("eccentricity", [0.0, 0.03, math.inf])
 def test_every_equilibrium_on_the_path_balances_the_loads(locks: int, eccentricity: float) -> None:
     model, found = solved(Joint(locks), eccentricity)
-    loads = lateral_load(model, Loading(eccentricity))
+    loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     permanent, reference = permanent_and_reference(model, loads)
     rows = free_rows(model)
     for point in found.path:
@@ -159,16 +159,16 @@ def test_scaling_all_lengths_and_loads_scales_the_peak(factor: float) -> None:
 def test_mirrored_torque_and_push_give_the_same_peak_for_odd_locks(
     joint: Joint, push: Push
 ) -> None:
-    model = discretise(joint, 0.03)
-    reference = static_peak(model, lateral_load(model, Loading(0.02))).peak.load
+    model = assemble(joint, 0.03)
+    reference = static_peak(model, lateral_load(joint, model, Loading(Direction(0.02)))).peak.load
     for eccentricity in (0.02, -0.02):
-        found = static_peak(model, lateral_load(model, Loading(eccentricity, push=push)))
+        found = static_peak(model, lateral_load(joint, model, Loading(eccentricity, push=push)))
         assert found.peak.load == pytest.approx(reference, rel=1e-5)
 
 
 def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
-    model = discretise(joint, 0.03)
-    loads = lateral_load(model, Loading(0.02))
+    model = assemble(joint, 0.03)
+    loads = lateral_load(joint, model, Loading(Direction(0.02)))
     one, other = static_peak(model, loads), static_peak(renumbered(model), loads)
     assert other.peak.load == pytest.approx(one.peak.load, rel=1e-6)
 
@@ -177,8 +177,8 @@ def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
 @pytest.mark.parametrize("locks", [3, 4, 5])
 @pytest.mark.parametrize("eccentricity", [0.0, 0.03, math.inf])
 def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: float) -> None:
-    model = discretise(Joint(locks), 0.03)
-    loads = lateral_load(model, Loading(eccentricity))
+    model = assemble(Joint(locks), 0.03)
+    loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     path = static_peak(model, loads).path
     load = 0.6 * path[-1].load
     solver = Solver(model, loads)
@@ -190,8 +190,8 @@ def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: f
 
 
 def test_associated_friction_overestimates(joint: Joint) -> None:
-    model = discretise(joint, 0.03)
-    loads = lateral_load(model, Loading(0.0))
+    model = assemble(joint, 0.03)
+    loads = lateral_load(joint, model, Loading(Direction(0.0)))
     coulomb, associated = (first_failure_load(model, loads, rule) for rule in FrictionRule)
     path = static_peak(model, loads)
     assert coulomb == pytest.approx(path.first_failure_load, rel=0.01)  # but for its history

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.engine
 
 # --- the joint -----------------------------------------------------------------------------------
 def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -> None:
-    result = run(a_case("yade", Joint(3), Loading(0.0), mesh=0.02))
+    result = run(a_case("yade", Joint(3), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(240.76, rel=0.035)
     published_first_two_swapped = [0.77, 0.99, 0.0]
     assert lock_weights(result)["weight"].tolist() == pytest.approx(
@@ -28,7 +28,7 @@ def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -
 
 
 def test_five_locks_reach_the_published_peak_within_2_percent(run) -> None:
-    result = run(a_case("yade", Joint(5), Loading(0.0), mesh=0.02))
+    result = run(a_case("yade", Joint(5), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(408.26, rel=0.02)
     published_first_two_swapped = [0.57, 0.99, 0.68, 0.68, 0.0]
     assert lock_weights(result)["weight"].tolist() == pytest.approx(
@@ -42,7 +42,13 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 ) -> None:
     peaks = [
         run(
-            a_case("yade", Joint(locks), Loading(eccentricity), mesh=0.02, ramp_periods=periods)
+            a_case(
+                "yade",
+                Joint(locks),
+                Loading(Direction(eccentricity)),
+                mesh=0.02,
+                ramp_periods=periods,
+            )
         ).peak_load
         for periods in (40, 80)
     ]
@@ -51,7 +57,7 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 
 def test_the_peak_does_not_depend_on_the_first_increment(run) -> None:
     peaks = [
-        run(a_case("yade", Joint(3), Loading(0.012), first_increment=first)).peak_load
+        run(a_case("yade", Joint(3), Loading(Direction(0.012)), first_increment=first)).peak_load
         for first in (0.01, 0.3)
     ]
     assert peaks[1] == pytest.approx(peaks[0], rel=0.0025)
@@ -68,19 +74,19 @@ def test_the_peak_does_not_depend_on_the_first_increment(run) -> None:
 def test_ductile_monolithic_and_body_loaded_joints_carry_more(
     run, joint: Joint, share: LoadShare
 ) -> None:
-    reference = run(a_case("yade", Joint(5), Loading(0.0)))
-    assert run(a_case("yade", joint, Loading(0.0, share))).shear > 1.03 * reference.shear
+    reference = run(a_case("yade", Joint(5), Loading(Direction(0.0))))
+    assert run(a_case("yade", joint, Loading(Direction(0.0), share))).shear > 1.03 * reference.shear
 
 
 def test_a_ductile_joint_carries_half_its_locks_and_friction(run) -> None:
     joint = Joint(5, failure=Failure.DUCTILE)
-    shear = run(a_case("yade", joint, Loading(0.0))).shear
+    shear = run(a_case("yade", joint, Loading(Direction(0.0)))).shear
     assert 2 * joint.T0 < shear < 2.15 * joint.T0
 
 
 # --- the engine ----------------------------------------------------------------------------------
 def test_the_script_runs_by_hand_with_yades_own_launcher(tmp_path: Path) -> None:
-    case = a_case("yade", Joint(2), Loading(0.0))
+    case = a_case("yade", Joint(2), Loading(Direction(0.0)))
     folder = run_case(case, tmp_path / "case")
     expected = [(folder / name).read_bytes() for name in OUTPUTS]
     for name in OUTPUTS:
@@ -110,7 +116,7 @@ print(sorted(seen - before))
 
 @pytest.mark.skipif(not Path("/proc/net/tcp6").exists(), reason="needs /proc/net")
 def test_a_run_opens_no_listening_socket(tmp_path: Path) -> None:
-    folder = run_case(a_case("yade", Joint(2), Loading(0.0)), tmp_path / "case")
+    folder = run_case(a_case("yade", Joint(2), Loading(Direction(0.0))), tmp_path / "case")
     engine = ENGINES["yade"]
     found = subprocess.run(
         [sys.executable, "-c", WATCHER, *engine.command, engine.script],

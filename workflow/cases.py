@@ -9,8 +9,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict
 
-from sidmacib.joint import Direction, Failure, Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Failure
 from workflow.configuration import ConfigError, read_study_file
 from workflow.engines import ENGINES
 from workflow.solvers import SOLVERS
@@ -36,7 +37,12 @@ class Case(BaseModel):
     @property
     def direction(self) -> Direction:
         """Direction of loading in the (V, M) plane."""
-        return Direction.at_eccentricity(self.loading.eccentricity, self.joint.a)
+        return self.loading.direction
+
+    @property
+    def eccentricity_m(self) -> float:
+        """E in m; ``inf`` is pure torsion."""
+        return self.direction.eccentricity * self.joint.a
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
@@ -79,7 +85,7 @@ def _cases(study: Study) -> Iterator[Case]:
                             sample=sample,
                             joint=joint,
                             mesh=mesh,
-                            loading=Loading(ratio * joint.a, assembly.load_share, assembly.push),
+                            loading=Loading(Direction(ratio), assembly.load_share, assembly.push),
                             numerics=numerics if model in ENGINES else None,
                         )
 

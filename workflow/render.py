@@ -9,10 +9,10 @@ from typing import Any
 
 import jinja2
 
-from sidmacib.discretisation import Discretisation, Kind, discretise
-from sidmacib.joint import Direction, Failure
-from sidmacib.loading import PieceLoad, lateral_load
-from sidmacib.vibration import compliance, natural_frequencies
+from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Assembly, Failure, Loads
+from sidmacib.mechanics.vibration import compliance, natural_frequencies
+from sidmacib.pieces import assemble
 from workflow.cases import Case
 from workflow.engines import ENGINES, Engine
 from workflow.study import Numerics
@@ -28,15 +28,12 @@ ENVIRONMENT = jinja2.Environment(
 )
 
 
-def joint_data(
-    model: Discretisation, loads: tuple[PieceLoad, ...], direction: Direction
-) -> dict[str, Any]:
+def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
     """Pieces, faces, nodes and loads in SI units, in plain types: all that a script needs to know.
 
-    Pieces and faces are referred to by index. Loads are per newton of load along ``direction``.
+    Pieces and faces are referred to by index. Loads are per newton.
     """
     return {
-        "direction": {"shear": direction.shear, "torque_m": direction.torque},
         "pieces": [
             {
                 "name": piece.name,
@@ -46,7 +43,7 @@ def joint_data(
                 "inertia_kgm2": float(piece.inertia.max()),
                 "weight_N": piece.weight,
             }
-            for piece in model.pieces
+            for piece in assembly.pieces
         ],
         "faces": [
             {
@@ -55,18 +52,18 @@ def joint_data(
                 "below": face.below,
                 "above": face.above,
                 "normal": face.normal.tolist(),
-                "lock": face.lock,
             }
-            for face in model.faces
+            for face in assembly.faces
         ],
         "loads": [
-            {"piece": load.piece, "force": load.force.tolist(), "moment_m": load.moment.tolist()}
-            for load in loads
+            {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
+            for index, load in enumerate(loads.variable)
+            if load.any()
         ],
         "nodes": {
-            "face": model.nodes.face.tolist(),
-            "position_m": model.nodes.position.tolist(),
-            "area_m2": model.nodes.area.tolist(),
+            "face": assembly.nodes.face.tolist(),
+            "position_m": assembly.nodes.position.tolist(),
+            "area_m2": assembly.nodes.area.tolist(),
         },
     }
 
@@ -74,28 +71,28 @@ def joint_data(
 def script(
     engine: Engine,
     title: str,
-    model: Discretisation,
-    loads: tuple[PieceLoad, ...],
+    assembly: Assembly,
+    loads: Loads,
     numerics: Numerics,
 ) -> str:
-    """The engine's script for ``model`` under ``loads``."""
-    frequencies = natural_frequencies(model)
+    """The engine's script for ``assembly`` under ``loads``."""
+    frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
     period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
     return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
-        materials={str(kind): asdict(model.material(kind)) for kind in Kind},
-        ductile=model.joint.failure is Failure.DUCTILE,
-        flat_radius_m=2 * model.joint.a,
+        materials={str(face.kind): asdict(face.material) for face in assembly.faces},
+        ductile=assembly.failure is Failure.DUCTILE,
+        flat_radius_m=2 * assembly.length,
         time_step_s=_rounded(time_step),
         period_steps=_rounded(period_steps),
         ranks=numerics.ranks,
         ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
         hold_steps=math.ceil(numerics.hold_periods * period_steps),
-        first_increment_N=numerics.first_increment * model.joint.T0,
-        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(model, loads)),
+        first_increment_N=numerics.first_increment * loads.scale,
+        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(assembly, loads)),
         damping=numerics.damping,
         tolerance=numerics.tolerance,
         unbalanced_ratio=numerics.unbalanced_ratio,
@@ -111,13 +108,13 @@ def write_case(case: Case, folder: Path) -> None:
     """Write the case, its data and its engine's script into ``folder``."""
     engine = ENGINES[case.model]
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
-    model = discretise(case.joint, case.mesh)
-    loads = lateral_load(model, case.loading)
+    assembly = assemble(case.joint, case.mesh)
+    loads = lateral_load(case.joint, assembly, case.loading)
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / DATA_FILE).write_text(json.dumps(joint_data(model, loads, case.direction)))
+    (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
     (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
-    (folder / engine.script).write_text(script(engine, title, model, loads, case.numerics))
+    (folder / engine.script).write_text(script(engine, title, assembly, loads, case.numerics))
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ from workflow.cases import Case
 OUTPUTS = ("history.csv", "nodes.csv", "result.json")
 CASE_FILES = ("case.json", *OUTPUTS)
 NODE_COLUMNS = (
-    *("face", "kind", "lock", "x_m", "y_m", "z_m", "area_m2"),
+    *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
     *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
 )
 

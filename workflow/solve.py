@@ -8,36 +8,35 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.capacity import CapacityError
-from sidmacib.discretisation import Discretisation, discretise
-from sidmacib.equilibrium import face_frames
+from sidmacib.errors import CapacityError
 from sidmacib.loading import lateral_load
-from sidmacib.static import NoEquilibriumError
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.pieces import assemble
 from workflow.cases import Case, case_folder, cases_of
 from workflow.results import write_results
 from workflow.solvers import SOLVERS, Outcome, State
 from workflow.study import Study
 
 
-def solve_case(case: Case) -> tuple[Discretisation, Outcome]:
-    """The discretised joint of ``case``, and what its model finds."""
-    model = discretise(case.joint, case.mesh)
-    loads = lateral_load(model, case.loading)
-    return model, SOLVERS[case.model].solve(model, loads)
+def solve_case(case: Case) -> tuple[Assembly, Outcome]:
+    """The assembly of ``case``, and what its model finds."""
+    assembly = assemble(case.joint, case.mesh)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    return assembly, SOLVERS[case.model].solve(assembly, loads)
 
 
-def node_table(model: Discretisation, state: State) -> pd.DataFrame:
+def node_table(assembly: Assembly, state: State) -> pd.DataFrame:
     """Stresses at all nodes, in the columns of an engine's nodes.csv."""
-    faces = [model.faces[number] for number in model.nodes.face]
-    stress = state.force / model.nodes.area[:, None]
-    shear = np.einsum("nt,ntx->nx", stress[:, 1:], face_frames(model)[:, 1:])
+    faces = [assembly.faces[number] for number in assembly.nodes.face]
+    stress = state.force / assembly.nodes.area[:, None]
+    shear = np.einsum("nt,ntx->nx", stress[:, 1:], face_frames(assembly)[:, 1:])
     return pd.DataFrame(
         {
             "face": [face.name for face in faces],
             "kind": [str(face.kind) for face in faces],
-            "lock": [face.lock for face in faces],
-            **dict(zip(("x_m", "y_m", "z_m"), model.nodes.position.T, strict=True)),
-            "area_m2": model.nodes.area,
+            **dict(zip(("x_m", "y_m", "z_m"), assembly.nodes.position.T, strict=True)),
+            "area_m2": assembly.nodes.area,
             "normal_Pa": stress[:, 0],
             **dict(zip(("shear_x_Pa", "shear_y_Pa", "shear_z_Pa"), shear.T, strict=True)),
             "bonded": state.bonded.astype(int),
@@ -45,31 +44,31 @@ def node_table(model: Discretisation, state: State) -> pd.DataFrame:
     )
 
 
-def history_row(case: Case, model: Discretisation, state: State) -> dict[str, Any]:
-    """Load, displacement, shear on each lock and broken share of each inner face."""
+def history_row(assembly: Assembly, state: State) -> dict[str, Any]:
+    """Load, displacement, shear on and broken share of each inner face."""
     row: dict[str, Any] = {
         "load_N": state.load,
-        "shear_N": state.load * case.direction.shear,
-        "torque_Nm": state.load * case.direction.torque,
         "displacement_m": state.displacement,
     }
-    frames = face_frames(model)
-    for number, face in enumerate(model.faces):
-        own = model.nodes.face == number
-        if face.lock:
-            shear = np.einsum("nt,ntx->x", state.force[own, 1:], frames[own, 1:])
-            row[f"lock{face.lock}_shear_x_N"], row[f"lock{face.lock}_shear_y_N"] = shear[:2]
-    for number, face in enumerate(model.faces):
+    frames = face_frames(assembly)
+    for number, face in enumerate(assembly.faces):
+        own = assembly.nodes.face == number
         if face.kind == "inner":
-            row[f"{face.name}_broken_share"] = 1.0 - state.bonded[model.nodes.face == number].mean()
+            shear = np.einsum("nt,ntx->x", state.force[own, 1:], frames[own, 1:])
+            row[f"{face.name}_shear_x_N"], row[f"{face.name}_shear_y_N"] = shear[:2]
+    for number, face in enumerate(assembly.faces):
+        if face.kind == "inner":
+            row[f"{face.name}_broken_share"] = (
+                1.0 - state.bonded[assembly.nodes.face == number].mean()
+            )
     return row
 
 
-def write_outcome(case: Case, model: Discretisation, outcome: Outcome, folder: Path) -> None:
+def write_outcome(case: Case, assembly: Assembly, outcome: Outcome, folder: Path) -> None:
     """Write what a model found, see `workflow.results`."""
-    history = pd.DataFrame([history_row(case, model, state) for state in outcome.path])
+    history = pd.DataFrame([history_row(assembly, state) for state in outcome.path])
     loads = (outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load)
-    write_results(case, folder, node_table(model, outcome.path[-1]), history, loads)
+    write_results(case, folder, node_table(assembly, outcome.path[-1]), history, loads)
 
 
 def main() -> None:
@@ -83,10 +82,12 @@ def main() -> None:
         if name != arguments.model:
             continue
         try:
-            model, outcome = solve_case(case)
-        except (CapacityError, NoEquilibriumError) as error:
+            assembly, outcome = solve_case(case)
+        except CapacityError as error:
             sys.exit(f"{case.name}: {name}: {error}")
-        write_outcome(case, model, outcome, Path(case_folder(arguments.results, name, case.name)))
+        write_outcome(
+            case, assembly, outcome, Path(case_folder(arguments.results, name, case.name))
+        )
 
 
 if __name__ == "__main__":

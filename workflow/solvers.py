@@ -3,12 +3,11 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from sidmacib.contact_law import Flags, NodeLaw
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import free_rows, permanent_and_reference
-from sidmacib.limit import limit_load
-from sidmacib.loading import PieceLoad
-from sidmacib.static import static_peak
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import Flags, NodeLaw
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static import static_peak
 
 
 @dataclass(frozen=True)
@@ -16,7 +15,7 @@ class State:
     """Node forces that balance a ``load`` (N, along the direction of loading).
 
     ``displacement``: the one that the load works on, in m; None in a rigid model. ``force``: (N, 3)
-    in N, on the piece above in the frame of the face, see `sidmacib.equilibrium.face_frames`.
+    in N, on the piece above in the frame of the face, see `sidmacib.mechanics.equilibrium.face_frames`.
     """
 
     load: float
@@ -43,13 +42,13 @@ class Solver:
     """A model in this process. ``brittle``: it follows brittle failure and knows no other."""
 
     name: str
-    solve: Callable[[Discretisation, tuple[PieceLoad, ...]], Outcome]
+    solve: Callable[[Assembly, Loads], Outcome]
     brittle: bool
 
 
-def _static(model: Discretisation, loads: tuple[PieceLoad, ...]) -> Outcome:
-    solution = static_peak(model, loads)
-    reference = permanent_and_reference(model, loads)[1][free_rows(model)]
+def _static(assembly: Assembly, loads: Loads) -> Outcome:
+    solution = static_peak(assembly, loads)
+    reference = loads.variable.ravel()[free_rows(assembly)]
     path = tuple(
         State(p.load, float(reference @ p.displacement), p.force, p.state.bonded)
         for p in solution.path
@@ -57,9 +56,9 @@ def _static(model: Discretisation, loads: tuple[PieceLoad, ...]) -> Outcome:
     return Outcome(path, solution.failed_load, solution.first_failure_load)
 
 
-def _limit(model: Discretisation, loads: tuple[PieceLoad, ...]) -> Outcome:
-    found = limit_load(model, loads)
-    state = State(found.load, None, found.force, NodeLaw.of(model).cohesive)
+def _limit(assembly: Assembly, loads: Loads) -> Outcome:
+    found = limit_load(assembly, loads)
+    state = State(found.load, None, found.force, NodeLaw.of(assembly).cohesive)
     return Outcome((state,), found.load, None)
 
 

@@ -7,8 +7,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from sidmacib.contact_points import OPTIONS, ContactOption
-from sidmacib.joint import DRY, INNER, FaceMaterial, Failure, Joint, UpperBody
+from sidmacib.joint import DRY, INNER, Joint, UpperBody
 from sidmacib.loading import LoadShare, Push
+from sidmacib.mechanics.assembly import FaceMaterial, Failure
 from sidmacib.revision import REDUCTIONS
 from workflow.engines import ENGINES
 from workflow.solvers import SOLVERS

@@ -13,9 +13,9 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.discretisation import Discretisation, discretise
-from sidmacib.joint import GRAVITY, Failure
-from sidmacib.loading import PieceLoad, lateral_load
+from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads
+from sidmacib.pieces import assemble
 from workflow.cases import REFERENCE, Case, case_folder, cases_of
 from workflow.render import ENVIRONMENT
 from workflow.results import NODE_COLUMNS, write_results
@@ -51,20 +51,20 @@ def deck_folder(results: str, name: str) -> str:
 
 def deck(case: Case) -> str:
     """3DEC's commands for ``case``: pieces, faces, loads."""
-    model = discretise(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh)
     faces = [
         {
-            "below": model.pieces[face.below].name,
-            "above": model.pieces[face.above].name,
-            **_law(asdict(model.material(face.kind))),
+            "below": assembly.pieces[face.below].name,
+            "above": assembly.pieces[face.above].name,
+            **_law(asdict(face.material)),
         }
-        for face in model.faces
+        for face in assembly.faces
     ]
     increment = INCREMENT * case.joint.T0 * len(case.joint.lower_locks)
     return ENVIRONMENT.get_template(TEMPLATE).render(
         title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
         case=fingerprint(case),
-        pieces=model.pieces,
+        pieces=assembly.pieces,
         faces=faces,
         dry=_law(asdict(case.joint.dry)),
         mesh=case.mesh,
@@ -72,7 +72,7 @@ def deck(case: Case) -> str:
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,
-        corners=_corners(model, lateral_load(model, case.loading), increment),
+        corners=_corners(assembly, lateral_load(case.joint, assembly, case.loading), increment),
         ratio=RATIO,
         cycles=CYCLES,
     )
@@ -82,20 +82,19 @@ def _law(material: dict[str, float]) -> dict[str, Any]:
     return {"law": material, "friction_degrees": math.degrees(math.atan(material["friction"]))}
 
 
-def _corners(
-    model: Discretisation, loads: tuple[PieceLoad, ...], increment: float
-) -> list[dict[str, Any]]:
+def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[str, Any]]:
     """Forces (N) on the corners of the loaded faces, of the same resultant as ``loads``.
 
     At the corner x, each piece's force over four, plus or minus its torque over 2 a.
     """
     found = []
-    for load in loads:
-        piece = model.pieces[load.piece]
-        y = piece.low[1] if load.force[1] >= 0.0 else piece.high[1]
+    for piece, load in zip(assembly.pieces, loads.variable, strict=True):
+        if not load.any():
+            continue
+        y = piece.low[1] if load[1] >= 0.0 else piece.high[1]
         for x, sign in ((piece.low[0], -1.0), (piece.high[0], 1.0)):
-            share = load.force / 4
-            share[1] += sign * load.moment[2] / (2 * piece.size[0])
+            share = load[:3] / 4
+            share[1] += sign * load[5] / (2 * piece.size[0])
             found += [
                 {
                     "piece": piece.name,
@@ -114,10 +113,10 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
     ValueError if the text is not of ``case`` as it is now, or not whole.
     """
-    model = discretise(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh)
     faces = {
-        frozenset((model.pieces[face.below].name, model.pieces[face.above].name)): face
-        for face in model.faces
+        frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): face
+        for face in assembly.faces
     }
     loads: list[float] = []
     rows = []
@@ -137,7 +136,7 @@ def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
             if area <= 0.0:  # nothing of the face belongs to it
                 continue
             stress = [force / area for force in (normal, *shear)]
-            rows.append((face.name, str(face.kind), face.lock, x, y, z, area, *stress, 1))
+            rows.append((face.name, str(face.kind), x, y, z, area, *stress, 1))
     if not ended or len(loads) != 2:
         raise ValueError(f"{RETURNED} of {case.name}: not whole, run the deck again")
     if of != fingerprint(case):

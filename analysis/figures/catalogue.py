@@ -57,4 +57,4 @@ def _stress_case(own: list[Case], study: Study, distance: Callable[[float], floa
     """The reference case, at the mesh of the stress maps, of least ``distance`` in e / a."""
     mesh = study.figures.mesh or min(study.meshes)
     shown = [case for case in own if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
-    return min(shown, key=lambda case: distance(case.loading.eccentricity / case.joint.a))
+    return min(shown, key=lambda case: distance(case.direction.eccentricity))

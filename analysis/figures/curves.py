@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 
 from analysis.figures import style
 from analysis.figures.material import Material
-from sidmacib.capacity import Sidmacib
-from sidmacib.discretisation import Floats
-from sidmacib.envelope import envelope
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.polygon import envelope
+from sidmacib.programme import Sidmacib
 
 REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 

@@ -12,8 +12,9 @@ from analysis.figures import style
 from analysis.figures.material import Material
 from analysis.reading import CaseResult
 from analysis.weights import lock_weights
-from sidmacib.discretisation import Face, discretise
 from sidmacib.loading import Push
+from sidmacib.mechanics.assembly import Face
+from sidmacib.pieces import assemble, lock_faces
 
 
 def shear_stress(material: Material) -> Figure:
@@ -30,9 +31,9 @@ def _map(material: Material) -> Figure:
     result = material.result
     assert result is not None, f"{material.spec.name} needs the stresses of a case"
     case, joint = result.case, result.case.joint
-    eccentricity = case.loading.eccentricity
+    eccentricity = case.direction.eccentricity
     words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
-        eccentricity, f"under torsion and shear, e = {eccentricity / joint.a:g} a,"
+        eccentricity, f"under torsion and shear, e = {eccentricity:g} a,"
     )
     width = 2.6 + 1.8 * joint.locks * joint.b / joint.a
     figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
@@ -70,7 +71,8 @@ def _map(material: Material) -> Figure:
 
 def _draw_faces(axes: Axes, result: CaseResult) -> PolyCollection:
     joint = result.case.joint
-    faces = {face.name: face for face in discretise(joint, result.case.mesh).faces if face.lock}
+    own = lock_faces(joint)
+    faces = {f.name: f for f in assemble(joint, result.case.mesh).faces if f.name in own}
     inner = result.nodes[result.nodes["lock"] > 0]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(

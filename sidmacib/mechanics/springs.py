@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.contact_law import Flags, NodeLaw
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import face_frames, wrenches
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.contact_law import Flags, NodeLaw
+from sidmacib.mechanics.equilibrium import face_frames, wrenches
 
 
 @dataclass(frozen=True)
@@ -29,22 +29,22 @@ class Springs:
     starts: NDArray[np.int64]
 
     @classmethod
-    def of(cls, model: Discretisation) -> "Springs":
-        """The springs of ``model``."""
-        nodes, frames = model.nodes, face_frames(model)
-        origins = np.array([(np.array(f.low) + np.array(f.high)) / 2 for f in model.faces])
-        free = [i for i, piece in enumerate(model.pieces) if not piece.fixed]
-        faces = np.zeros((len(model.faces), 6, 6 * len(free)))
-        for number, face in enumerate(model.faces):
+    def of(cls, assembly: Assembly) -> "Springs":
+        """The springs of ``assembly``."""
+        nodes, frames = assembly.nodes, face_frames(assembly)
+        origins = np.array([(np.array(f.low) + np.array(f.high)) / 2 for f in assembly.faces])
+        free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
+        faces = np.zeros((len(assembly.faces), 6, 6 * len(free)))
+        for number, face in enumerate(assembly.faces):
             for piece, sign in ((face.below, 1.0), (face.above, -1.0)):
                 if piece in free:
                     column = 6 * free.index(piece)
-                    arm = origins[number] - model.pieces[piece].centre
+                    arm = origins[number] - assembly.pieces[piece].centre
                     faces[number, :, column : column + 6] = sign * np.eye(6)
                     # A turn moves the origin of the face by turn x arm.
                     faces[number, :3, column + 3 : column + 6] = -sign * np.cross(arm, np.eye(3)).T
         return cls(
-            NodeLaw.of(model),
+            NodeLaw.of(assembly),
             # Row by row, force and moment of a unit force about the face's origin.
             wrenches(nodes.position - origins[nodes.face], frames, np.zeros(3))
             .T.reshape(-1, 3, 6)

@@ -7,23 +7,22 @@ displacement beyond which the joint can only have failed.
 import numpy as np
 from scipy.linalg import eigh
 
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import free_rows, permanent_and_reference
-from sidmacib.loading import PieceLoad
-from sidmacib.springs import Springs
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.springs import Springs
 
 
-def natural_frequencies(model: Discretisation) -> Floats:
+def natural_frequencies(assembly: Assembly) -> Floats:
     """Angular frequencies of the free pieces, ascending, in rad/s, with every node closed.
 
     Every piece is a rigid body with its largest principal moment of inertia about all axes.
     """
-    free = [piece for piece in model.pieces if not piece.fixed]
+    free = [piece for piece in assembly.pieces if not piece.fixed]
     mass = np.concatenate([[p.mass] * 3 + [p.inertia.max()] * 3 for p in free])
-    return np.sqrt(eigh(Springs.of(model).elastic_stiffness(), np.diag(mass), eigvals_only=True))
+    return np.sqrt(eigh(Springs.of(assembly).elastic_stiffness(), np.diag(mass), eigvals_only=True))
 
 
-def compliance(model: Discretisation, loads: tuple[PieceLoad, ...]) -> float:
+def compliance(assembly: Assembly, loads: Loads) -> float:
     """Displacement that ``loads`` work on, per unit of load, in m/N, with every node closed."""
-    force = permanent_and_reference(model, loads)[1][free_rows(model)]
-    return float(force @ np.linalg.solve(Springs.of(model).elastic_stiffness(), force))
+    force = loads.variable.ravel()[free_rows(assembly)]
+    return float(force @ np.linalg.solve(Springs.of(assembly).elastic_stiffness(), force))

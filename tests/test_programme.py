@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.capacity import (
+from sidmacib.contact_points import OPTIONS, ContactOption, contact_points
+from sidmacib.joint import Direction, Joint
+from sidmacib.programme import (
     InfeasibleError,
     Sidmacib,
     SolverError,
@@ -19,8 +21,6 @@ from sidmacib.capacity import (
     capacity,
     solve,
 )
-from sidmacib.contact_points import OPTIONS, ContactOption, contact_points
-from sidmacib.joint import Direction, Joint
 
 PURE_SHEAR = Direction(1.0, 0.0)
 

@@ -4,11 +4,12 @@ Of all node forces that balance the loads, those minimise the sum of s^2 / (2 K 
 displacements of the pieces. Dry nodes cannot pull. Friction enters in one of two ways:
 
 - ``FrictionRule.COULOMB``: |s_t| <= mu N with N from the solution before, until it settles. Slip
-  does not dilate, as in `sidmacib.static`; the load is applied in one step.
+  does not dilate, as in `sidmacib.mechanics.static`; the load is applied in one step.
 - ``FrictionRule.ASSOCIATED``: |s_t| <= mu s_n in one programme. Slip dilates, which presses the
   faces together and overestimates what friction carries.
 
-This is the slow and independent twin of Newton's method in `sidmacib.static`, for small meshes.
+This is the slow and independent twin of Newton's method in `sidmacib.mechanics.static`, for small
+meshes.
 """
 
 from enum import StrEnum
@@ -16,11 +17,10 @@ from enum import StrEnum
 import cvxpy as cp
 import numpy as np
 
-from sidmacib.capacity import solve
-from sidmacib.contact_law import NodeLaw, NodeState, utilisation
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import equilibrium_matrix, free_rows, permanent_and_reference
-from sidmacib.loading import PieceLoad
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.optimisation import solve
 
 ACCURACY = {"tol_gap_abs": 1e-7, "tol_gap_rel": 1e-7, "tol_feas": 1e-7}  # of Clarabel
 LEAST_BOUND = 1e-6  # of friction, over a node's mean share of the load: solvers need an interior
@@ -34,8 +34,8 @@ class FrictionRule(StrEnum):
 
 
 def least_energy_forces(
-    model: Discretisation,
-    loads: tuple[PieceLoad, ...],
+    assembly: Assembly,
+    loads: Loads,
     load: float,
     rule: FrictionRule = FrictionRule.COULOMB,
     tolerance: float = 1e-6,
@@ -44,13 +44,12 @@ def least_energy_forces(
 
     Returns (N, 3): what the piece below each node exerts on the piece above, in the frame of the
     face. ``tolerance``: last change of the friction bounds, over the load. Raises
-    `sidmacib.capacity.CapacityError` where no forces balance the loads, RuntimeError if the
+    `sidmacib.errors.CapacityError` where no forces balance the loads, RuntimeError if the
     friction bounds do not settle.
     """
-    law = NodeLaw.of(model)
-    rows = free_rows(model)
-    permanent, reference = permanent_and_reference(model, loads)
-    target = (permanent + load * reference)[rows]
+    law = NodeLaw.of(assembly)
+    rows = free_rows(assembly)
+    target = (loads.permanent + load * loads.variable).ravel()[rows]
     # Per unit of a node's mean share of the load: numbers about 1 for the solver.
     scale = float(np.abs(target).max()) / len(law.friction)
     dry = np.flatnonzero(~law.cohesive)
@@ -63,7 +62,7 @@ def least_energy_forces(
     energy = cp.sum(cp.multiply(flexibility, cp.square(force)))
     shear = cp.norm(force[dry, 1:], 2, axis=1)
     balanced = [
-        equilibrium_matrix(model)[rows] @ cp.vec(force, order="C") == target / scale,
+        equilibrium_matrix(assembly)[rows] @ cp.vec(force, order="C") == target / scale,
         force[dry, 0] >= 0,
     ]
     what = f"least complementary energy at {load:g} N"
@@ -84,18 +83,16 @@ def least_energy_forces(
     raise RuntimeError(f"the friction bounds do not settle at {load:g} N")
 
 
-def first_failure_load(
-    model: Discretisation, loads: tuple[PieceLoad, ...], rule: FrictionRule
-) -> float:
+def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> float:
     """Load (N) at which the first bonded node reaches its strength, to 0.01 %.
 
     Utilisation is all but proportional to the load, so the load over its utilisation settles.
     """
-    law = NodeLaw.of(model)
+    law = NodeLaw.of(assembly)
     state = NodeState.initial(law)
-    load = 0.1 * model.joint.T0
+    load = 0.1 * loads.scale
     for _ in range(50):
-        used = utilisation(law, state, least_energy_forces(model, loads, load, rule)).max()
+        used = utilisation(law, state, least_energy_forces(assembly, loads, load, rule)).max()
         if abs(used - 1.0) <= 1e-4:
             return load
         load /= float(used)

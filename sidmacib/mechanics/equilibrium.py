@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.loading import PieceLoad
+from sidmacib.mechanics.assembly import Assembly, Floats
 
 
 def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
@@ -19,46 +18,34 @@ def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
     return np.asarray(columns.reshape(-1, 6).T)
 
 
-def face_frames(model: Discretisation) -> Floats:
+def face_frames(assembly: Assembly) -> Floats:
     """Unit vectors at each node, (N, 3, 3): the face's normal, then its two tangents."""
-    frames = np.array([np.roll(np.eye(3), -face.axis, axis=0) for face in model.faces])
-    return np.asarray(frames[model.nodes.face])
+    frames = np.array([np.roll(np.eye(3), -face.axis, axis=0) for face in assembly.faces])
+    return np.asarray(frames[assembly.nodes.face])
 
 
-def equilibrium_matrix(model: Discretisation) -> Floats:
+def equilibrium_matrix(assembly: Assembly) -> Floats:
     """Forces and moments about their centroids of all pieces under unit node forces.
 
     Returns (6 * P, 3 * N). The force at a node, in the frame of `face_frames`, is the one that the
     piece above exerts on the piece below; the piece above gets its opposite. The transpose maps
     displacements of the pieces to relative displacements of the nodes (below minus above).
     """
-    matrix = np.zeros((6 * len(model.pieces), 3 * len(model.nodes.area)))
-    frames = face_frames(model)
-    for number, face in enumerate(model.faces):
-        own = np.flatnonzero(model.nodes.face == number)
+    matrix = np.zeros((6 * len(assembly.pieces), 3 * len(assembly.nodes.area)))
+    frames = face_frames(assembly)
+    for number, face in enumerate(assembly.faces):
+        own = np.flatnonzero(assembly.nodes.face == number)
         columns = (3 * own[:, None] + np.arange(3)).ravel()
         for piece, sign in ((face.below, 1.0), (face.above, -1.0)):
             rows = slice(6 * piece, 6 * piece + 6)
-            centre = model.pieces[piece].centre
-            matrix[rows, columns] = sign * wrenches(model.nodes.position[own], frames[own], centre)
+            centre = assembly.pieces[piece].centre
+            matrix[rows, columns] = sign * wrenches(
+                assembly.nodes.position[own], frames[own], centre
+            )
     return matrix
 
 
-def free_rows(model: Discretisation) -> NDArray[np.int64]:
+def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
-    free = [i for i, piece in enumerate(model.pieces) if not piece.fixed]
+    free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
     return np.concatenate([np.arange(6 * i, 6 * i + 6) for i in free])
-
-
-def permanent_and_reference(
-    model: Discretisation, loads: tuple[PieceLoad, ...]
-) -> tuple[Floats, Floats]:
-    """Self-weight (N, N m) and ``loads`` (per N of load) as forces and moments on all pieces.
-
-    Both (6 P,), force and moment about the centroid piece by piece.
-    """
-    permanent, reference = np.zeros((2, len(model.pieces), 6))
-    permanent[:, 2] = [-piece.weight for piece in model.pieces]
-    for load in loads:
-        reference[load.piece] += np.concatenate([load.force, load.moment])
-    return permanent.ravel(), reference.ravel()

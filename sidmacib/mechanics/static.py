@@ -1,8 +1,8 @@
-"""Static brittle model of the whole joint: equilibrium of rigid pieces on springs that can fail.
+"""Static brittle model of an assembly: equilibrium of rigid pieces on springs that can fail.
 
 The unknowns are the six displacements of every free piece. A node's force follows from the relative
-displacement of its two pieces by `sidmacib.contact_law`, so Newton's method needs matrices of the
-size of the pieces, however fine the mesh. The load rises in increments, which gives friction its
+displacement of its two pieces by `sidmacib.mechanics.contact_law`, so Newton's method needs
+matrices of the size of the pieces, however fine the mesh. The load rises in increments, which gives friction its
 history. When the first node fails, all of its strength goes at once (those that fail together go
 together) and a new equilibrium is sought at the same load; where none exists is the peak.
 """
@@ -11,13 +11,21 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.contact_law import Flags, NodeState, Response, advanced, respond, tangent, utilisation
-from sidmacib.discretisation import Discretisation, Floats
-from sidmacib.equilibrium import free_rows, permanent_and_reference
-from sidmacib.loading import PieceLoad
-from sidmacib.springs import Springs
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.contact_law import (
+    Flags,
+    NodeState,
+    Response,
+    advanced,
+    respond,
+    tangent,
+    utilisation,
+)
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.springs import Springs
 
-INCREMENT = 0.1  # load increment over T0
+INCREMENT = 0.1  # load increment over the loads' scale
 LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 NEWTON_STEPS = 60
@@ -61,18 +69,13 @@ class StaticSolution:
         return self.peak.load * (1.0 + LEAST_INCREMENT)
 
 
-class NoEquilibriumError(RuntimeError):
-    """Newton's method finds no equilibrium at a load."""
-
-
 class Solver:
-    """Newton's method on ``model`` under ``loads``."""
+    """Newton's method on ``assembly`` under ``loads``."""
 
-    def __init__(self, model: Discretisation, loads: tuple[PieceLoad, ...]) -> None:
-        permanent, reference = permanent_and_reference(model, loads)
-        rows = free_rows(model)
-        self.load, self.weight = reference[rows], permanent[rows]
-        self.springs = Springs.of(model)
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        rows = free_rows(assembly)
+        self.load, self.weight = loads.variable.ravel()[rows], loads.permanent.ravel()[rows]
+        self.springs = Springs.of(assembly)
         self.law = self.springs.law
         self.elastic = self.springs.elastic_stiffness()
         # Keeps pieces that nothing holds for a moment from flying off.
@@ -144,16 +147,19 @@ class Solver:
         return Equilibrium(load, displacement, force, advanced(self.law, state, delta, force))
 
 
-def static_peak(model: Discretisation, loads: tuple[PieceLoad, ...]) -> StaticSolution:
-    """Raise ``loads`` from 0 to the peak of ``model``.
+def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
+    """Raise ``loads`` from 0 to the peak of ``assembly``.
 
-    Raises `NoEquilibriumError` if the joint does not stand under its own weight.
+    Raises `NoEquilibriumError` if it does not stand under its permanent loads, ValueError if its
+    failure is not brittle.
     """
-    solver = Solver(model, loads)
+    if assembly.failure is not Failure.BRITTLE:
+        raise ValueError(f"failure: got {assembly.failure}, allowed is {Failure.BRITTLE}")
+    solver = Solver(assembly, loads)
     path = [solver.start()]
     first_failure: float | None = None
     while True:
-        path, failing = _raised(solver, path, INCREMENT * model.joint.T0)
+        path, failing = _raised(solver, path, INCREMENT * loads.scale)
         first_failure = path[-1].load if first_failure is None else first_failure
         if not failing.any():
             break

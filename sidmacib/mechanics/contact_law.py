@@ -1,8 +1,8 @@
 """Law of the contact nodes: elastic, with failure, opening and Coulomb friction.
 
 At a node, delta is the displacement of the piece below relative to the piece above in the frame of
-`sidmacib.equilibrium.face_frames`, and s the force that the piece below exerts on the piece above:
-s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). A bonded node keeps both
+`sidmacib.mechanics.equilibrium.face_frames`, and s the force that the piece below exerts on the
+piece above: s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). A bonded node keeps both
 until it fails. Any other node cannot pull, and its shear force stays on or inside the circular
 friction cone, |s_t| <= mu s_n: slip makes up the difference, without dilation.
 """
@@ -12,7 +12,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.discretisation import Discretisation, Floats, Kind
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 
 Flags = NDArray[np.bool_]
 
@@ -29,13 +29,12 @@ class NodeLaw:
     cohesive: Flags  # bonded at the start
 
     @classmethod
-    def of(cls, model: Discretisation) -> "NodeLaw":
-        """The law of every node of ``model``: the face's material times the node's area."""
-        face, area = model.nodes.face, model.nodes.area
-        materials = [model.material(each.kind) for each in model.faces]
+    def of(cls, assembly: Assembly) -> "NodeLaw":
+        """The law of every node of ``assembly``: the face's material times the node's area."""
+        face, area = assembly.nodes.face, assembly.nodes.area
 
         def per_node(name: str) -> Floats:
-            return np.array([getattr(material, name) for material in materials])[face]
+            return np.array([getattr(each.material, name) for each in assembly.faces])[face]
 
         return cls(
             per_node("normal_stiffness") * area,
@@ -43,7 +42,7 @@ class NodeLaw:
             per_node("friction"),
             per_node("cohesion") * area,
             per_node("tensile_strength") * area,
-            np.array([each.kind is Kind.INNER for each in model.faces])[face],
+            np.array([each.kind is Kind.INNER for each in assembly.faces])[face],
         )
 
     def part(self, own: Flags) -> "NodeLaw":

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.capacity import Sidmacib, SupportFunction
-from sidmacib.discretisation import Floats
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.programme import Sidmacib, SupportFunction
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Envelope:
 def envelope(model: Sidmacib) -> Envelope:
     """All vertices of the set of loads (V, M) that ``model`` carries.
 
-    Raises `sidmacib.capacity.CapacityError` if the set is empty or unbounded.
+    Raises `sidmacib.errors.CapacityError` if the set is empty or unbounded.
     """
     scale = np.array([model.joint.T0, model.joint.T0 * model.joint.a])
     furthest = SupportFunction.of(model)

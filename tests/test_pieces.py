@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.discretisation import Block, Kind, discretise
 from sidmacib.joint import Joint, UpperBody
+from sidmacib.mechanics.assembly import Block, Kind
 
 joints = st.builds(
     Joint,
@@ -21,14 +21,14 @@ joints = st.builds(
 
 @given(joints, st.floats(0.005, 0.019))
 def test_node_areas_add_up_to_the_area_of_their_face(joint: Joint, mesh: float) -> None:
-    model = discretise(joint, mesh)
+    model = assemble(joint, mesh)
     found = np.bincount(model.nodes.face, weights=model.nodes.area)
     assert found == pytest.approx([face.area for face in model.faces])
 
 
 @given(joints)
 def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
-    model = discretise(joint, 0.99 * min(joint.a, joint.b))
+    model = assemble(joint, 0.99 * min(joint.a, joint.b))
     inner = {face.lock: face for face in model.faces if face.lock}
     assert sorted(inner) == list(range(1, joint.locks + 1))
     for lock, face in inner.items():
@@ -40,7 +40,7 @@ def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
 @given(joints)
 def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
     free = [
-        piece for piece in discretise(joint, 0.99 * min(joint.a, joint.b)).pieces if not piece.fixed
+        piece for piece in assemble(joint, 0.99 * min(joint.a, joint.b)).pieces if not piece.fixed
     ]
     volume = joint.a * joint.b * joint.locks * (joint.h + joint.H)
     assert sum(piece.mass for piece in free) == pytest.approx(joint.density * volume)
@@ -48,7 +48,7 @@ def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
 
 @given(joints)
 def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
-    model = discretise(joint, 0.99 * min(joint.a, joint.b))
+    model = assemble(joint, 0.99 * min(joint.a, joint.b))
     for face in model.faces:
         below, above = model.pieces[face.below], model.pieces[face.above]
         assert below.high[face.axis] == pytest.approx(above.low[face.axis])
@@ -58,7 +58,7 @@ def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
 
 
 def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint) -> None:
-    model = discretise(joint, 0.02)
+    model = assemble(joint, 0.02)
     for face in model.faces:
         blocks = {model.pieces[face.below].block, model.pieces[face.above].block}
         assert len(blocks) == (1 if face.kind is Kind.INNER else 2)
@@ -66,7 +66,7 @@ def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint)
 
 
 def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None:
-    model = discretise(joint, 0.02)
+    model = assemble(joint, 0.02)
     own = model.nodes.position[model.nodes.face == 0]
     assert len(own) == 3 * 3  # 0.06 / 0.02 by 0.05 / 0.02, rounded up
     assert np.diff(np.unique(own[:, 1])).max() <= 0.02
@@ -75,4 +75,4 @@ def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None
 @pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])
 def test_a_mesh_that_does_not_fit_an_inner_face_is_refused(joint: Joint, mesh: float) -> None:
     with pytest.raises(ValueError, match=f"mesh: got {mesh} m, allowed is .* 0.05 m"):
-        discretise(joint, mesh)
+        assemble(joint, mesh)

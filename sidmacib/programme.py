@@ -18,25 +18,11 @@ import cvxpy as cp
 import numpy as np
 
 from sidmacib.contact_points import ContactOption, contact_points
-from sidmacib.discretisation import Block, Floats, rigid_pieces
-from sidmacib.equilibrium import wrenches
 from sidmacib.joint import Direction, Joint
-
-
-class CapacityError(RuntimeError):
-    """The linear programme has no answer; the message names the direction and the reason."""
-
-
-class InfeasibleError(CapacityError):
-    """No forces balance the permanent loads."""
-
-
-class UnboundedError(CapacityError):
-    """The load can grow without limit."""
-
-
-class SolverError(CapacityError):
-    """The solver ended without a verdict."""
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.equilibrium import wrenches
+from sidmacib.mechanics.optimisation import solve
+from sidmacib.pieces import rigid_pieces, upper_block
 
 
 @dataclass(frozen=True)
@@ -116,13 +102,14 @@ def _programme(model: Sidmacib) -> _Programme:
 
 def _upper_block(joint: Joint) -> tuple[float, Floats]:
     """Self-weight (N) and centroid (m, shape (3,)) of the upper block."""
-    pieces = [piece for piece in rigid_pieces(joint) if piece.block is Block.UPPER]
+    names = upper_block(joint)
+    pieces = [piece for piece in rigid_pieces(joint) if piece.name in names]
     weight = sum(piece.weight for piece in pieces)
     return weight, np.asarray(sum(piece.weight * piece.centre for piece in pieces) / weight)
 
 
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:
-    """The largest load in each of ``directions``; raises `CapacityError` where there is none."""
+    """The largest load in each of ``directions``; raises `sidmacib.errors.CapacityError` where there is none."""
     programme = _programme(model)
     load, slope = cp.Variable(nonneg=True), cp.Parameter(2)
     problem = cp.Problem(
@@ -135,13 +122,13 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
     )
 
     def along(direction: Direction) -> Capacity:
-        slope.value = np.array([direction.shear, direction.torque])
-        solve(problem, f"V : M = {direction.shear:g} : {direction.torque:g} m")
+        slope.value = np.array([direction.shear, direction.torque * model.joint.a])
+        solve(problem, f"e = {direction.eccentricity:g} a")
         value = float(cast(float, load.value))
         return Capacity(
             value,
             value * direction.shear,
-            value * direction.torque,
+            value * direction.torque * model.joint.a,
             np.array(programme.forces.value),
         )
 
@@ -149,7 +136,7 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
 
 
 def capacity(model: Sidmacib, direction: Direction) -> Capacity:
-    """The largest load in ``direction``; raises `CapacityError` if there is none."""
+    """The largest load in ``direction``; raises `sidmacib.errors.CapacityError` if there is none."""
     return capacities(model, [direction])[0]
 
 
@@ -173,22 +160,3 @@ class SupportFunction:
         self.normal.value = normal
         solve(self.problem, f"outward normal (V, M) = ({normal[0]:g}, {normal[1]:g})")
         return np.array([self.programme.shear.value, self.programme.torque.value], dtype=float)
-
-
-def solve(problem: cp.Problem, what: str, solver: str = cp.HIGHS, **settings: float) -> None:
-    """Solve; every status but an optimum raises an error that names ``what``.
-
-    ``settings``: of the solver.
-    """
-    try:
-        problem.solve(solver=solver, **settings)
-    except cp.SolverError as error:
-        raise SolverError(f"{what}: {error}") from error
-    status = problem.status
-    if status == cp.OPTIMAL:
-        return
-    if status == cp.INFEASIBLE:
-        raise InfeasibleError(f"{what}: no forces balance the permanent loads")
-    if status == cp.UNBOUNDED:
-        raise UnboundedError(f"{what}: the load can grow without limit")
-    raise SolverError(f"{what}: solver status {status}")

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 
-from sidmacib.capacity import InfeasibleError, Sidmacib, capacity
 from sidmacib.contact_points import OPTIONS
-from sidmacib.envelope import envelope, polygon
 from sidmacib.joint import Direction, Joint
+from sidmacib.polygon import envelope, polygon
+from sidmacib.programme import InfeasibleError, Sidmacib, capacity
 
 
 def support_of(points: np.ndarray):

@@ -1,0 +1,190 @@
+"""An assembly of rigid pieces that meet across faces, with contact nodes on every face, and loads.
+
+This is the one description that every model and every engine works from, whatever was assembled.
+All quantities are in SI units.
+"""
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+GRAVITY = 9.81  # m/s2
+
+Vector = tuple[float, float, float]
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class FaceMaterial:
+    """Law of a contact face, per unit of area.
+
+    ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu.
+    """
+
+    normal_stiffness: float
+    shear_stiffness: float
+    friction: float
+    cohesion: float
+    tensile_strength: float
+
+
+class Failure(StrEnum):
+    """What a node of an inner face keeps once its strength is reached."""
+
+    BRITTLE = "brittle"  # it loses cohesion and tensile strength at once
+    DUCTILE = "ductile"  # it goes on to carry its strength
+
+
+class Kind(StrEnum):
+    """The kind of a face."""
+
+    INNER = "inner"  # cohesive: it joins two pieces until it fails
+    DRY = "dry"  # frictional and unilateral
+    PLATE = "plate"  # frictionless and unilateral, under a fixed plate
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A rigid cuboid, given by two opposite corners in m."""
+
+    name: str
+    low: Vector
+    high: Vector
+    mass: float  # kg
+    fixed: bool = False
+
+    @property
+    def centre(self) -> Floats:
+        """Centroid, in m, shape (3,)."""
+        return (np.array(self.low) + np.array(self.high)) / 2
+
+    @property
+    def size(self) -> Floats:
+        """Edge lengths, in m, shape (3,)."""
+        return np.array(self.high) - np.array(self.low)
+
+    @property
+    def inertia(self) -> Floats:
+        """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
+        squares = self.size**2
+        return self.mass / 12 * (squares.sum() - squares)
+
+    @property
+    def weight(self) -> float:
+        """Self-weight in N."""
+        return self.mass * GRAVITY
+
+
+@dataclass(frozen=True)
+class Face:
+    """A plane rectangle across which two pieces meet.
+
+    ``below`` and ``above`` are indices of pieces; the unit normal, along ``axis`` (0, 1, 2 for x,
+    y, z), points from ``below`` to ``above``.
+    """
+
+    name: str
+    kind: Kind
+    material: FaceMaterial
+    below: int
+    above: int
+    axis: int
+    low: Vector
+    high: Vector
+
+    @property
+    def normal(self) -> Floats:
+        """Unit normal from ``below`` to ``above``, shape (3,)."""
+        return np.eye(3)[self.axis]
+
+    @property
+    def area(self) -> float:
+        """Area in m2."""
+        return math.prod(h - l for l, h in zip(self.low, self.high, strict=True) if h > l)
+
+
+@dataclass(frozen=True)
+class Nodes:
+    """Contact nodes of all faces, one row each, face by face."""
+
+    face: Integers  # (N,) index of the face
+    position: Floats  # (N, 3) in m
+    area: Floats  # (N,) tributary area in m2
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Pieces, their faces and the nodes on them.
+
+    ``length`` (m) is the size that rotations and moments are measured by. ``failure`` is that of
+    all inner faces.
+    """
+
+    pieces: tuple[Piece, ...]
+    faces: tuple[Face, ...]
+    nodes: Nodes
+    length: float
+    failure: Failure = Failure.BRITTLE
+
+
+@dataclass(frozen=True)
+class Loads:
+    """Forces and moments on the pieces, about their centroids, both of shape (P, 6).
+
+    ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is raised,
+    per newton of load. ``scale`` in N: a load of the order of what the assembly carries, which first
+    increments are parts of.
+    """
+
+    permanent: Floats
+    variable: Floats
+    scale: float
+
+
+def self_weight(pieces: tuple[Piece, ...]) -> Floats:
+    """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
+    weight = np.zeros((len(pieces), 6))
+    weight[:, 2] = [-piece.weight for piece in pieces]
+    return weight
+
+
+def shared_face(
+    name: str, kind: Kind, material: FaceMaterial, pieces: tuple[Piece, ...], pair: tuple[int, int]
+) -> Face:
+    """The rectangle in which the first of ``pair``, indices of pieces, touches the second.
+
+    ValueError if they do not touch across a plane.
+    """
+    first, second = (pieces[i] for i in pair)
+    low = [max(p, q) for p, q in zip(first.low, second.low, strict=True)]
+    high = [min(p, q) for p, q in zip(first.high, second.high, strict=True)]
+    touching = [k for k in range(3) if math.isclose(first.high[k], second.low[k], abs_tol=1e-12)]
+    sides = [k for k in range(3) if high[k] > low[k] and k not in touching[:1]]
+    if len(touching) == 0 or len(sides) != 2:
+        raise ValueError(f"{name}: {first.name} does not touch {second.name} from below")
+    axis = touching[0]
+    low[axis] = high[axis] = first.high[axis]
+    corners = (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    return Face(name, kind, material, *pair, axis, *corners)
+
+
+def contact_nodes(faces: tuple[Face, ...], mesh: float) -> Nodes:
+    """Nodes at the centres of equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
+    owner, position, area = [], [], []
+    for number, face in enumerate(faces):
+        axes = [_cell_centres(lo, hi, mesh) for lo, hi in zip(face.low, face.high, strict=True)]
+        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+        owner.append(np.full(len(grid), number))
+        position.append(grid)
+        area.append(np.full(len(grid), face.area / len(grid)))
+    return Nodes(np.concatenate(owner), np.concatenate(position), np.concatenate(area))
+
+
+def _cell_centres(low: float, high: float, mesh: float) -> Floats:
+    count = max(1, math.ceil((high - low) / mesh - 1e-9))
+    return low + (np.arange(count) + 0.5) * (high - low) / count

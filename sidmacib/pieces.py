@@ -1,0 +1,125 @@
+"""The joint as an assembly: cut into rigid pieces that meet across inner and dry faces."""
+
+from collections.abc import Iterator
+
+from sidmacib.joint import Joint, UpperBody
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    Face,
+    FaceMaterial,
+    Kind,
+    Piece,
+    contact_nodes,
+    shared_face,
+)
+
+LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
+
+
+def assemble(joint: Joint, mesh: float) -> Assembly:
+    """Cut ``joint`` into pieces and put nodes on their faces, no further apart than ``mesh`` (m).
+
+    The nodes are the centres of equal cells. ValueError if the mesh is not positive, or not less
+    than the shorter side of the locks' horizontal faces: one row of nodes would be a hinge.
+    """
+    if not 0 < mesh < min(joint.a, joint.b):
+        raise ValueError(
+            f"mesh: got {mesh} m, allowed is more than 0 and less than {min(joint.a, joint.b)} m, "
+            "the shorter side of an inner face"
+        )
+    pieces = rigid_pieces(joint)
+    faces = tuple(_faces(joint, pieces))
+    return Assembly(pieces, faces, contact_nodes(faces, mesh), joint.a, joint.failure)
+
+
+def rigid_pieces(joint: Joint) -> tuple[Piece, ...]:
+    """Lower body, plate, locks and upper body (or its columns), in this order."""
+    return tuple(_pieces(joint))
+
+
+def lock_name(lock: int) -> str:
+    """Name of the piece that is lock number ``lock``."""
+    return f"lock{lock}"
+
+
+def body_above(joint: Joint, lock: int) -> str:
+    """Name of the piece of the upper main body above lock number ``lock``."""
+    return BODY if joint.upper_body is UpperBody.MONOLITHIC else f"column{lock}"
+
+
+def upper_bodies(joint: Joint) -> tuple[str, ...]:
+    """Names of the pieces of the upper main body, from lock 1 on."""
+    return tuple(dict.fromkeys(body_above(joint, lock) for lock in range(1, joint.locks + 1)))
+
+
+def upper_block(joint: Joint) -> tuple[str, ...]:
+    """Names of the pieces of the upper block: its locks and its main body."""
+    return *map(lock_name, joint.upper_locks), *upper_bodies(joint)
+
+
+def lock_faces(joint: Joint) -> dict[str, int]:
+    """Numbers of the locks by the name of each one's inner (horizontal) face."""
+    return {
+        _inner(lock_name(lock), body_above(joint, lock))
+        if joint.is_upper(lock)
+        else _inner(LOWER, lock_name(lock)): lock
+        for lock in range(1, joint.locks + 1)
+    }
+
+
+def _inner(below: str, above: str) -> str:
+    return f"{Kind.INNER}-{below}-{above}"
+
+
+def _pieces(joint: Joint) -> Iterator[Piece]:
+    x = joint.a / 2
+    width = joint.locks * joint.b
+    top = joint.h + joint.H
+
+    def cuboid(
+        name: str, y: tuple[float, float], z: tuple[float, float], fixed: bool = False
+    ) -> Piece:
+        volume = joint.a * (y[1] - y[0]) * (z[1] - z[0])
+        low, high = (-x, y[0], z[0]), (x, y[1], z[1])
+        return Piece(name, low, high, joint.density * volume, fixed)
+
+    # The lower body and the plate are fixed: their thickness is immaterial.
+    yield cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)
+    yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
+    for lock in range(1, joint.locks + 1):
+        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h))
+    if joint.upper_body is UpperBody.MONOLITHIC:
+        yield cuboid(BODY, (0.0, width), (joint.h, top))
+        return
+    for lock in range(1, joint.locks + 1):
+        yield cuboid(body_above(joint, lock), _strip(joint, lock), (joint.h, top))
+
+
+def _strip(joint: Joint, lock: int) -> tuple[float, float]:
+    return (lock - 1) * joint.b, lock * joint.b
+
+
+def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
+    index = {piece.name: i for i, piece in enumerate(pieces)}
+    monolithic = joint.upper_body is UpperBody.MONOLITHIC
+    dry = joint.dry
+    smooth = FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
+    material = {Kind.INNER: joint.inner, Kind.DRY: dry, Kind.PLATE: smooth}
+
+    def face(kind: Kind, below: str, above: str, name: str = "") -> Face:
+        pair = index[below], index[above]
+        return shared_face(name or f"{kind}-{below}-{above}", kind, material[kind], pieces, pair)
+
+    for lock in range(1, joint.locks + 1):
+        foot, head = (Kind.DRY, Kind.INNER) if joint.is_upper(lock) else (Kind.INNER, Kind.DRY)
+        body = body_above(joint, lock)
+        yield face(foot, LOWER, lock_name(lock))
+        yield face(head, lock_name(lock), body)
+        if not monolithic:
+            yield face(Kind.PLATE, body, PLATE, f"plate-{body}")
+    for lock in range(1, joint.locks):
+        yield face(Kind.DRY, lock_name(lock), lock_name(lock + 1))
+        if not monolithic:
+            yield face(Kind.INNER, body_above(joint, lock), body_above(joint, lock + 1))
+    if monolithic:
+        yield face(Kind.PLATE, BODY, PLATE, "plate-body")
