@@ -30,7 +30,7 @@ _HOME = {
     "static_peak": "mechanics.static",
 }
 
-__all__ = sorted(_HOME)
+__all__ = list(_HOME)  # noqa: PLE0605
 
 
 def __getattr__(name: str) -> Any:
