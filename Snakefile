@@ -5,12 +5,13 @@ import shlex
 import sys
 from pathlib import Path
 
-from analysis.figures.catalogue import figures_of
-from workflow.cases import case_folder, cases_of
+# The code that runs is this checkout's, wherever it is called from and whatever is installed.
+CHECKOUT = str(workflow.basedir)
+sys.path.insert(0, CHECKOUT)
+
 from workflow.configuration import ConfigError, read_study
-from workflow.engines import ENGINES
-from workflow.results import CASE_FILES
-from workflow.threedec import deck_folder, decks
+from workflow.lock import LockedError, lock
+from workflow.plan import faults, plan_file, plan_of
 
 # A study of one's own is not mixed with this one.
 if not workflow.config_settings.configfiles:
@@ -20,35 +21,37 @@ if not workflow.config_settings.configfiles:
 
 try:
     STUDY = read_study(config)
-    CASES = cases_of(STUDY)
+    PLAN = plan_of(STUDY)
 except ConfigError as error:
     sys.exit(f"Error in the configuration: {error}")
 
 RESULTS = STUDY.results
-# Results of 3DEC that came back count like those of any other model.
-CASES |= {
-    (case.model, name): case
-    for name, case in decks(STUDY).items()
-    if Path(f"{deck_folder(RESULTS, name)}/results.txt").is_file()
-}
-PYTHON = shlex.quote(sys.executable)
-SOURCES = workflow.current_basedir
+if workflow.is_main_process and not workflow.dryrun:
+    try:
+        LOCK = lock(Path(RESULTS))
+    except LockedError as error:
+        sys.exit(str(error))
+JOBS = PLAN.jobs
+faults(JOBS.values(), Path(RESULTS))
+PLANS = {name: str(plan_file(job, job.digest(), Path(RESULTS))) for name, job in JOBS.items()}
+
+# `exec`: a job ends with Snakemake, not only with the shell between them.
+RUN = (
+    f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)} -m workflow.job "
+    "{input.plan:q} > {log:q} 2>&1"
+)
 
 
-wildcard_constraints:
-    case="|".join(re.escape(name) for _, name in CASES),
+def below(names):
+    """Paths of results, whose ``names`` are below the results' folder."""
+    return [f"{RESULTS}/{name}" for name in names]
 
 
 include: "workflow/rules/cases.smk"
-include: "workflow/rules/decks.smk"
 include: "workflow/rules/tables.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/calibration.smk"
 
 
 rule all:
     default_target: True
     input:
-        f"{RESULTS}/summary.txt",
-        [rules.weights.output, rules.fit.output, rules.models.output],
-        expand(rules.figure.output, figure=FIGURE_SPECS),
+        below(PLAN.outputs()),

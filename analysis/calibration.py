@@ -6,28 +6,19 @@ the rocking moment. The length a against b shows in the shape of the V-M curve, 
 describes in words: concave, two nearly straight parts, turning at about two thirds.
 """
 
-import argparse
-import math
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-import yaml
 
-from analysis.reading import CaseResult, Published, read_published
-from analysis.weights import lock_weights
+from analysis.published import Published
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.pieces import lock_faces
-from workflow.cases import cases_of
-from workflow.configuration import read_study
-from workflow.results import write_table
-from workflow.solve import node_table, solve_case
-from workflow.study import Geometry, Study
+from workflow.configuration import ConfigError
+from workflow.schema import Study
+from workflow.schema.geometry import GeometrySection as Geometry
 
 PEAK_SCALE = 0.01  # -, of a peak: published ones differ by up to 0.6 % between meshes
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
@@ -45,32 +36,49 @@ def geometries(study: Study, published: Published) -> Iterator[Geometry]:
     yield study.geometry
 
 
-def static_results(
-    study: Study, samples: Mapping[str, int], geometry: Geometry, ratios: Floats
-) -> Iterator[CaseResult]:
-    """The static model of ``samples`` of a geometry, e / a being ``ratios``; without histories."""
-    own = read_study(
-        {
-            "samples": {name: {"locks": locks} for name, locks in samples.items()},
-            "geometry": geometry.model_dump(),
-            "materials": study.materials.model_dump(),
-            "meshes": [study.calibration.mesh],
-            "eccentricities": [float(ratio) for ratio in ratios],
-            "models": ["static"],
-            "dem": {"engines": []},
-        }
-    )
-    for case in cases_of(own).values():
-        model, outcome = solve_case(case)
-        peak = outcome.path[-1]
-        loads = (peak.load, outcome.failed_load, outcome.first_failure_load)
-        nodes = node_table(model, peak)
-        nodes["lock"] = nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int)
-        yield CaseResult(case, *loads, nodes, pd.DataFrame())
+def geometry_study(
+    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+) -> dict[str, Any]:
+    """Configuration of a study of the static model in pure shear on ``chosen`` geometries.
+
+    ``samples``: numbers of locks by name. The study's samples are called geometry_sample.
+    """
+    return {
+        "results": results,
+        "samples": {
+            f"{name}_{sample}": {"locks": locks, **geometry.model_dump()}
+            for name, geometry in chosen.items()
+            for sample, locks in samples.items()
+        },
+        "materials": study.materials.model_dump(),
+        "meshes": [study.calibration.mesh],
+        "eccentricities": [0],
+        "models": ["static"],
+        "dem": {"engines": []},
+    }
+
+
+def curve_study(
+    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+) -> dict[str, Any]:
+    """The same in all directions, `ANGLES` apart."""
+    ratios = [float(r) for r in np.tan(np.radians(ANGLES[:-1]))]
+    return geometry_study(study, samples, chosen, results) | {
+        "eccentricities": [*ratios, "torsion"]
+    }
+
+
+def engine_study(
+    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+) -> dict[str, Any]:
+    """The same in pure shear, in the study's engines as well."""
+    return geometry_study(study, samples, chosen, results) | {
+        "dem": study.dem.model_dump(mode="json")
+    }
 
 
 @dataclass(frozen=True)
-class Misfit:
+class GeometryMisfit:
     """Root mean square of the differences over their scales, with the weights in each order."""
 
     printed: float
@@ -83,7 +91,7 @@ class Misfit:
         weights: Mapping[int, list[float]],
         published: Published,
         mesh: float,
-    ) -> "Misfit":
+    ) -> "GeometryMisfit":
         """Peaks (N) and weights in pure shear, by number of locks, against the published ones."""
         printed: list[float] = []
         swapped: list[float] = []
@@ -98,17 +106,31 @@ class Misfit:
         return cls(*(float(np.sqrt(np.mean(np.square(own)))) for own in (printed, swapped)))
 
 
-def misfit_map(study: Study, published: Published) -> pd.DataFrame:
-    """One row for each geometry: peaks and weights in pure shear, and the misfit."""
+def misfit_table(
+    own: Study, cases: pd.DataFrame, weights: pd.DataFrame, published: Published
+) -> pd.DataFrame:
+    """One row for each geometry and model of ``own``, a study that `geometry_study` describes.
+
+    Sizes, peaks and weights in pure shear, and the misfit.
+    """
+    (mesh,) = own.meshes
+    loads = cases.set_index(["model", "sample"])["load_N"]
+    shares = weights.sort_values("lock").groupby(["model", "sample"])["weight"].apply(list)
     rows = []
-    for geometry in geometries(study, published):
-        results = list(static_results(study, published.samples(study), geometry, np.zeros(1)))
-        peaks = {r.case.joint.locks: r.peak_load for r in results}
-        weights = {r.case.joint.locks: lock_weights(r)["weight"].to_list() for r in results}
-        rows.append(
-            size_columns(geometry)
-            | misfit_columns(peaks, weights, published, study.calibration.mesh)
-        )
+    for name in dict.fromkeys(sample.partition("_")[0] for sample in own.samples):
+        samples = {n: s.locks for n, s in own.samples.items() if n.partition("_")[0] == name}
+        joint = own.joint(next(iter(samples)))
+        geometry = Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
+        for model in cases["model"].unique():
+            if any((model, sample) not in shares.index for sample in samples):
+                continue  # a case without a result
+            peaks = {locks: float(loads[model, sample]) for sample, locks in samples.items()}
+            lists = {locks: shares[model, sample] for sample, locks in samples.items()}
+            rows.append(
+                {"geometry": name, "model": model}
+                | size_columns(geometry)
+                | misfit_columns(peaks, lists, published, mesh)
+            )
     return pd.DataFrame(rows)
 
 
@@ -119,7 +141,7 @@ def misfit_columns(
     mesh: float,
 ) -> dict[str, float]:
     """Misfits, peaks and weights of a geometry as columns of a table."""
-    misfit = Misfit.of(peaks, weights, published, mesh)
+    misfit = GeometryMisfit.of(peaks, weights, published, mesh)
     return (
         {"misfit_swapped": misfit.swapped, "misfit_printed": misfit.printed}
         | {f"peak_n{locks}_N": peak for locks, peak in peaks.items()}
@@ -174,29 +196,28 @@ def length_along(points: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
-def curve_table(
-    study: Study, samples: Mapping[str, int], geometries: list[Geometry]
-) -> pd.DataFrame:
-    """V-M curves of some geometries, and their two straight parts, one row per point."""
-    ratios = np.array([math.inf if g == 90.0 else math.tan(math.radians(g)) for g in ANGLES])
+def curve_table(own: Study, cases: pd.DataFrame) -> pd.DataFrame:
+    """V-M curves of a study that `curve_study` describes, one row per point.
+
+    Each has its closest two straight parts beside it.
+    """
     rows: list[dict[str, Any]] = []
-    for geometry in geometries:
-        results = list(static_results(study, samples, geometry, ratios))
-        for locks in dict.fromkeys(r.case.joint.locks for r in results):
-            own = [r for r in results if r.case.joint.locks == locks]
-            parts = TwoParts.of(np.array([(r.shear, r.torque) for r in own]))
-            shape = {
-                "turn_from_shear": parts.turn,
-                "slope_near_shear": parts.slopes[0],
-                "slope_near_torsion": parts.slopes[1],
-                "residual": parts.residual,
-            }
-            rows += [
-                size_columns(geometry)
-                | {"locks": locks, "shear_N": r.shear, "torque_Nm": r.torque}
-                | shape
-                for r in own
-            ]
+    ratio = cases["eccentricity_over_a"]
+    for sample, curve in cases.assign(ratio=ratio).dropna(subset=["load_N"]).groupby("sample"):
+        points = curve.sort_values("ratio")[["shear_N", "torque_Nm"]].to_numpy()
+        joint = own.joint(str(sample))
+        parts = TwoParts.of(points)
+        shape = {
+            "turn_from_shear": parts.turn,
+            "slope_near_shear": parts.slopes[0],
+            "slope_near_torsion": parts.slopes[1],
+            "residual": parts.residual,
+        }
+        sizes = size_columns(Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H))
+        rows += [
+            sizes | {"locks": joint.locks, "shear_N": shear, "torque_Nm": torque} | shape
+            for shear, torque in points
+        ]
     return pd.DataFrame(rows)
 
 
@@ -207,60 +228,37 @@ def best_rows(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def geometry_of(row: pd.Series) -> Geometry:
-    """The geometry of a row of `misfit_map`."""
+    """The geometry of a row of `misfit_table`."""
     return Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
 
 
-def confirmation(
-    study: Study, samples: Mapping[str, int], chosen: list[Geometry], results: str
-) -> dict[str, Any]:
-    """Configuration of a study of pure shear on ``chosen`` geometries, for the engines to run.
-
-    Samples are named by rank; rank 0 is the study's own geometry.
-    """
-    return {
-        "results": results,
-        "samples": {
-            f"rank{rank}_{name}": {"locks": locks, **geometry.model_dump()}
-            for rank, geometry in enumerate(chosen)
-            for name, locks in samples.items()
-        },
-        "materials": study.materials.model_dump(),
-        "meshes": [study.calibration.mesh],
-        "eccentricities": [0],
-        "models": ["static"],
-        "dem": study.dem.model_dump(mode="json"),
-    }
-
-
-def main() -> None:
-    """Command line: the study as JSON, the folder of the confirmation, and files to write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("results")
-    parser.add_argument("output", type=Path, nargs=3, help="map, curves, configuration")
-    arguments = parser.parse_args()
-    study, published = arguments.study, read_published()
-    samples = published.samples(study)
-    if any(published.dem_pure_shear(n, study.calibration.mesh) is None for n in samples.values()):
-        sys.exit(f"calibration.mesh: got {study.calibration.mesh:g} m, allowed is a published one")
-    if not samples:
-        sys.exit("samples: none of them is published, so there is nothing to calibrate with")
-    shortest = min(min(g.a, g.b) for g in geometries(study, published))
-    if shortest <= study.calibration.mesh:
-        sys.exit(
-            f"calibration.mesh: got {study.calibration.mesh:g} m, allowed is less than "
-            f"{shortest:g} m, the shortest side of a lock in calibration.a"
+def describe(table: pd.DataFrame) -> str:
+    """Geometries (rank 0 is the study's own) in words, one line for each and model."""
+    peaks = [column for column in table if column.startswith("peak_")]
+    lines = ["Geometries by misfit (rank 0: the study's own), pure shear"]
+    for _, row in table.iterrows():
+        sizes = ", ".join(f"{name} {row[f'{name}_m']:.4g}" for name in ("a", "b", "h", "H"))
+        loads = ", ".join(f"{row[column]:.1f}" for column in peaks)
+        lines.append(
+            f"  {row['geometry'].removeprefix('rank')}  {sizes} m  {row['model']:8}  peaks {loads} "
+            f"N  misfit {row['misfit_swapped']:.2f} (first two weights swapped), "
+            f"{row['misfit_printed']:.1f} (as printed)"
         )
-    table = misfit_map(study, published)
-    best = [geometry_of(row) for _, row in best_rows(table.iloc[:-1]).iterrows()]
-    config = confirmation(
-        study, samples, [study.geometry, *best[: study.calibration.confirmed]], arguments.results
-    )
-    write_table(table, arguments.output[0])
-    write_table(curve_table(study, samples, [study.geometry, *best]), arguments.output[1])
-    arguments.output[2].write_text(yaml.safe_dump(config, sort_keys=False))
+    return "\n".join([*lines, ""])
 
 
-if __name__ == "__main__":
-    main()
+def check(study: Study, published: Published) -> dict[str, int]:
+    """Numbers of locks of the published samples, by name; `ConfigError` if it cannot be done."""
+    samples = published.samples(study)
+    mesh = study.calibration.mesh
+    if not samples:
+        raise ConfigError("samples: none of them is published, so there is nothing to calibrate with")
+    if any(published.dem_pure_shear(n, mesh) is None for n in samples.values()):
+        raise ConfigError(f"calibration.mesh: {mesh:g} m is not published, 0.02 and 0.005 m are")
+    shortest = min(min(g.a, g.b) for g in geometries(study, published))
+    if shortest <= mesh:
+        raise ConfigError(
+            f"calibration.mesh: {mesh:g} m is too coarse; it must be less than {shortest:g} m, the "
+            "shortest side of a lock in calibration.a"
+        )
+    return samples

@@ -1,61 +1,42 @@
 """The table of capacities: every model's largest load in every direction of loading."""
 
-import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from analysis.balance import unbalanced_share
-from analysis.reading import CaseResult, Published, read_case, read_published
-from analysis.weights import case_columns
+from analysis.published import Published, read_published
 from sidmacib.joint import Direction
+from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS
-from workflow.cases import REFERENCE
-from workflow.results import write_table
-from workflow.study import Study
-
-COLUMNS = (
-    *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
-    *(
-        "sample",
-        "load_N",
-        "failed_load_N",
-        "first_failure_load_N",
-        "unbalanced_share",
-        "option",
-        "friction",
-        "reduction",
-        "weights_from",
-    ),
+from workflow.case import REFERENCE, case_name
+from workflow.models import detailed
+from workflow.results.tables import (
+    CAPACITY,
+    CASES,
+    ENVELOPES,
+    WEIGHTS,
+    read_table,
+    write_table,
 )
+from workflow.schema import Study
 
 
-def model_row(result: CaseResult) -> dict[str, Any]:
-    """The capacity that a model of the joint's pieces found."""
-    return case_columns(result) | {
-        "shear_N": result.shear,
-        "torque_Nm": result.torque,
-        "load_N": result.peak_load,
-        "failed_load_N": result.failed_load,
-        "first_failure_load_N": result.first_failure_load,
-        "unbalanced_share": unbalanced_share(result),
-    }
-
-
-def pure_shear_weights(weights: pd.DataFrame, sample: str) -> dict[tuple[str, float], list[float]]:
+def pure_shear_weights(
+    study: Study, weights: pd.DataFrame, sample: str
+) -> dict[tuple[str, float], list[float]]:
     """Weights of a sample's locks by model and mesh, in the reference variant.
 
     They are read at the smallest eccentricity of the study: pure shear, as in the paper.
     """
-    rows = weights[(weights["sample"] == sample) & (weights["variant"] == REFERENCE)]
-    rows = rows[rows["eccentricity_m"] == rows["eccentricity_m"].min()].sort_values("lock")
+    least = {case_name(sample, mesh, min(study.eccentricities)): mesh for mesh in study.meshes}
+    rows = weights[(weights["variant"] == REFERENCE) & weights["case"].isin(least)]
     return {
-        (str(model), float(mesh)): group["weight"].tolist()
-        for (model, mesh), group in rows.groupby(["model", "mesh_m"], sort=False)
+        (str(model), least[str(case)]): group.sort_values("lock")["weight"].tolist()
+        for (model, case), group in rows.groupby(["model", "case"], sort=False)
     }
 
 
@@ -64,13 +45,14 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
 
     Where a reduction depends on weights, once for each model and mesh that they were read from.
     """
+    references = detailed(study.model_names)
     for sample in study.samples:
         joint = study.joint(sample)
         directions = [Direction(e) for e in study.eccentricities]
         read = {
             source: own
-            for source, own in pure_shear_weights(weights, sample).items()
-            if source[0] in study.references
+            for source, own in pure_shear_weights(study, weights, sample).items()
+            if source[0] in references
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):
@@ -92,6 +74,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                         "locks": joint.locks,
                         "mesh_m": mesh,
                         "eccentricity_m": ratio * joint.a,
+                        "case": case_name(sample, mesh, ratio),
                         "shear_N": point.shear,
                         "torque_Nm": point.torque,
                         "load_N": point.load,
@@ -123,25 +106,38 @@ def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any
                         "locks": joint.locks,
                         "mesh_m": mesh,
                         "eccentricity_m": 0.0,
+                        "case": case_name(sample, mesh, 0.0),
                         "shear_N": float(shear),
                         "torque_Nm": 0.0,
                         "load_N": float(shear),
                     }
 
 
-def main() -> None:
-    """Command line: the table to write, the study as JSON, the weights, and the cases."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("capacity", type=Path)
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("weights", type=Path)
-    parser.add_argument("cases", type=Path, nargs="+", help="folder of each case")
-    arguments = parser.parse_args()
-    rows = [model_row(read_case(path)) for path in arguments.cases]
-    rows += sidmacib_rows(arguments.study, pd.read_csv(arguments.weights))
-    rows += published_rows(arguments.study, read_published())
-    write_table(pd.DataFrame(rows, columns=list(COLUMNS)), arguments.capacity)
+def envelope_rows(study: Study) -> Iterator[dict[str, Any]]:
+    """Vertices of the exact V-M envelopes of all options, every lock counting."""
+    for sample, (name, option), friction in product(
+        study.samples, study.sidmacib.options.items(), (False, True)
+    ):
+        joint = study.joint(sample)
+        model = Sidmacib(joint, option.contact_option(), None, friction, study.sidmacib.overload)
+        for number, (shear, torque) in enumerate(envelope(model).vertices, start=1):
+            names = {"sample": sample, "option": name, "friction": friction, "vertex": number}
+            yield {**names, "shear_N": float(shear), "torque_Nm": float(torque)}
 
 
-if __name__ == "__main__":
-    main()
+def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> pd.DataFrame:
+    """Capacities of all models of the pieces, of SiDMACIB, and those that are published."""
+    own = cases[[column for column in CAPACITY.columns if column in cases]]
+    rows = [*sidmacib_rows(study, weights), *published_rows(study, read_published())]
+    both = pd.concat([own, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
+    return both[list(CAPACITY.columns)]
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the capacities and the envelopes."""
+    study = Study.model_validate_json(arguments["study"])
+    cases, weights = (
+        read_table(kind, path) for kind, path in zip((CASES, WEIGHTS), inputs, strict=True)
+    )
+    write_table(CAPACITY, capacity_table(study, cases, weights), outputs[0])
+    write_table(ENVELOPES, pd.DataFrame(envelope_rows(study)), outputs[1])

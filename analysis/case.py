@@ -1,36 +1,23 @@
 """One case's result in words."""
 
-import argparse
-from pathlib import Path
-
-from analysis.reading import CaseResult, read_case
-from analysis.weights import lock_weights
+from workflow.results.record import CaseRecord
 
 
-def describe(result: CaseResult) -> str:
-    """Peak load and lock weights of a case."""
-    case = result.case
+def describe(record: CaseRecord) -> str:
+    """Peak load and lock weights of a case, or why there are none."""
+    if record.error is not None:
+        return f"{record.name} ({record.model}): no result: {record.error}"
+    first = record.first_failure_load_N
     lines = [
-        f"{case.name} ({case.model}): V = {result.shear:.2f} N, M = {result.torque:.4f} N m",
-        f"  load along the path: {result.peak_load:.2f} N stands, {result.failed_load:.2f} N fails",
-        "  lock  block  weight  mean shear / tau  largest / tau",
+        f"{record.name} ({record.model}): V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
+        f"  load along the path: {record.load_N:.2f} N stands, {record.failed_load_N:.2f} N fails"
+        + ("" if first is None else f"; first failure at {first:.2f} N"),
     ]
+    if record.weights:
+        lines.append("  lock  block  weight  mean shear / tau  largest / tau")
     lines += [
-        f"  {row.lock:>4}  {row.block:5}  {row.weight:6.3f}  {row.mean_shear_ratio:16.3f}"
-        f"  {row.max_shear_ratio:13.3f}"
-        for row in lock_weights(result).itertuples()
+        f"  {each.lock:>4}  {each.block:5}  {each.weight:6.3f}  {each.mean_shear_ratio:16.3f}"
+        f"  {each.max_shear_ratio:13.3f}"
+        for each in record.weights
     ]
     return "\n".join(lines)
-
-
-def main() -> None:
-    """Command line: the case's folder."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("folder", type=Path)
-    arguments = parser.parse_args()
-    print(describe(read_case(arguments.folder)))
-    print(f"  all of it: {arguments.folder}")
-
-
-if __name__ == "__main__":
-    main()

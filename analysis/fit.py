@@ -5,10 +5,10 @@ relative difference of the loads: positive where SiDMACIB promises more than the
 (unsafe), negative where it promises less (safe).
 """
 
-import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -20,19 +20,12 @@ from sidmacib.contact_points import ContactOption
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.programme import Sidmacib, capacities
-from workflow.cases import REFERENCE
-from workflow.results import write_table
-from workflow.study import Study
-
-BEST_COLUMNS = (
-    *("model", "sample", "locks", "mesh_m", "friction"),
-    *("distance_over_a", "distance_m", "strength_per_lock_N", "locks_that_count"),
-    *("misfit", "largest_unsafe_error", "largest_safe_error"),
-)
-
+from workflow.case import REFERENCE, case_name
+from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
+from workflow.schema import Study
 
 @dataclass(frozen=True)
-class Misfit:
+class LoadErrors:
     """Relative errors of a curve: root mean square, largest unsafe and largest safe one."""
 
     misfit: float
@@ -40,10 +33,10 @@ class Misfit:
     largest_safe_error: float
 
 
-def misfit(model: Floats, reference: Floats) -> Misfit:
+def misfit(model: Floats, reference: Floats) -> LoadErrors:
     """Errors of loads (N) against reference loads in the same directions, both of shape (N,)."""
     error = model / reference - 1.0
-    return Misfit(
+    return LoadErrors(
         float(np.sqrt(np.mean(error**2))),
         float(max(error.max(), 0.0)),
         float(max(-error.min(), 0.0)),
@@ -56,23 +49,27 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     References are the models that SiDMACIB's weights were read from, in the table's order.
     """
     limit = capacity[capacity["model"] == "sidmacib"]
-    keys = ["sample", "mesh_m", "eccentricity_m"]
     rows = []
     references = dict(_reference_curves(capacity))
     for model, reference in references.items():
         own = limit[limit["weights_from"] == model]
-        both = own.merge(reference[[*keys, "load_N"]], on=keys, suffixes=("", "_reference"))
+        both = own.merge(reference[["case", "load_N"]], on="case", suffixes=("", "_reference"))
         if len(both) != len(own):
             raise ValueError(f"{model}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
+        both = both.dropna(subset=["load_N_reference"])  # a case without a result
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
             found = misfit(curve["load_N"].to_numpy(), curve["load_N_reference"].to_numpy())
-            rows.append({"model": model, **dict(zip(names, values, strict=True)), **vars(found)})
+            named = dict(zip(names, values, strict=True))
+            rows.append({"model": model, **named, **vars(found), "directions": len(curve)})
+    if not rows:
+        return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)
     table["model"] = pd.Categorical(table["model"], list(references))  # the leading one first
     groups = ["model", "sample", "mesh_m"]
     table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
-    return table.sort_values([*groups, "rank", "option", "friction", "reduction"])
+    table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
+    return table.astype({"model": str})
 
 
 def _reference_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -88,9 +85,9 @@ def best_pair(
     """Contact-point distance d and strength per lock that fit a curve of loads best.
 
     Two points per lock at +-d, every lock of the same strength. ``curve`` has columns
-    ``eccentricity_m`` and ``load_N``.
+    ``eccentricity_over_a`` and ``load_N``.
     """
-    directions = [Direction(e / joint.a) for e in curve["eccentricity_m"]]
+    directions = [Direction(e) for e in curve["eccentricity_over_a"]]
     reference = curve["load_N"].to_numpy()
 
     def loads(unknowns: Floats) -> Floats:
@@ -123,35 +120,33 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     for model, reference in _reference_curves(capacity):
         for (sample, mesh), curve in reference.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
+            ratios = {
+                case_name(str(sample), mesh, ratio): ratio
+                for mesh, ratio in product(study.meshes, study.eccentricities)
+            }
+            curve = curve.dropna(subset=["load_N"]).assign(
+                eccentricity_over_a=lambda rows: rows["case"].map(ratios)
+            )
             if len(curve) < 3:  # two unknowns would fit two directions whatever they are
                 continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)
                 names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
                 rows.append({**names, "friction": friction, **best})
-    return pd.DataFrame(rows, columns=list(BEST_COLUMNS))
+    return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
 def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:
     """The row of ``fit`` that fits a sample at a mesh best, among those with ``chosen`` values."""
-    rows = fit[(fit["sample"] == sample) & fit["mesh_m"].map(lambda m: math.isclose(m, mesh))]
+    rows = fit[(fit["sample"] == sample) & np.isclose(fit["mesh_m"], mesh)]
     for column, value in chosen.items():
         rows = rows[rows[column] == value]
     return rows.sort_values("misfit", kind="stable").iloc[0]
 
 
-def main() -> None:
-    """Command line: the two tables to write, the study as JSON, and the capacities."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("fit", type=Path)
-    parser.add_argument("best", type=Path)
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("capacity", type=Path)
-    arguments = parser.parse_args()
-    capacity = pd.read_csv(arguments.capacity)
-    write_table(fit_table(capacity), arguments.fit)
-    write_table(best_table(arguments.study, capacity), arguments.best)
-
-
-if __name__ == "__main__":
-    main()
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the fits of all options and reductions, and the free fit."""
+    study = Study.model_validate_json(arguments["study"])
+    capacity = read_table(CAPACITY, inputs[0])
+    write_table(FIT, fit_table(capacity), outputs[0])
+    write_table(BEST_FIT, best_table(study, capacity), outputs[1])

@@ -1,27 +1,40 @@
 """The end of a study in words: where the results are, and how they compare."""
 
-import argparse
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from analysis.fit import winner
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
+from workflow.results.tables import (
+    BEST_FIT,
+    CAPACITY,
+    CASES,
+    FIT,
+    VALIDATION,
+    Table,
+    read_table,
+)
 
 # Errors up to this count as none: peaks of the distinct elements are not known better.
 PEAK_ACCURACY = 0.0025
+AGREEMENT = 0.01  # of two models of the same pieces and nodes: more is named
 
 
 def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
     """The text, one finding per line."""
-    leading = str(tables["fit"]["model"].iloc[0])
+    fitted = tables["fit"]["model"]
+    leading = str(fitted.iloc[0]) if len(fitted) else ""
     return "\n".join(
         [
+            *_failed(tables["cases"]),
             *_validation(tables["validation"], leading),
             *_models(tables["capacity"]),
             *_fits(tables["fit"], tables["best_fit"], leading),
             *_variants(tables["capacity"]),
+            *_disagreements(tables["cases"]),
             "",
             "Largest unbalanced force on a piece at any peak (or moment, over a): "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
@@ -38,6 +51,33 @@ def _assumed(published: bool) -> str:
     """What rests on an assumption; the geometry only where it stands for the paper's."""
     geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
     return f"Assumed: {geometry}contact-point positions."
+
+
+def _failed(cases: pd.DataFrame) -> Iterator[str]:
+    """Cases without a result, first of all: every table has a hole there."""
+    failed = cases[cases["error"].notna()]
+    if failed.empty:
+        return
+    yield f"WITHOUT A RESULT: {len(failed)} of {len(cases)} cases"
+    for row in failed.itertuples():
+        yield f"  {row.name} ({row.model}): {row.error}"
+    yield ""
+
+
+def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
+    """Engines against the static model on the same nodes."""
+    held = cases[cases["difference_to_static"].notna() & (cases["model"] != "limit")]
+    if held.empty:
+        return
+    size = held["difference_to_static"].abs()
+    yield ""
+    yield (
+        f"Peaks against the static model on the same nodes: {len(held)} cases, at most "
+        f"{100 * size.max():.2f} %; {(size > AGREEMENT).sum()} of them differ by more than "
+        f"{100 * AGREEMENT:g} %"
+    )
+    for row in held[size > AGREEMENT].itertuples():
+        yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
 
 
 def _validation(table: pd.DataFrame, leading: str) -> Iterator[str]:
@@ -69,7 +109,8 @@ def _models(capacity: pd.DataFrame) -> Iterator[str]:
     yield ""
     yield f"Largest load along each direction (N): {', '.join(models)}"
     keys = ["sample", "mesh_m", "eccentricity_m"]
-    for (sample, mesh, eccentricity), rows in own.groupby(keys, sort=False):
+    for _, rows in own.groupby("case", sort=False):
+        sample, mesh, eccentricity = rows[keys].iloc[0]
         loads = rows.set_index("model")["load_N"]
         cells = "".join(f"{loads[m]:>10.2f}" if m in loads else " " * 10 for m in models)
         yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}"
@@ -106,7 +147,7 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
 
 def _variants(capacity: pd.DataFrame) -> Iterator[str]:
     engines = capacity[capacity["failed_load_N"].notna()]
-    keys = ["model", "sample", "mesh_m", "eccentricity_m"]
+    keys = ["model", "case"]
     reference = engines.loc[engines["variant"] == REFERENCE, [*keys, "load_N"]]
     others = engines[engines["variant"] != REFERENCE]
     both = others.merge(reference, on=keys, suffixes=("", "_reference"))
@@ -123,16 +164,8 @@ def _variants(capacity: pd.DataFrame) -> Iterator[str]:
         yield f"  {model} {sample} mesh {mesh:g} m, {variant}: {change} at e = {where} m"
 
 
-def main() -> None:
-    """Command line: the file to write, the results' folder, and the tables."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("summary", type=Path)
-    parser.add_argument("results")
-    parser.add_argument("tables", type=Path, nargs="+")
-    arguments = parser.parse_args()
-    tables = {path.stem: pd.read_csv(path) for path in arguments.tables}
-    arguments.summary.write_text(summary(arguments.results, tables))
-
-
-if __name__ == "__main__":
-    main()
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the summary."""
+    kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
+    tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
+    outputs[0].write_text(summary(arguments["results"], tables))

@@ -1,8 +1,7 @@
 """Computed values beside the published ones."""
 
-import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,15 +9,11 @@ import pandas as pd
 
 from analysis.capacity import pure_shear_weights
 from analysis.fit import winner
-from analysis.reading import Published, read_published
-from workflow.cases import REFERENCE
-from workflow.results import write_table
-from workflow.study import Study
+from analysis.published import Published, read_published
+from workflow.case import REFERENCE, case_name
+from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
+from workflow.schema import Study
 
-COLUMNS = (
-    *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference"),
-    *("absolute_difference", "model", "sample", "note"),
-)
 SWAPPED = "published value of the other of the first two locks: see docs/validation.md"
 
 
@@ -33,15 +28,16 @@ def validation_table(
     rows: list[dict[str, Any]] = []
     for sample in published.samples(study):
         joint = study.joint(sample)
-        own = capacity[(capacity["sample"] == sample) & (capacity["eccentricity_m"] == 0.0)]
+        pure_shear = [case_name(sample, mesh, 0.0) for mesh in study.meshes]
+        own = capacity[capacity["case"].isin(pure_shear) & capacity["load_N"].notna()]
         found = [
             *_limit_rows(own, published.numbers["limit_pure_shear"][joint.locks]),
             *_peak_rows(own, joint.locks, published),
-            *_weight_rows(pure_shear_weights(weights, sample), joint.locks, published),
+            *_weight_rows(pure_shear_weights(study, weights, sample), joint.locks, published),
             *_option_rows(fit, sample, published.numbers["best_option"]),
         ]
         rows += [{"sample": sample, "locks": joint.locks, **row} for row in found]
-    table = pd.DataFrame(rows, columns=list(COLUMNS))
+    table = pd.DataFrame(rows, columns=list(VALIDATION.columns))
     # The number of an option is a name: no difference.
     quantities = table["quantity"] != "best_option"
     table["absolute_difference"] = (table["computed"] - table["published"]).where(quantities)
@@ -120,17 +116,11 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
             }
 
 
-def main() -> None:
-    """Command line: the table to write, the study as JSON, capacities, weights and fits."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("validation", type=Path)
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("tables", type=Path, nargs=3, help="capacity, weights and fit")
-    arguments = parser.parse_args()
-    capacity, weights, fit = (pd.read_csv(path) for path in arguments.tables)
-    table = validation_table(arguments.study, capacity, weights, fit, read_published())
-    write_table(table, arguments.validation)
-
-
-if __name__ == "__main__":
-    main()
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the published numbers beside the computed ones."""
+    study = Study.model_validate_json(arguments["study"])
+    capacity, weights, fit = (
+        read_table(kind, path) for kind, path in zip((CAPACITY, WEIGHTS, FIT), inputs, strict=True)
+    )
+    table = validation_table(study, capacity, weights, fit, read_published())
+    write_table(VALIDATION, table, outputs[0])

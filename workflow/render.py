@@ -13,9 +13,9 @@ from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
 from sidmacib.pieces import assemble
-from workflow.cases import Case
+from workflow.case import Case
 from workflow.engines import ENGINES, Engine
-from workflow.study import Numerics
+from workflow.numerics import Numerics
 
 DATA_FILE = "joint.json"
 TEMPLATES = Path(__file__).parents[1] / "templates"

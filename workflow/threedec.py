@@ -4,22 +4,23 @@
 What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 """
 
-import argparse
-import hashlib
 import math
-from dataclasses import asdict
-from pathlib import Path
+from dataclasses import asdict, replace
 from typing import Any
 
-import pandas as pd
+import numpy as np
 
 from sidmacib.loading import lateral_load
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads, Nodes
+from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
-from workflow.cases import REFERENCE, Case, case_folder, cases_of
+from workflow.case import REFERENCE, Case
+from workflow.cases import cases_of
 from workflow.render import ENVIRONMENT
-from workflow.results import NODE_COLUMNS, write_results
-from workflow.study import Study
+from workflow.outcome import Outcome, State
+from workflow.results.files import stress_to_force
+from workflow.results.record import ResultError
+from workflow.schema import Study
 
 MODEL = "3dec"
 TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
@@ -30,9 +31,8 @@ RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to
 
 def decks(study: Study) -> dict[str, Case]:
     """The cases that decks are written for, by name: brittle ones of the reference variant."""
-    own = {"model": MODEL, "numerics": None}
     return {
-        case.name: case.model_copy(update=own)
+        case.name: replace(case, model=MODEL, numerics=None)
         for case in cases_of(study).values()
         if case.variant == REFERENCE and case.joint.failure is Failure.BRITTLE
     }
@@ -40,13 +40,12 @@ def decks(study: Study) -> dict[str, Case]:
 
 def fingerprint(case: Case) -> str:
     """Name of a case with a digest of all that its results depend on."""
-    told = case.model_dump_json(include={"joint", "mesh", "loading"})
-    return f"{case.name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
+    return f"{case.name}-{case.physics()[:12]}"
 
 
-def deck_folder(results: str, name: str) -> str:
-    """Where the deck of a case is, and where what 3DEC prints is looked for."""
-    return f"{results}/decks/{MODEL}/{name}"
+def deck_folder(name: str) -> str:
+    """Where a case's deck, and what 3DEC prints, is looked for, below the results' folder."""
+    return f"decks/{MODEL}/{name}"
 
 
 def deck(case: Case) -> str:
@@ -107,81 +106,64 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
     return found
 
 
-def read_returned(text: str, case: Case) -> tuple[float, float, pd.DataFrame]:
-    """Load carried and load failed (N), and the nodes' stresses, from what 3DEC printed.
+def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
+    """The assembly with 3DEC's own nodes, and what it printed for ``case``.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
-    ValueError if the text is not of ``case`` as it is now, or not whole.
+    `ResultError`, with the line, if the text is not of ``case`` as it is now, or not whole.
     """
     assembly = assemble(case.joint, case.mesh)
-    faces = {
-        frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): face
-        for face in assembly.faces
+    numbers = {
+        frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): number
+        for number, face in enumerate(assembly.faces)
     }
     loads: list[float] = []
-    rows = []
+    rows: list[tuple[int, list[float]]] = []
     of, ended = "", False
-    for line in text.splitlines():
-        tag, _, content = line.strip().partition("|")
+    for line, words in enumerate(text.splitlines(), start=1):
+        tag, _, content = words.strip().partition("|")
         if tag != "MULTILOCK":
             continue
         kind, *values = content.split("|")
-        of = values[0] if kind == "CASE" else of
+        of = values[0] if kind == "CASE" and values else of
         ended |= kind == "END"
         if kind == "LOAD":
-            loads = [float(value) for value in values]
-        if kind == "NODE" and frozenset(values[:2]) in faces:
-            face = faces[frozenset(values[:2])]
-            x, y, z, area, normal, *shear, _ = (float(value) for value in values[2:])
-            if area <= 0.0:  # nothing of the face belongs to it
-                continue
-            stress = [force / area for force in (normal, *shear)]
-            rows.append((face.name, str(face.kind), x, y, z, area, *stress, 1))
-    if not ended or len(loads) != 2:
-        raise ValueError(f"{RETURNED} of {case.name}: not whole, run the deck again")
+            loads = _numbers(values, 2, line)
+        if kind == "NODE" and frozenset(values[:2]) in numbers:
+            found = _numbers(values[2:], 9, line)
+            if found[3] > 0.0:  # otherwise nothing of the face belongs to it
+                rows.append((numbers[frozenset(values[:2])], found))
+    if not ended or len(loads) != 2 or not rows:
+        raise ResultError(f"{RETURNED}: not whole: run the deck again")
     if of != fingerprint(case):
-        raise ValueError(f"{RETURNED}: got results of {of}, allowed are: {fingerprint(case)}")
-    nodes = pd.DataFrame(rows, columns=list(NODE_COLUMNS))
-    covered = nodes.groupby("face")["area_m2"].sum()
-    for face in faces.values():
-        if not math.isclose(covered.get(face.name, 0.0), face.area, rel_tol=0.01):
-            raise ValueError(
-                f"{RETURNED}: got {covered.get(face.name, 0.0):g} m2 of subcontacts on "
-                f"{face.name}, allowed is its area, {face.area:g} m2"
-            )
-    return loads[0], loads[1], nodes
+        raise ResultError(f"{RETURNED}: results of {of}; they must be of {fingerprint(case)}")
+    return _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
 
 
-def convert(case: Case, text: str, folder: Path) -> None:
-    """Write what 3DEC printed in the form of every other model's results."""
-    carried, failed, nodes = read_returned(text, case)
-    history = pd.DataFrame([{"load_N": carried, "displacement_m": math.nan}])
-    write_results(case, folder, nodes, history, (carried, failed, None))
-
-
-def main() -> None:
-    """Command line: write all decks of a study, or read one that came back."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("what", choices=["write", "read"])
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("results")
-    parser.add_argument("case", nargs="?")
-    arguments = parser.parse_args()
-    cases = decks(arguments.study)
-    if arguments.what == "write":
-        for name, case in cases.items():
-            folder = Path(deck_folder(arguments.results, name))
-            folder.mkdir(parents=True, exist_ok=True)
-            (folder / DECK).write_text(deck(case))
-        return
-    case = cases[arguments.case]
-    returned = Path(deck_folder(arguments.results, case.name)) / RETURNED
-    folder = Path(case_folder(arguments.results, MODEL, case.name))
+def _numbers(values: list[str], count: int, line: int) -> list[float]:
     try:
-        convert(case, returned.read_text(), folder)
-    except ValueError as error:
-        raise SystemExit(f"{returned}: {error}") from None
+        found = [float(value) for value in values]
+    except ValueError:
+        found = []
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise ResultError(f"{RETURNED}, line {line}: not {count} finite numbers")
+    return found
 
 
-if __name__ == "__main__":
-    main()
+def _outcome(
+    assembly: Assembly, loads: list[float], rows: list[tuple[int, list[float]]]
+) -> tuple[Assembly, Outcome]:
+    face = np.array([number for number, _ in rows])
+    values = np.array([found for _, found in rows])
+    covered = np.bincount(face, weights=values[:, 3], minlength=len(assembly.faces))
+    for own, area in zip(assembly.faces, covered, strict=True):
+        if not math.isclose(area, own.area, rel_tol=0.01):
+            raise ResultError(
+                f"{RETURNED}: {area:g} m2 of subcontacts on {own.name}; they must cover its "
+                f"{own.area:g} m2"
+            )
+    assembly = replace(assembly, nodes=Nodes(face, values[:, :3], values[:, 3]))
+    stress = values[:, 4:8] / values[:, 3:4]
+    force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
+    state = State(loads[0], None, force, np.ones(len(force), dtype=bool))
+    return assembly, Outcome((state,), loads[1])

@@ -1,8 +1,5 @@
 """Which geometry fits the published numbers: misfit map, what is determined, curves."""
 
-import argparse
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -90,18 +87,3 @@ def _curves(axes: Axes, rows: pd.DataFrame, own: pd.Series, locks: int) -> None:
     axes.set_ylabel("M / largest M")
     axes.set_title(f"{locks} locks", loc="left", fontsize=10)
     axes.legend(fontsize=7)
-
-
-def main() -> None:
-    """Command line: the map, the curves, and the files to write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("map", type=Path)
-    parser.add_argument("curves", type=Path)
-    parser.add_argument("output", type=Path, nargs="+")
-    arguments = parser.parse_args()
-    figure = calibration(pd.read_csv(arguments.map), pd.read_csv(arguments.curves))
-    style.save(figure, arguments.output)
-
-
-if __name__ == "__main__":
-    main()

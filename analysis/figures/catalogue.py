@@ -4,8 +4,9 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from workflow.cases import REFERENCE, Case, cases_of
-from workflow.study import Study
+from workflow.case import REFERENCE, Case
+from workflow.cases import cases_of
+from workflow.schema import Study
 
 # Figures of the paper that each kind redraws, by number of locks.
 IN_THE_PAPER = {
@@ -27,18 +28,24 @@ class FigureSpec:
     case: Case | None = None
 
 
-def figures_of(study: Study) -> dict[str, FigureSpec]:
+def figure_files(study: Study, references: tuple[str, ...]) -> list[str]:
+    """Paths of all figures of ``study`` below the results' folder."""
+    names = figures_of(study, references)
+    return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
+
+
+def figures_of(study: Study, references: tuple[str, ...]) -> dict[str, FigureSpec]:
     """All figures of ``study`` by name."""
-    return {spec.name: spec for spec in _figures(study)}
+    return {spec.name: spec for spec in _figures(study, references)}
 
 
-def _figures(study: Study) -> Iterator[FigureSpec]:
+def _figures(study: Study, references: tuple[str, ...]) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in study.samples:
         yield FigureSpec(f"options-{sample}", "options", sample)
-        for model in study.dem.engines or study.references[:1]:
+        for model in study.dem.engines or references[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]
-            suffix = "" if model == study.references[0] else f"-{model}"
+            suffix = "" if model == references[0] else f"-{model}"
             for kind, case in (
                 ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
                 (

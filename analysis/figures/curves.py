@@ -10,8 +10,6 @@ from matplotlib.figure import Figure
 from analysis.figures import style
 from analysis.figures.material import Material
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.polygon import envelope
-from sidmacib.programme import Sidmacib
 
 REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 
@@ -38,13 +36,13 @@ def options(material: Material) -> Figure:
     figure = Figure(figsize=(8, 4.4), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for axis, friction in zip(axes, (False, True), strict=True):
-        for (name, option), colour in zip(
-            study.sidmacib.options.items(), cycle(style.COLOURS), strict=False
-        ):
-            model = Sidmacib(
-                joint, option.contact_option(), None, friction, study.sidmacib.overload
-            )
-            shown = first_quadrant(envelope(model).vertices)
+        for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
+            own = material.envelopes[
+                (material.envelopes["sample"] == material.sample)
+                & (material.envelopes["option"] == name)
+                & (material.envelopes["friction"] == friction)
+            ]
+            shown = first_quadrant(own[["shear_N", "torque_Nm"]].to_numpy())
             axis.plot(shown[:, 0], shown[:, 1], color=colour, label=name)
     style.curve_axes(axes[0], "without friction along the locks")
     style.curve_axes(axes[1], "with friction along the locks")
@@ -66,7 +64,7 @@ def meshes(material: Material) -> Figure:
     axes = figure.subplots(1, len(samples), squeeze=False)[0]
     for axis, sample in zip(axes, samples, strict=True):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in material.study.references:
+            for model in material.references:
                 model_curve(axis, material, model, sample, mesh, colour)
         published_point(axis, material.capacity, sample)
         style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")
@@ -92,9 +90,8 @@ def revised(material: Material) -> Figure:
     axes = figure.subplots(1, max(1, len(titles)), sharex=True, sharey=True, squeeze=False)[0]
     limit = material.capacity[
         (material.capacity["model"] == "sidmacib")
-        & (material.capacity["sample"] == material.sample)
         & material.capacity["variant"].str.contains("-frictionless-")
-        & (material.capacity["mesh_m"] == min(study.meshes))
+        & material.capacity["case"].isin(material.cases(material.sample, min(study.meshes)))
         & (material.capacity["weights_from"] == material.leading)
     ]
     for axis, reduction in zip(axes, titles, strict=True):

@@ -1,17 +1,18 @@
-"""Draw one figure of a study."""
+"""Draw all figures of a study."""
 
-import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.figures import curves, models, side_by_side, stress_maps, style
-from analysis.figures.catalogue import figures_of
-from analysis.figures.material import Material
-from analysis.reading import read_case
-from workflow.study import Study
+from analysis.figures.catalogue import FigureSpec, figures_of
+from analysis.figures.material import Material, Stresses
+from workflow.results.files import BATCH_NODES, read_records
+from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, read_table
+from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
     "options": curves.options,
@@ -22,23 +23,37 @@ DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
     "models": models.models,
     "side_by_side": side_by_side.side_by_side,
 }
+KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES)
 
 
-def main() -> None:
-    """Command line: the figure's name, the study as JSON, tables, stresses, and files to write."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("name")
-    parser.add_argument("study", type=Study.model_validate_json)
-    parser.add_argument("--tables", type=Path, nargs=3, help="capacity, validation, models")
-    parser.add_argument("--case", type=Path, nargs="*", help="files of the case shown")
-    parser.add_argument("--output", type=Path, nargs="+")
-    arguments = parser.parse_args()
-    spec = figures_of(arguments.study)[arguments.name]
-    capacity, validation, table = (pd.read_csv(path) for path in arguments.tables)
-    result = read_case(arguments.case[0].parent) if arguments.case else None
-    material = Material(spec, arguments.study, capacity, validation, table, result)
-    style.save(DRAWN_BY[spec.kind](material), arguments.output)
+def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
+    """What the figure shows, ``records`` being the file with the case's record; None if it failed.
+
+    The nodes are in the case's own folder, or in those of the batch that it was solved in.
+    """
+    case = spec.case
+    assert case is not None, f"{spec.name} shows no case"
+    (record,) = (each for each in read_records([records]) if each.name == case.name)
+    if record.error is not None:
+        return None
+    batch = records.with_name(BATCH_NODES)
+    if batch.exists():
+        nodes = pd.read_parquet(batch, filters=[("case", "==", case.name)])
+    else:
+        nodes = pd.read_csv(records.with_name("nodes.csv"))
+    return Stresses(case, record, nodes)
 
 
-if __name__ == "__main__":
-    main()
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Draw every figure into the files that are named after it."""
+    study = Study.model_validate_json(arguments["study"])
+    references = tuple(arguments["references"])
+    capacity, validation, table, envelopes = (
+        read_table(kind, path) for kind, path in zip(KINDS, inputs, strict=False)
+    )
+    for name, spec in figures_of(study, references).items():
+        place = arguments["records"].get(name)
+        stresses = None if place is None else stresses_of(spec, inputs[place])
+        tables = (capacity, validation, table, envelopes)
+        figure = DRAWN_BY[spec.kind](Material(spec, study, references, *tables, stresses))
+        style.save(figure, [path for path in outputs if path.stem == name])

@@ -5,46 +5,61 @@ from dataclasses import dataclass
 import pandas as pd
 
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
-from analysis.reading import CaseResult, read_published
-from workflow.cases import REFERENCE
-from workflow.study import Study
+from analysis.published import read_published
+from workflow.case import REFERENCE, Case, case_name
+from workflow.results.record import CaseRecord
+from workflow.schema import Study
+
+
+@dataclass(frozen=True)
+class Stresses:
+    """The case that a stress map shows: its record and its nodes, in `NODE_COLUMNS`."""
+
+    case: Case
+    record: CaseRecord
+    nodes: pd.DataFrame
 
 
 @dataclass(frozen=True)
 class Material:
-    """A figure's specification, the study, tables, and the stresses that the figure shows.
+    """A figure's specification, the study, its tables, and the stresses that the figure shows.
 
-    ``table``: the models beside each other, as `analysis.models` writes it.
+    ``references``: models that SiDMACIB is held against, the leading one first. ``table``: the
+    models beside each other.
     """
 
     spec: FigureSpec
     study: Study
+    references: tuple[str, ...]
     capacity: pd.DataFrame
     validation: pd.DataFrame
     table: pd.DataFrame
-    result: CaseResult | None
+    envelopes: pd.DataFrame
+    stresses: Stresses | None
 
     @property
     def models(self) -> tuple[str, ...]:
         """The models of the joint's pieces, the leading one first, those from elsewhere last."""
         own = self.table["model"].unique()
-        ordered = [m for m in (*self.study.references, *self.study.models) if m in own]
+        ordered = [m for m in (*self.references, *self.study.models) if m in own]
         return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return self.study.references[0]
+        return self.references[0]
+
+    def cases(self, sample: str, mesh: float) -> list[str]:
+        """The cases of a sample at a mesh (m), from pure shear to pure torsion."""
+        return [case_name(sample, mesh, ratio) for ratio in sorted(self.study.eccentricities)]
 
     def curve(self, model: str, sample: str, mesh: float) -> pd.DataFrame:
         """Capacities of a model in the reference variant, from pure shear to pure torsion."""
         rows = self.capacity[
-            (self.capacity["model"] == model)
-            & (self.capacity["variant"] == REFERENCE)
-            & (self.capacity["sample"] == sample)
-            & (self.capacity["mesh_m"] == mesh)
-        ]
-        return rows.sort_values("eccentricity_m")
+            (self.capacity["model"] == model) & (self.capacity["variant"] == REFERENCE)
+        ].set_index("case")
+        shown = [name for name in self.cases(sample, mesh) if name in rows.index]
+        return rows.loc[shown].dropna(subset=["load_N"])
 
     @property
     def sample(self) -> str:

@@ -10,15 +10,14 @@ from matplotlib.figure import Figure
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point
 from analysis.figures.material import Material
-from analysis.models import SHARES
+from analysis.collect import SHARES
 
 
 def models(material: Material) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
-    own = material.table[
-        (material.table["sample"] == material.sample) & (material.table["mesh_m"] == mesh)
-    ]
+    cases = material.cases(material.sample, mesh)
+    own = material.table[material.table["case"].isin(cases)]
     figure = Figure(figsize=(8.6, 8.2), layout="constrained")
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model, colour in zip(material.models, style.COLOURS, strict=False):
@@ -26,7 +25,7 @@ def models(material: Material) -> Figure:
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
     curves.legend(fontsize=8)
-    first = own[own["eccentricity_m"] == own["eccentricity_m"].min()].set_index("model")
+    first = own[own["case"] == cases[0]].set_index("model")
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     ratio = min(study.eccentricities)
     weights.set_title(f"weights at e = {ratio:g} a", loc="left", fontsize=10)

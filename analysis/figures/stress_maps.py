@@ -9,9 +9,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from analysis.figures import style
-from analysis.figures.material import Material
-from analysis.reading import CaseResult
-from analysis.weights import lock_weights
+from analysis.figures.material import Material, Stresses
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Face
 from sidmacib.pieces import assemble, lock_faces
@@ -28,9 +26,10 @@ def torsion_stress(material: Material) -> Figure:
 
 
 def _map(material: Material) -> Figure:
-    result = material.result
-    assert result is not None, f"{material.spec.name} needs the stresses of a case"
-    case, joint = result.case, result.case.joint
+    shown = material.stresses
+    if shown is None:
+        return _without_result(material)
+    case, record, joint = shown.case, shown.record, shown.case.joint
     eccentricity = case.direction.eccentricity
     words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
         eccentricity, f"under torsion and shear, e = {eccentricity:g} a,"
@@ -38,10 +37,10 @@ def _map(material: Material) -> Figure:
     width = 2.6 + 1.8 * joint.locks * joint.b / joint.a
     figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
     axes = figure.subplots()
-    cells = _draw_faces(axes, result)
+    cells = _draw_faces(axes, shown)
     figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
-    for row in lock_weights(result).itertuples():
-        y = joint.lock_centre_y(int(row.lock))
+    for row in record.weights:
+        y = joint.lock_centre_y(row.lock)
         label = (
             f"lock {row.lock} ({row.block})\nW = {row.weight:.2f}\nmean {row.mean_shear_ratio:.2f}"
         )
@@ -60,7 +59,7 @@ def _map(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{result.shear:.1f} N, M = {result.torque:.2f} N m; {case.model}, mesh {case.mesh:g} m. "
+        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {case.model}, mesh {case.mesh:g} m. "
         "Seen from below. Faces of upper locks lie at z = h, of lower locks at z = 0; arrows: "
         "direction of the stress on the piece above; grey: broken. W: resultant over T0; mean: "
         f"mean magnitude over the cohesion. {material.assumed_geometry}",
@@ -69,11 +68,19 @@ def _map(material: Material) -> Figure:
     return figure
 
 
-def _draw_faces(axes: Axes, result: CaseResult) -> PolyCollection:
-    joint = result.case.joint
+def _without_result(material: Material) -> Figure:
+    figure = Figure(figsize=(8, 2), layout="constrained")
+    case = material.spec.case
+    name = f"{case.name} ({case.model})" if case else material.spec.name
+    figure.text(0.5, 0.5, f"{name} has no result: see the summary.", ha="center")
+    return figure
+
+
+def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
+    joint = shown.case.joint
     own = lock_faces(joint)
-    faces = {f.name: f for f in assemble(joint, result.case.mesh).faces if f.name in own}
-    inner = result.nodes[result.nodes["lock"] > 0]
+    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in own}
+    inner = shown.nodes[shown.nodes["face"].isin(own)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(
         [
@@ -99,12 +106,12 @@ def _draw_faces(axes: Axes, result: CaseResult) -> PolyCollection:
     )
     for face in faces.values():
         axes.axvline(face.low[1], color="white", linewidth=2)
-    shown = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
+    thinned = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
     axes.quiver(
-        shown["y_m"],
-        shown["x_m"],
-        shown["shear_y_Pa"],
-        shown["shear_x_Pa"],
+        thinned["y_m"],
+        thinned["x_m"],
+        thinned["shear_y_Pa"],
+        thinned["shear_x_Pa"],
         color="white",
         scale=joint.inner.cohesion * 6 * joint.locks,
         width=0.003,

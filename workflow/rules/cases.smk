@@ -1,106 +1,53 @@
-# From a case's parameters to results: a pair of rules for each engine, with a job for each case, and
-# one rule and job for all cases of each model that needs no engine.
+# The jobs that find the cases' results: one for each case of an engine, or for each batch of a model
+# that is solved in this process.
+OF_CASES = {}
+for job in JOBS.values():
+    if job.finds:
+        OF_CASES.setdefault(job.name.partition("/")[0], {})[job.name.partition("/")[2]] = job
 
-
-def sources(*names):
-    """Source files that a step is made of: editing one runs the step again."""
-    return [f"{SOURCES}/{name}" for name in names]
-
-
-MODEL_SOURCES = sources(
-    *(f"sidmacib/{name}.py" for name in ("joint", "discretisation", "loading", "equilibrium"))
-)
-
-
-SOLVER_SOURCES = MODEL_SOURCES + sources(
-    *(f"sidmacib/{name}.py" for name in ("capacity", "contact_law", "limit", "springs", "static")),
-    *(f"workflow/{name}.py" for name in ("cases", "results", "solve", "solvers", "study")),
-)
-
-
-for engine in ENGINES.values():
-    folder = case_folder(RESULTS, engine.name, "{case}")
-
-    rule:
-        name:
-            f"render_{engine.name}"
-        input:
-            code=MODEL_SOURCES
-            + sources(
-                "sidmacib/contact_law.py",
-                "sidmacib/springs.py",
-                "sidmacib/vibration.py",
-                "workflow/cases.py",
-                "workflow/render.py",
-                "workflow/study.py",
-                f"templates/{engine.template}",
-                "templates/joint.py.j2",
-                "templates/results.py.j2",
-            ),
-        output:
-            script=f"{folder}/{engine.script}",
-            joint=f"{folder}/joint.json",
-            case=f"{folder}/case.json",
-        log:
-            f"{RESULTS}/logs/{engine.name}/{{case}}.render.log",
-        params:
-            case=lambda wildcards, engine=engine: CASES[
-                engine.name, wildcards.case
-            ].model_dump_json(),
-            folder=subpath(output.script, parent=True),
-        message:
-            "Render {wildcards.case}"
-        shell:
-            f"{PYTHON} -m workflow.render {{params.case:q}} {{params.folder:q}} > {{log:q}} 2>&1"
-
-    rule:
-        name:
-            engine.name
-        input:
-            code=sources(*(f"workflow/{name}.py" for name in ("engines", "execute", "results"))),
-            script=getattr(rules, f"render_{engine.name}").output.script,
-            joint=getattr(rules, f"render_{engine.name}").output.joint,
-        output:
-            result=f"{folder}/result.json",
-            history=f"{folder}/history.csv",
-            nodes=f"{folder}/nodes.csv",
-        log:
-            f"{RESULTS}/logs/{engine.name}/{{case}}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/{engine.name}/{{case}}.tsv"
-        threads: lambda wildcards, engine=engine: CASES[engine.name, wildcards.case].numerics.ranks
-        resources:  # not params: another limit does not change results
-            time_limit=int(STUDY.dem.time_limit),
-        params:
-            folder=subpath(output.result, parent=True),
-            engine=engine.name,
-        message:
-            f"Run {engine.name} on {{wildcards.case}}"
-        shell:
-            f"{PYTHON} -m workflow.execute {{params.engine}} {{params.folder:q}}"
-            " --time-limit {resources.time_limit} > {log:q} 2>&1"
-
-
-for model in STUDY.models:
-    OWN_FOLDERS = [case_folder(RESULTS, model, name) for own, name in CASES if own == model]
+for model, jobs in OF_CASES.items():
+    first = next(iter(jobs.values()))
+    outputs = [name.replace(first.name, f"{model}/{{job}}") for name in first.outputs]
 
     rule:
         name:
             model
         input:
-            code=SOLVER_SOURCES,
+            plan=lambda wildcards, model=model: PLANS[f"{model}/{wildcards.job}"],
+            others=lambda wildcards, model=model: below(JOBS[f"{model}/{wildcards.job}"].inputs),
         output:
-            expand("{folder}/{file}", folder=OWN_FOLDERS, file=CASE_FILES),
+            below(outputs),
+        wildcard_constraints:
+            job="|".join(map(re.escape, jobs)),
         log:
-            f"{RESULTS}/logs/{model}.log",
-        benchmark:
-            f"{RESULTS}/benchmarks/{model}.tsv"
-        params:
-            model=model,
-            study=STUDY.pieces_json(),
-            results=RESULTS,
+            f"{RESULTS}/logs/{model}/{{job}}.log",
+        threads: max(job.threads for job in jobs.values())
         message:
-            f"Solve all cases of {model}"
+            f"{model}: {{wildcards.job}}"
         shell:
-            f"{PYTHON} -m workflow.solve {{params.model}} {{params.study:q}} {{params.results:q}}"
+            RUN
+
+# A case that was solved in a batch has a folder of its own where one asks for it.
+BATCH_OF = {case: job for job in JOBS.values() if len(job.finds) > 1 for case in job.finds}
+for model in {model for model, _ in BATCH_OF}:
+
+    rule:
+        name:
+            f"{model}_case"
+        input:
+            plan=lambda wildcards, model=model: PLANS[BATCH_OF[model, wildcards.case].name],
+            records=lambda wildcards, model=model: below(
+                BATCH_OF[model, wildcards.case].outputs[:1]
+            ),
+        output:
+            f"{RESULTS}/cases/{model}/{{case}}/result.json",
+        wildcard_constraints:
+            case="|".join(re.escape(case) for own, case in BATCH_OF if own == model),
+        log:
+            f"{RESULTS}/logs/{model}/{{case}}.files.log",
+        message:
+            f"{model}: files of {{wildcards.case}}"
+        shell:
+            f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)}"
+            " -m workflow.steps.case_files {input.plan:q} {input.records:q} {output:q}"
             " > {log:q} 2>&1"

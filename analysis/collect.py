@@ -1,0 +1,135 @@
+"""From the records of all cases to the tables that are read from them."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from workflow.case import REFERENCE
+from workflow.models import WITNESS
+from workflow.results.files import read_records
+from workflow.results.record import CaseRecord
+from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
+
+SHARES = (0.25, 0.5, 0.75)  # of the given loads over the leading model's first failure
+SHARED = ("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m")
+
+
+def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
+    """One row per lock of every case whose model tells stresses."""
+    rows = [
+        _columns(record) | asdict(weight) for record in records for weight in record.weights
+    ]
+    return pd.DataFrame(rows, columns=list(WEIGHTS.columns))
+
+
+def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
+    """One row per case: W_sum, W_sum rounded down, and the sum over the lower locks."""
+    lower = weights["weight"].where(weights["block"] == "lower", 0.0)
+    keys = ["model", "variant", "sample", "locks", "mesh_m", "eccentricity_m", "case"]
+    sums = weights.assign(lower=lower).groupby(keys, sort=False)[["weight", "lower"]].sum()
+    sums = sums.rename(columns={"weight": "weight_sum", "lower": "lower_weight_sum"})
+    sums.insert(1, "weight_sum_floor", np.floor(sums["weight_sum"]).astype(int))
+    return sums.reset_index()
+
+
+def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) -> pd.DataFrame:
+    """One row per case, failed ones with their reason.
+
+    ``witnesses``: results of the static model for the same joints, nodes and loads.
+    """
+    static = {record.physics: record.load_N for record in witnesses if record.model == WITNESS}
+    rows = []
+    for record in records:
+        witness = static.get(record.physics) if record.model != WITNESS else None
+        told = _columns(record) | {
+            name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
+        }
+        told["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
+        told["static_load_N"] = witness
+        told["difference_to_static"] = (
+            record.load_N / witness - 1.0 if witness and record.load_N else None
+        )
+        rows.append(told)
+    table = pd.DataFrame(rows, columns=list(CASES.columns))
+    for column in ("load_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
+        table[column] = table[column].astype(float)
+    for column in ("shear_N", "torque_Nm", "unbalanced_share", "difference_to_static"):
+        table[column] = table[column].astype(float)
+    return table
+
+
+def friction_share(record: CaseRecord) -> float:
+    """Share of V that reaches the lower body other than by its locks; nan in pure torsion."""
+    by_locks = abs(sum(w.shear_y_N for w in record.weights if w.block == "lower"))
+    return 1.0 - by_locks / record.shear_N if record.shear_N else float("nan")
+
+
+def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
+    """Displacement (m) that the load works on, at given loads (N); nan where it is not told."""
+    path = sorted((load, moved) for load, moved in record.path if moved is not None)
+    if not path:
+        return [float("nan") for _ in loads]
+    places, moved = np.array(path).T
+    return [float(np.interp(load, places, moved)) for load in loads]
+
+
+def models_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
+    """One row for each result of the reference variant, the models of a case one after the other.
+
+    Given loads are shares of the first failure in the model that comes first.
+    """
+    rows: list[dict[str, Any]] = []
+    given: dict[str, float] = {}
+    for record in records:
+        if record.variant != REFERENCE or record.load_N is None or not record.weights:
+            continue
+        failure = record.first_failure_load_N
+        load = given.setdefault(record.case, failure if failure is not None else record.load_N)
+        moved = displacements_at(record, [share * load for share in SHARES])
+        columns = _columns(record)
+        columns.pop("variant")
+        rows.append(
+            columns
+            | {
+                "load_N": record.load_N,
+                "first_failure_load_N": failure,
+                "friction_share": friction_share(record),
+                "given_load_N": load,
+            }
+            | {
+                f"displacement_at_{100 * share:g}_percent_m": value
+                for share, value in zip(SHARES, moved, strict=True)
+            }
+            | {f"weight_lock{each.lock}": each.weight for each in record.weights}
+        )
+    if not rows:
+        return pd.DataFrame(columns=[*MODELS.columns, "case"])
+    table = pd.DataFrame(rows)
+    table["first_failure_load_N"] = table["first_failure_load_N"].astype(float)
+    order = table.groupby("case", sort=False).ngroup()
+    return table.iloc[np.argsort(order, kind="stable")]
+
+
+def _columns(record: CaseRecord) -> dict[str, Any]:
+    return {name: getattr(record, name) for name in SHARED}
+
+
+def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> Iterator[CaseRecord]:
+    """The records of the study's cases, ``names`` being (model, name), in its order."""
+    found = {(record.model, record.name): record for record in records}
+    return (found[model, name] for model, name in names)
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Read all records and write the tables."""
+    every = read_records(list(inputs))
+    records = list(ordered(every, arguments["cases"]))
+    weights = weights_table(records)
+    tables = (weights, weight_sums(weights), cases_table(records, every), models_table(records))
+    kinds = (WEIGHTS, WEIGHT_SUMS, CASES, MODELS)
+    for kind, table, path in zip(kinds, tables, outputs, strict=True):
+        write_table(kind, table, path)

@@ -1,0 +1,20 @@
+"""Whether every case of a study has a result: the study's last step, which fails if not."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from workflow.results.tables import CASES, read_table
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+) -> str | None:
+    """Write how many cases there are; returns the names and reasons of those without a result."""
+    cases = read_table(CASES, inputs[0])
+    failed = cases[cases["error"].notna()]
+    if failed.empty:
+        outputs[0].write_text(f"{len(cases)} cases\n")
+        return None
+    lines = [f"{row.name} ({row.model}): {row.error}" for row in failed.itertuples(index=False)]
+    return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])

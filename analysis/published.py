@@ -1,0 +1,47 @@
+"""The paper's numbers, and the samples of a study that they belong to."""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from workflow.schema import Study
+from workflow.schema.assembly import AssemblySection
+
+
+@dataclass(frozen=True)
+class Published:
+    """The paper's numbers, see published.yaml."""
+
+    numbers: dict[str, Any]
+
+    def covers(self, study: Study, sample: str) -> bool:
+        """Whether the paper has numbers for ``sample``, loaded as in ``study``.
+
+        Strength, friction, locks, failure, the cut of the body and the load must be the paper's;
+        sizes may differ, as it gives a * b only. Its numbers are for e = 0.
+        """
+        joint, own = study.joint(sample), self.numbers["sample"]
+        return (
+            math.isclose(joint.T0, own["T0"])
+            and math.isclose(joint.dry.friction, own["friction"])
+            and joint.locks in self.numbers["weights"]
+            and study.assembly == AssemblySection()
+            and 0.0 in study.eccentricities
+        )
+
+    def samples(self, study: Study) -> dict[str, int]:
+        """Names and numbers of locks of the study's samples that the paper has."""
+        return {n: s.locks for n, s in study.samples.items() if self.covers(study, n)}
+
+    def dem_pure_shear(self, locks: int, mesh: float) -> float | None:
+        """Published peak V at e = 0, in N, if there is one for this mesh (m)."""
+        printed = self.numbers["dem_pure_shear"][locks]
+        return next((float(v) for m, v in printed.items() if math.isclose(m, mesh)), None)
+
+
+def read_published() -> Published:
+    """The published numbers."""
+    return Published(yaml.safe_load(Path(__file__).with_name("published.yaml").read_text()))

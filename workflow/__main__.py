@@ -1,0 +1,89 @@
+"""What `make` calls: a whole study, one case, the decks, the calibration."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from workflow.cases import find_case
+from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.results.files import RECORD, case_folder
+
+
+def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
+    """Have Snakemake make ``targets`` (the whole study if there are none); whether it did."""
+    from snakemake.cli import main as run
+
+    options = ["--configfile", str(config), "--config", f"results={results}"]
+    options.append(f"dem={{engines: [{', '.join(engines)}]}}")
+    try:
+        run([*targets, *options])
+    except SystemExit as end:
+        return end.code in (0, None)
+    return True
+
+
+def study(config: Path, results: str | None) -> str | None:
+    """Run a study and print its summary; returns why it is not whole, None if it is."""
+    own = read_study_file(config, results)
+    whole = snakemake(config, own.results, (), installed_engines(own))
+    summary = Path(own.results, "summary.txt")
+    if summary.is_file():
+        print(summary.read_text(), end="")
+    return None if whole else f"{own.results}: the study is not whole, see above"
+
+
+def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
+    """Run one case if need be and print what was found; returns why there is nothing."""
+    from analysis.case import describe
+    from workflow.results.files import read_records
+
+    own = read_study_file(config, results)
+    chosen = find_case(own, name, model)
+    folder = Path(own.results, case_folder(chosen.model, chosen.name))
+    engines = list(own.dem.engines)
+    if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
+        return f"{name}: no result, see above"
+    (record,) = read_records([folder / RECORD])
+    print(f"{describe(record)}\n  all of it: {folder}")
+    return None if record.error is None else f"{name}: no result"
+
+
+def decks(config: Path, results: str | None) -> str | None:
+    """Write the decks for 3DEC; returns why there are none."""
+    own = read_study_file(config, results)
+    if not snakemake(config, own.results, ("decks",), list(own.dem.engines)):
+        return "no decks, see above"
+    print(f"Decks: {own.results}/decks/3dec")
+    return None
+
+
+def main() -> None:
+    """Command line: what to do, with which configuration, into which folder."""
+    parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
+    parser.add_argument("what", choices=["study", "case", "decks", "calibrate"])
+    parser.add_argument("config", type=Path)
+    parser.add_argument("--results", help="another folder than the configuration's")
+    parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
+    parser.add_argument("--model", help="its model; the first reference if not given")
+    arguments = parser.parse_args()
+    results = arguments.results or None
+    try:
+        if arguments.what == "case":
+            if not arguments.case:
+                raise ConfigError("CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a")
+            fault = case(arguments.config, results, arguments.case, arguments.model or None)
+        elif arguments.what == "calibrate":
+            from workflow.calibration import calibrate
+
+            fault = calibrate(arguments.config, results, snakemake)
+        else:
+            fault = {"study": study, "decks": decks}[arguments.what](arguments.config, results)
+    except ConfigError as error:
+        sys.exit("\n".join(f"{arguments.config}: {line}" for line in error.args))
+    if fault:
+        sys.exit(fault)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,64 @@
+"""Run one job of a study: its step, and at the end its receipt.
+
+Snakemake starts this with a file that holds all arguments, however many. The job ends with the
+process that started it, so that no run goes on behind another's back.
+"""
+
+import ctypes
+import importlib
+import json
+import os
+import signal
+import sys
+from pathlib import Path
+from typing import Any
+
+from workflow.receipts import write_receipt
+
+PR_SET_PDEATHSIG = 1
+
+
+class StepError(RuntimeError):
+    """A step cannot be done; the message is one line."""
+
+
+def end_with_parent() -> None:
+    """Have this process asked to end when the one that started it ends, however it does."""
+    parent = os.getppid()
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
+    if os.getppid() != parent:  # it has just ended
+        sys.exit("stopped")
+
+
+def run_job(plan: dict[str, Any]) -> None:
+    """Do what ``plan``, a job as plain data, says, and leave a receipt if there is a result."""
+    results = Path(plan["results"])
+    receipt = results / plan["receipt"]
+    receipt.unlink(missing_ok=True)
+    for name in plan["outputs"]:
+        (results / name).parent.mkdir(parents=True, exist_ok=True)
+    step = importlib.import_module(plan["step"])
+    inputs = [results / name for name in plan["inputs"]]
+    outputs = [results / name for name in plan["outputs"]]
+    error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
+    if error:  # told in the results; without a receipt it is tried again by the next run
+        print(error, file=sys.stderr)
+        return
+    made = (*plan["outputs"], *plan["others"])
+    write_receipt(receipt, plan["name"], plan["digest"], results, made)
+
+
+def main() -> None:
+    """Command line: the file with the job."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
+    signal.signal(signal.SIGHUP, lambda *_: sys.exit("stopped"))
+    end_with_parent()
+    plan = json.loads(Path(sys.argv[1]).read_text())
+    try:
+        run_job(plan)
+    except StepError as error:
+        sys.exit(f"{plan['name']}: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,264 @@
+"""What a study consists of: jobs, each with its arguments, its code, and what it reads and writes.
+
+Snakemake orders and runs them; what each one depends on is worked out here, so that it can be
+compared with the receipt of what was made before.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from analysis.figures.catalogue import figure_files, figures_of
+from workflow.case import Case
+from workflow.closure import code_digest
+from workflow.engines import ENGINES
+from workflow.models import MODELS, Obtained, detailed
+from workflow.receipts import digest_of
+from workflow.results.files import OUTPUTS, RECORD, case_folder
+from workflow.schema import Study
+from workflow.threedec import DECK, deck_folder
+
+BATCH = 512  # cases that one job solves, about
+TABLES = ("weights", "weight_sums", "cases", "models")  # that are read from the cases' records
+BATCH_FILES = ("records.jsonl", "nodes.parquet", "history.parquet")
+
+
+@dataclass(frozen=True)
+class Job:
+    """One process of a study.
+
+    ``step``: module whose ``run`` does it; ``modules``, ``files``: what else it runs or reads that
+    no import tells. ``arguments``: plain data, all of which its results depend on; ``settings``:
+    plain data that they do not depend on. ``inputs``, ``outputs``: paths below the results' folder;
+    ``others``: outputs that are there only where the job has a result. ``versions``: of programs
+    that it starts. ``finds``: model and name of the cases whose records are in the first output.
+    """
+
+    name: str
+    step: str
+    message: str
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    arguments: Mapping[str, Any]
+    others: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    finds: tuple[tuple[str, str], ...] = ()
+    threads: int = 1
+
+    @property
+    def receipt(self) -> str:
+        """Path of its receipt, below the results' folder."""
+        return f".receipts/{self.name}.json"
+
+    def digest(self) -> str:
+        """Digest of all that its results depend on, but for its inputs."""
+        code = code_digest((self.step, *self.modules), self.files)
+        return digest_of([self.name, code, dict(self.arguments), dict(self.versions)])
+
+    def plan(self, digest: str, results: Path) -> dict[str, Any]:
+        """All that `workflow.job` has to know, as plain data."""
+        return {
+            "name": self.name,
+            "digest": digest,
+            "step": self.step,
+            "results": str(results),
+            "inputs": self.inputs,
+            "outputs": self.outputs,
+            "others": self.others,
+            "receipt": self.receipt,
+            "arguments": dict(self.arguments),
+            "settings": dict(self.settings),
+        }
+
+
+def case_jobs(study: Study, cases: Iterable[Case]) -> dict[str, Job]:
+    """The jobs that find the results of ``cases``, by name."""
+    by_model: dict[str, list[Case]] = {}
+    for case in cases:
+        by_model.setdefault(case.model, []).append(case)
+    jobs: list[Job] = []
+    for name, own in by_model.items():
+        obtained = MODELS[name].obtained
+        if obtained is Obtained.ENGINE:
+            jobs += (_engine_job(case, study.dem.time_limit) for case in own)
+        elif obtained is Obtained.SOLVED:
+            jobs += (_batch_job(name, key, batch) for key, batch in batches(own).items())
+        elif obtained is Obtained.RETURNED:
+            jobs += map(_returned_job, own)
+    return {job.name: job for job in jobs}
+
+
+def _engine_job(case: Case, time_limit: float) -> Job:
+    engine = ENGINES[case.model]
+    folder = case_folder(case.model, case.name)
+    return Job(
+        name=f"{case.model}/{case.name}",
+        step="workflow.steps.engine",
+        message=f"Run {case.model} on {case.name}",
+        inputs=(),
+        outputs=(f"{folder}/{RECORD}", f"{folder}/result.json"),
+        others=tuple(f"{folder}/{name}" for name in OUTPUTS if name != "result.json"),
+        arguments={"case": case.to_json()},
+        files=engine.sources(),
+        versions={case.model: engine.version()},
+        settings={"time_limit": time_limit},
+        finds=((case.model, case.name),),
+        threads=case.numerics.ranks if case.numerics else 1,
+    )
+
+
+def batches(cases: list[Case]) -> dict[str, list[Case]]:
+    """Cases in batches by the first digits of their digests.
+
+    So a case that is added or changed moves no other from one batch to another, unless their
+    number asks for another digit.
+    """
+    digits = 0
+    while len(cases) > BATCH * 16**digits:
+        digits += 1
+    found: dict[str, list[Case]] = {}
+    for case in cases:
+        found.setdefault("-".join(filter(None, ("batch", case.digest()[:digits]))), []).append(case)
+    return dict(sorted(found.items()))
+
+
+def _batch_job(model: str, batch: str, cases: list[Case]) -> Job:
+    module = MODELS[model].module
+    assert module is not None, f"{model} is not solved in this process"
+    return Job(
+        name=f"{model}/{batch}",
+        step="workflow.steps.solve",
+        message=f"Solve {len(cases)} cases of {model}",
+        inputs=(),
+        outputs=tuple(f"cases/{model}/{batch}/{name}" for name in BATCH_FILES),
+        arguments={"module": module, "cases": [case.to_json() for case in cases]},
+        modules=(module,),
+        finds=tuple((case.model, case.name) for case in cases),
+    )
+
+
+def _returned_job(case: Case) -> Job:
+    folder = case_folder(case.model, case.name)
+    return Job(
+        name=f"{case.model}/{case.name}",
+        step="workflow.steps.returned",
+        message=f"Read what {case.model} printed for {case.name}",
+        inputs=(f"decks/{case.model}/{case.name}/results.txt",),
+        outputs=(f"{folder}/{RECORD}",),
+        arguments={"case": case.to_json()},
+        finds=((case.model, case.name),),
+    )
+
+
+def deck_job(cases: Iterable[Case]) -> dict[str, Job]:
+    """The job that writes decks for ``cases``, by its name."""
+    cases = list(cases)
+    job = Job(
+        name="decks",
+        step="workflow.steps.decks",
+        message=f"Write {len(cases)} decks for 3DEC",
+        inputs=(),
+        outputs=tuple(f"{deck_folder(case.name)}/{DECK}" for case in cases),
+        arguments={"cases": [case.to_json() for case in cases]},
+        files=("templates/3dec.dat.j2",),
+    )
+    return {job.name: job}
+
+
+def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) -> dict[str, Job]:
+    """The jobs from the results of ``cases``, that the jobs ``found`` make, to the summary."""
+    cases = list(cases)
+    records = tuple(job.outputs[0] for job in found.values())
+    references = detailed(study.model_names)
+    tables = study.tables_json()
+    tables_of = [f"tables/{name}.csv" for name in TABLES]
+    weights, _, of_cases, models = tables_of
+    published = ("analysis/published.yaml",)
+    home = {case: job.outputs[0] for job in found.values() for case in job.finds}
+    shown = {
+        name: home[spec.case.model, spec.case.name]
+        for name, spec in figures_of(study, references).items()
+        if spec.case is not None
+    }
+    stresses = tuple(dict.fromkeys(shown.values()))
+    jobs = (
+        Job(
+            name="collect",
+            step="analysis.collect",
+            message="Collect the cases' results",
+            inputs=records,
+            outputs=tuple(tables_of),
+            arguments={"cases": [(case.model, case.name) for case in cases]},
+        ),
+        Job(
+            name="capacity",
+            step="analysis.capacity",
+            message="Solve SiDMACIB and tabulate all capacities",
+            inputs=(of_cases, weights),
+            outputs=("tables/capacity.csv", "tables/envelopes.csv"),
+            arguments={"study": tables},
+            files=published,
+        ),
+        Job(
+            name="fit",
+            step="analysis.fit",
+            message="Fit SiDMACIB against the models of the joint's pieces",
+            inputs=("tables/capacity.csv",),
+            outputs=("tables/fit.csv", "tables/best_fit.csv"),
+            arguments={"study": tables},
+        ),
+        Job(
+            name="validation",
+            step="analysis.validation",
+            message="Compare with the published numbers",
+            inputs=("tables/capacity.csv", weights, "tables/fit.csv"),
+            outputs=("tables/validation.csv",),
+            arguments={"study": tables},
+            files=published,
+        ),
+        Job(
+            name="figures",
+            step="analysis.figures.draw",
+            message="Draw the figures",
+            inputs=(
+                *("tables/capacity.csv", "tables/validation.csv", models, "tables/envelopes.csv"),
+                *stresses,
+            ),
+            outputs=tuple(figure_files(study, references)),
+            arguments={
+                "study": study.figures_json(),
+                "references": references,
+                "records": {name: 4 + stresses.index(path) for name, path in shown.items()},
+            },
+            files=published,
+        ),
+        Job(
+            name="summary",
+            step="analysis.summary",
+            message="Sum up",
+            inputs=(
+                *("tables/validation.csv", "tables/fit.csv", "tables/best_fit.csv"),
+                *("tables/capacity.csv", of_cases),
+            ),
+            outputs=("summary.txt",),
+            arguments={"results": study.results},
+        ),
+        Job(
+            name="complete",
+            step="analysis.complete",
+            message="See whether every case has a result",
+            inputs=(of_cases, "summary.txt"),
+            outputs=(".complete",),
+            arguments={},
+        ),
+    )
+    return {job.name: replace(job, others=_parquet(job.outputs)) for job in jobs}
+
+
+def _parquet(outputs: Iterable[str]) -> tuple[str, ...]:
+    """The same tables as Parquet, which stand beside those in CSV."""
+    return tuple(name[:-3] + "parquet" for name in outputs if name.endswith(".csv"))

@@ -1,0 +1,32 @@
+"""One run at a time in a folder of results."""
+
+import fcntl
+import os
+from pathlib import Path
+from typing import TextIO
+
+LOCK = ".lock"
+
+
+class LockedError(RuntimeError):
+    """Another run is at work in the folder; the message is one line."""
+
+
+def lock(results: Path) -> TextIO:
+    """Lock ``results`` for as long as this process lives and the returned file is kept.
+
+    The system gives the lock back when the process ends, however it does: no stale lock is left.
+    """
+    results.mkdir(parents=True, exist_ok=True)
+    stream = (results / LOCK).open("a+")
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        stream.seek(0)
+        other = stream.read().strip() or "unknown"
+        stream.close()
+        raise LockedError(f"{results}: another run is at work here (process {other})") from None
+    stream.truncate(0)
+    stream.write(f"{os.getpid()}\n")
+    stream.flush()
+    return stream

@@ -1,0 +1,36 @@
+"""What any model finds for a case, before it is checked."""
+
+from dataclasses import dataclass
+
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import Flags
+
+
+@dataclass(frozen=True)
+class State:
+    """A ``load`` (N, along the direction of loading) that is carried.
+
+    ``displacement``: the one that the load works on, in m. ``force``: (N, 3) in N, on the piece
+    above in the frame of the face, see `sidmacib.mechanics.equilibrium.face_frames`. ``bonded``:
+    (N,). Each is None in a model that does not tell it.
+    """
+
+    load: float
+    displacement: float | None = None
+    force: Floats | None = None
+    bonded: Flags | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """States on the way, the last of them the peak, and loads in N.
+
+    ``failed_load``: the smallest known that is not carried. ``first_failure_load``: where the first
+    node fails; None in a model without failure. ``mode``: how the joint gives way, None if the
+    model does not tell.
+    """
+
+    path: tuple[State, ...]
+    failed_load: float
+    first_failure_load: float | None = None
+    mode: str | None = None

@@ -1,0 +1,97 @@
+"""The plan of a study: its jobs, and which of them have to be done."""
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sidmacib.mechanics.assembly import Failure
+from workflow.case import Case
+from workflow.cases import cases_of
+from workflow.engines import ENGINES
+from workflow.jobs import Job, case_jobs, deck_job, table_jobs
+from workflow.models import MODELS, WITNESS, Ability
+from workflow.receipts import STALE, fault, read_receipt
+from workflow.schema import Study
+from workflow.threedec import RETURNED, deck_folder, decks
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The cases of a study by model and name, and its jobs by name.
+
+    ``made``: jobs whose results the study consists of; ``extra``: those that are asked for.
+    """
+
+    study: Study
+    cases: Mapping[tuple[str, str], Case]
+    made: Mapping[str, Job]
+    extra: Mapping[str, Job]
+
+    @property
+    def jobs(self) -> dict[str, Job]:
+        """All jobs."""
+        return {**self.made, **self.extra}
+
+    def outputs(self) -> list[str]:
+        """Paths below the results' folder of all that the study consists of."""
+        return [name for job in self.made.values() for name in job.outputs]
+
+
+def plan_of(study: Study) -> Plan:
+    """All jobs of ``study``; results of 3DEC that came back count like any other model's."""
+    cases = dict(cases_of(study))
+    of_decks = decks(study)
+    cases |= {
+        (case.model, name): case
+        for name, case in of_decks.items()
+        if Path(study.results, deck_folder(name), RETURNED).is_file()
+    }
+    found = case_jobs(study, [*cases.values(), *witnesses(cases.values())])
+    tables = table_jobs(study, cases.values(), found)
+    return Plan(study, cases, {**found, **tables}, deck_job(of_decks.values()))
+
+
+def witnesses(cases: Iterable[Case]) -> list[Case]:
+    """Cases of the static model that no one asked for, to hold every engine's case against."""
+    cases = list(cases)
+    known = {case.physics() for case in cases if case.model == WITNESS}
+    found: dict[str, Case] = {}
+    able = MODELS[WITNESS].abilities
+    for case in cases:
+        ductile = case.joint.failure is Failure.DUCTILE
+        if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
+            continue
+        if case.physics() not in known:
+            found.setdefault(case.physics(), replace(case, model=WITNESS, numerics=None))
+    return list(found.values())
+
+
+def plan_file(job: Job, digest: str, results: Path) -> Path:
+    """Where the arguments of ``job`` are; its name tells all that the results depend on."""
+    return results / ".plan" / f"{job.name}-{digest[:16]}.json"
+
+
+def faults(jobs: Iterable[Job], results: Path) -> dict[str, str]:
+    """Why jobs have to be done, by name; each job's plan is written.
+
+    Results that are not what their job made are removed. Where they were made from something else
+    the plan is as new as now, newer than they are: it is among the job's inputs.
+    """
+    found: dict[str, str] = {}
+    for job in jobs:
+        digest = job.digest()
+        path = plan_file(job, digest, results)
+        reason = fault(read_receipt(results / job.receipt), job.name, digest, results)
+        if reason is not None:
+            found[job.name] = reason
+        if not path.is_file():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(json.dumps(job.plan(digest, results), indent=1) + "\n")
+        elif reason == STALE:
+            os.utime(path)
+        if reason not in (None, STALE):
+            for name in job.outputs:
+                (results / name).unlink(missing_ok=True)
+    return found

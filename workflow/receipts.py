@@ -1,0 +1,73 @@
+"""What a job has made, and from what: a receipt beside the results, held against them at each start.
+
+A receipt names the job's outputs with their contents' digests, and a digest of all that the job
+depends on: its arguments, the code that it runs, the versions of the programs that it starts.
+Where an output is gone, or is not what the job made, the receipt goes, and the job is run again.
+Receipts hold no time and no place: a folder of results can be moved.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+
+STALE = "made from something else"
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """``digest``: of what the job depends on. ``outputs``: digests of files, below the results."""
+
+    job: str
+    digest: str
+    outputs: dict[str, str]
+
+
+def digest_of(value: Any) -> str:
+    """Digest of plain data, the same for equal data."""
+    text = json.dumps(value, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def file_digest(path: Path) -> str:
+    """Digest of a file's content."""
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def write_receipt(path: Path, job: str, digest: str, results: Path, outputs: Iterable[str]) -> None:
+    """Write the receipt of a job that has ended well."""
+    made = {name: file_digest(results / name) for name in outputs}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_name(path.name + ".draft")
+    draft.write_text(json.dumps(asdict(Receipt(job, digest, made)), indent=1) + "\n")
+    draft.replace(path)
+
+
+def read_receipt(path: Path) -> Receipt | None:
+    """The receipt at ``path``; None if there is none that can be read."""
+    try:
+        data: Mapping[str, Any] = json.loads(path.read_text())
+        return Receipt(str(data["job"]), str(data["digest"]), dict(data["outputs"]))
+    except (OSError, ValueError, TypeError, KeyError):
+        return None
+
+
+def fault(receipt: Receipt | None, job: str, digest: str, results: Path) -> str | None:
+    """Why the results of ``job`` are to be made again, in a few words; None if they hold."""
+    if receipt is None:
+        return "never made"
+    if receipt.job != job:
+        return "made by another job"
+    for name, content in receipt.outputs.items():
+        try:
+            if file_digest(results / name) != content:
+                return f"{name} was changed"
+        except OSError:
+            return f"{name} is gone"
+    if receipt.digest != digest:
+        return STALE
+    return None

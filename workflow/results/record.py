@@ -1,0 +1,173 @@
+"""What a model found for a case, checked: the one form in which every result goes on.
+
+Engines, models solved in this process and programs run elsewhere all end in an `Outcome`.
+`record_of` holds it against its case and turns it into a `CaseRecord`; nothing else reaches a table.
+"""
+
+import dataclasses
+import json
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.balance import unbalanced_share
+from sidmacib.weights import LockWeight, lock_weights
+from workflow.case import Case
+from workflow.outcome import Outcome
+
+DIGITS = 10  # significant digits that are kept; what lies below is noise of the arithmetic
+NOISE = 1e-9  # of a weight or a share: less counts as 0
+
+
+class ResultError(ValueError):
+    """A result that does not count; the message is one line that says what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class CaseRecord:
+    """The result of a case.
+
+    Loads are along the case's direction, in N: ``load_N`` the largest at equilibrium,
+    ``failed_load_N`` the smallest known that is not carried, ``first_failure_load_N`` where the
+    first node fails. ``mode``: how the joint gives way. ``unbalanced_share``: largest force (or
+    moment over a) that is left on a piece over the load. ``path``: loads (N) and displacements (m,
+    the one that the load works on). What a model does not tell is None or empty. ``error``: why
+    there is no result, in one line; all numbers are None then.
+    """
+
+    model: str
+    variant: str
+    sample: str
+    case: str  # identity apart from model and variant; tables join on it
+    name: str
+    locks: int
+    mesh_m: float
+    eccentricity_over_a: float
+    eccentricity_m: float
+    case_digest: str
+    physics: str  # digest of joint, nodes and loads: the same for all models of a case
+    load_N: float | None = None
+    shear_N: float | None = None
+    torque_Nm: float | None = None
+    failed_load_N: float | None = None
+    first_failure_load_N: float | None = None
+    mode: str | None = None
+    unbalanced_share: float | None = None
+    weights: tuple[LockWeight, ...] = ()
+    path: tuple[tuple[float, float | None], ...] = ()
+    versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    error: str | None = None
+
+    def to_json(self) -> str:
+        """One line of JSON; infinity is written as Python's json does."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> "CaseRecord":
+        """The record that `to_json` wrote; `ResultError` if it is none."""
+        try:
+            data = json.loads(text)
+            data["weights"] = tuple(LockWeight(**each) for each in data["weights"])
+            data["path"] = tuple((load, moved) for load, moved in data["path"])
+            return cls(**data)
+        except (ValueError, TypeError, KeyError) as error:
+            raise ResultError(f"not a case's record: {error}") from None
+
+
+def failed_record(case: Case, error: str) -> CaseRecord:
+    """The record of a case that ended without a result, for the reason ``error``."""
+    return CaseRecord(**_identity(case), error=" ".join(error.split()))
+
+
+def record_of(
+    case: Case, assembly: Assembly, loads: Loads, outcome: Outcome, versions: dict[str, str]
+) -> CaseRecord:
+    """The record of ``outcome``; raises `ResultError` where it cannot be the result of ``case``."""
+    peak = outcome.path[-1]
+    _check_loads(outcome)
+    weights: tuple[LockWeight, ...] = ()
+    balance = None
+    if peak.force is not None:
+        if peak.force.shape != (len(assembly.nodes.area), 3):
+            raise ResultError(
+                f"{len(peak.force)} nodes have stresses, the case has {len(assembly.nodes.area)}"
+            )
+        if not np.isfinite(peak.force).all():
+            raise ResultError("a stress is no finite number")
+        weights = tuple(
+            _rounded_weight(each, case.joint.T0)
+            for each in lock_weights(case.joint, assembly, peak.force)
+        )
+        balance = _clean(unbalanced_share(assembly, loads, peak.load, peak.force), 1e-12)
+    load = _significant(peak.load)
+    first = outcome.first_failure_load
+    return CaseRecord(
+        **_identity(case),
+        load_N=load,
+        shear_N=_significant(peak.load * case.direction.shear),
+        torque_Nm=_significant(peak.load * case.direction.torque * case.joint.a),
+        failed_load_N=_significant(outcome.failed_load),
+        first_failure_load_N=None if first is None else _significant(first),
+        mode=outcome.mode,
+        unbalanced_share=balance,
+        weights=weights,
+        path=tuple(
+            (_significant(s.load), None if s.displacement is None else _significant(s.displacement))
+            for s in outcome.path
+        ),
+        versions=versions,
+    )
+
+
+def _identity(case: Case) -> dict[str, Any]:
+    return {
+        "model": case.model,
+        "variant": case.variant,
+        "sample": case.sample,
+        "case": case.key,
+        "name": case.name,
+        "locks": case.joint.locks,
+        "mesh_m": case.mesh,
+        "eccentricity_over_a": case.direction.eccentricity,
+        "eccentricity_m": case.direction.eccentricity * case.joint.a,
+        "case_digest": case.digest(),
+        "physics": case.physics(),
+    }
+
+
+def _check_loads(outcome: Outcome) -> None:
+    peak, failed, first = outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load
+    if not (math.isfinite(peak) and peak > 0.0):
+        raise ResultError(f"peak load {peak:g} N: it must be finite and above 0")
+    if not (math.isfinite(failed) and failed >= peak * (1.0 - 1e-12)):
+        raise ResultError(f"failed load {failed:g} N: it must be finite and not below {peak:g} N")
+    if first is not None and not 0.0 <= first <= failed:
+        raise ResultError(f"first failure at {first:g} N: it must lie between 0 and {failed:g} N")
+    for state in outcome.path:
+        if not math.isfinite(state.load) or state.load > peak * (1.0 + 1e-12):
+            raise ResultError(f"load {state.load:g} N on the path to a peak of {peak:g} N")
+        if state.displacement is not None and not math.isfinite(state.displacement):
+            raise ResultError(f"displacement {state.displacement:g} m at {state.load:g} N")
+
+
+def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
+    return dataclasses.replace(
+        each,
+        weight=_clean(each.weight),
+        mean_shear_ratio=_clean(each.mean_shear_ratio),
+        max_shear_ratio=_clean(each.max_shear_ratio),
+        shear_x_N=_clean(each.shear_x_N, NOISE * strength),
+        shear_y_N=_clean(each.shear_y_N, NOISE * strength),
+    )
+
+
+def _clean(value: float, noise: float = NOISE) -> float:
+    """``value`` in multiples of ``noise``: what is left differs on no machine."""
+    return _significant(round(value / noise) * noise)
+
+
+def _significant(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}") + 0.0

@@ -1,0 +1,155 @@
+"""The study's tables: their columns, with units in the names, their keys, and the checks on both.
+
+Every table is written and read here, as CSV and, for large studies, as Parquet beside it. Numbers
+have ten digits. An infinite eccentricity is pure torsion; where a number is missing the cell is
+empty. ``case`` is a case's identity apart from model and variant: tables are joined on it.
+"""
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+DIGITS = 10
+
+
+class TableError(ValueError):
+    """A table that is not as it should be; the message names the table and what is wrong."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """``columns`` in their order; ``key``: no two rows agree in all of them; ``more``: other
+    columns may follow. ``digits``: significant ones of its numbers."""
+
+    name: str
+    columns: tuple[str, ...]
+    key: tuple[str, ...]
+    more: bool = False
+    digits: int = DIGITS
+
+
+_CASE = ("model", "variant", "sample", "locks", "mesh_m", "eccentricity_m")
+_ERRORS = ("misfit", "largest_unsafe_error", "largest_safe_error")
+
+WEIGHTS = Table(
+    "weights",
+    (
+        *("model", "locks", "mesh_m", "eccentricity_m", "lock", "block"),
+        *("weight", "mean_shear_ratio", "max_shear_ratio"),
+        *("variant", "sample", "shear_x_N", "shear_y_N", "case"),
+    ),
+    ("model", "variant", "case", "lock"),
+)
+WEIGHT_SUMS = Table(
+    "weight_sums",
+    (*_CASE, "weight_sum", "weight_sum_floor", "lower_weight_sum", "case"),
+    ("model", "variant", "case"),
+)
+CASES = Table(
+    "cases",
+    (
+        *("name", *_CASE, "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
+        *("failed_load_N", "first_failure_load_N", "mode", "unbalanced_share"),
+        *("static_load_N", "difference_to_static", "error", "versions", "case"),
+    ),
+    ("model", "variant", "case"),
+)
+MODELS = Table(
+    "models",
+    (
+        *("model", "sample", "locks", "mesh_m", "eccentricity_m", "load_N"),
+        *("first_failure_load_N", "friction_share", "given_load_N"),
+    ),
+    ("model", "case"),
+    more=True,  # displacements at given loads, and a weight for each lock
+)
+CAPACITY = Table(
+    "capacity",
+    (
+        *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
+        *("sample", "load_N", "failed_load_N", "first_failure_load_N", "unbalanced_share"),
+        *("option", "friction", "reduction", "weights_from", "case", "mode"),
+        *("difference_to_static", "error"),
+    ),
+    ("model", "variant", "weights_from", "case"),
+)
+ENVELOPES = Table(
+    "envelopes",
+    ("sample", "option", "friction", "vertex", "shear_N", "torque_Nm"),
+    ("sample", "option", "friction", "vertex"),
+)
+FIT = Table(
+    "fit",
+    (
+        *("model", "sample", "locks", "mesh_m", "option", "friction", "reduction"),
+        *(*_ERRORS, "rank", "directions"),
+    ),
+    ("model", "sample", "mesh_m", "option", "friction", "reduction"),
+)
+BEST_FIT = Table(
+    "best_fit",
+    (
+        *("model", "sample", "locks", "mesh_m", "friction"),
+        *("distance_over_a", "distance_m", "strength_per_lock_N", "locks_that_count", *_ERRORS),
+    ),
+    ("model", "sample", "mesh_m", "friction"),
+    digits=6,  # of a fit that ends where the unknowns change by less than 1e-6
+)
+VALIDATION = Table(
+    "validation",
+    (
+        *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference"),
+        *("absolute_difference", "model", "sample", "note"),
+    ),
+    ("quantity", "mesh_m", "model", "sample"),
+)
+
+
+def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:
+    """Write ``rows`` to ``path`` (CSV) and beside it as Parquet; `TableError` if they do not fit."""
+    checked = _checked(table, rows)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    checked.to_csv(path, index=False, float_format=f"%.{table.digits}g")
+    checked.to_parquet(path.with_suffix(".parquet"), index=False)
+
+
+def read_table(table: Table, path: Path) -> pd.DataFrame:
+    """The rows that `write_table` wrote; `TableError` if it did not write them."""
+    try:
+        rows = pd.read_parquet(path.with_suffix(".parquet"))
+    except (OSError, ValueError) as error:
+        raise TableError(f"{path.with_suffix('.parquet')}: {error}") from None
+    _require(table, rows)
+    return rows
+
+
+def _require(table: Table, rows: pd.DataFrame) -> None:
+    missing = [column for column in table.columns if column not in rows]
+    unknown = [column for column in rows if column not in table.columns and not table.more]
+    if missing or unknown:
+        raise TableError(
+            f"{table.name}: " + "; ".join(
+                f"{words} {', '.join(names)}"
+                for words, names in (("no column", missing), ("unknown column", unknown))
+                if names
+            )
+        )
+
+
+def _checked(table: Table, rows: pd.DataFrame) -> pd.DataFrame:
+    """``rows`` in the order of the columns, with as many digits as the table has."""
+    _require(table, rows)
+    others = [column for column in rows if column not in table.columns]
+    rows = rows[[*table.columns, *others]].reset_index(drop=True)
+    if (twice := rows.duplicated(list(table.key))).any():
+        place = rows.loc[twice, list(table.key)].iloc[0].to_dict()
+        raise TableError(f"{table.name}: more than one row for {place}")
+    for column in rows.select_dtypes("float"):
+        values = rows[column].to_numpy(dtype=float)
+        if np.isinf(values).any() and not column.startswith("eccentricity"):
+            raise TableError(f"{table.name}: {column} is infinite")
+        rows[column] = [v if math.isnan(v) else float(f"{v:.{table.digits}g}") for v in values]
+    return rows

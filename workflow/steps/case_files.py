@@ -1,0 +1,47 @@
+"""Write the files of one case that was solved in a batch, as an engine's folder has them."""
+
+import json
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+from workflow.case import Case
+from workflow.results.files import (
+    BATCH_HISTORY,
+    BATCH_NODES,
+    CASE,
+    HISTORY,
+    NODES,
+    RECORD,
+    read_records,
+    write_record,
+)
+
+LOADS = {
+    "peak_load_N": "load_N",
+    "failed_load_N": "failed_load_N",
+    "first_failure_load_N": "first_failure_load_N",
+    "mode": "mode",
+    "error": "error",
+}
+
+
+def main() -> None:
+    """Command line: the batch's plan and records, and the result.json to write."""
+    plan, records, result = (Path(argument) for argument in sys.argv[1:4])
+    folder, name = result.parent, result.parent.name
+    (record,) = (each for each in read_records([records]) if each.name == name)
+    cases = json.loads(plan.read_text())["arguments"]["cases"]
+    (case,) = (each for each in map(Case.from_json, cases) if each.name == name)
+    (folder / CASE).write_text(case.to_json())
+    for source, target in ((BATCH_NODES, NODES), (BATCH_HISTORY, HISTORY)):
+        rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", name)])
+        rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
+    loads = {key: getattr(record, name) for key, name in LOADS.items()}
+    result.write_text(json.dumps(loads, indent=1) + "\n")
+    write_record(record, folder / RECORD)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,14 @@
+"""Write the decks for 3DEC."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from workflow.case import Case
+from workflow.threedec import deck
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the deck of each case."""
+    for data, path in zip(arguments["cases"], outputs, strict=True):
+        path.write_text(deck(Case.from_json(data)))

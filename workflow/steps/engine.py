@@ -1,0 +1,47 @@
+"""Run an engine on a case, check what it returns, and write the record."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from sidmacib.errors import CapacityError
+from sidmacib.loading import lateral_load
+from sidmacib.pieces import assemble
+from workflow.case import Case
+from workflow.engines import ENGINES
+from workflow.engines.execute import EngineError
+from workflow.engines.run import run_engine
+from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
+from workflow.results.record import ResultError, failed_record, record_of
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+) -> str | None:
+    """Write the record and, where the engine ends well, its own files; returns what went wrong."""
+    case = Case.from_json(arguments["case"])
+    record, result = outputs
+    folder = record.parent
+    (folder / CASE).write_text(case.to_json())
+    engine = ENGINES[case.model]
+    assert case.numerics is not None, f"{case.name}: an engine needs numerics"
+    title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
+    try:
+        assembly = assemble(case.joint, case.mesh)
+        loads = lateral_load(case.joint, assembly, case.loading)
+        run_engine(
+            engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"]
+        )
+        found = read_outcome(folder, assembly)
+        versions = {engine.name: engine.version()}
+        write_record(record_of(case, assembly, loads, found, versions), record)
+    except (EngineError, ResultError, CapacityError) as error:
+        for name in OUTPUTS:
+            (folder / name).unlink(missing_ok=True)
+        reason = f"{case.model}: {error}"
+        first = reason.splitlines()[0]
+        result.write_text(json.dumps({"error": first}) + "\n")
+        write_record(failed_record(case, first), record)
+        return f"{case.name}: {reason}"
+    return None

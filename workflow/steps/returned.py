@@ -1,0 +1,26 @@
+"""Read what a program that is run elsewhere has printed for a case, check it, write the record."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from sidmacib.loading import lateral_load
+from workflow.case import Case
+from workflow.results.files import write_record
+from workflow.results.record import ResultError, failed_record, record_of
+from workflow.threedec import read_returned
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+) -> str | None:
+    """Write the record; returns what is wrong with the text, if anything is."""
+    case = Case.from_json(arguments["case"])
+    try:
+        assembly, found = read_returned(inputs[0].read_text(errors="replace"), case)
+        loads = lateral_load(case.joint, assembly, case.loading)
+        record = record_of(case, assembly, loads, found, {})
+    except (OSError, ResultError) as error:
+        record = failed_record(case, f"{case.model}: {error}")
+    write_record(record, outputs[0])
+    return None if record.error is None else f"{case.name}: {record.error}"

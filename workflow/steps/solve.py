@@ -1,0 +1,91 @@
+"""Solve a batch of cases in this process, check what comes out, and write records and tables."""
+
+import importlib
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from sidmacib.errors import CapacityError
+from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.pieces import assemble
+from workflow.case import Case
+from workflow.outcome import Outcome
+from workflow.results.files import NODE_COLUMNS, force_to_stress
+from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+
+HISTORY_COLUMNS = ("load_N", "displacement_m")
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+) -> str | None:
+    """Write records, nodes and histories of all cases; a case that fails has its reason."""
+    solver = importlib.import_module(arguments["module"])
+    records: list[CaseRecord] = []
+    nodes: list[pa.Table] = []
+    histories: list[pa.Table] = []
+    for data in arguments["cases"]:
+        case = Case.from_json(data)
+        try:
+            record, assembly, found = solved(case, solver.solve)
+        except (CapacityError, ResultError, ValueError) as error:
+            records.append(failed_record(case, f"{case.model}: {error}"))
+            continue
+        records.append(record)
+        nodes.append(node_table(case, assembly, found))
+        histories.append(history_table(case, found))
+    outputs[0].write_text("".join(record.to_json() + "\n" for record in records))
+    for tables, path in ((nodes, outputs[1]), (histories, outputs[2])):
+        whole = pa.concat_tables(tables) if tables else pa.table({})
+        pq.write_table(whole, path, compression="zstd")
+    failed = [record for record in records if record.error]
+    return "\n".join(f"{record.name}: {record.error}" for record in failed) or None
+
+
+def solved(case: Case, solve: Any) -> tuple[CaseRecord, Assembly, Outcome]:
+    """The checked record of ``case``, its assembly and what the model found."""
+    assembly = assemble(case.joint, case.mesh)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    found = solve(assembly, loads)
+    return record_of(case, assembly, loads, found, {}), assembly, found
+
+
+def node_table(case: Case, assembly: Assembly, found: Outcome) -> pa.Table:
+    """Stresses at the peak, one row per node, in the columns of an engine's nodes.csv."""
+    nodes, peak = assembly.nodes, found.path[-1]
+    assert peak.force is not None
+    assert peak.bonded is not None
+    stress = force_to_stress(nodes, face_frames(assembly), peak.force)
+    values: Floats = np.column_stack([nodes.position, nodes.area, stress])
+    columns: dict[str, Any] = {
+        "case": _repeated(case.name, len(values)),
+        "face": _named([face.name for face in assembly.faces], nodes.face),
+        "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
+    }
+    columns |= {
+        name: column for name, column in zip(NODE_COLUMNS[2:], values.T, strict=False)
+    }
+    return pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})
+
+
+def history_table(case: Case, found: Outcome) -> pa.Table:
+    """Load and displacement of each equilibrium on the way, one row each."""
+    moved = [state.displacement for state in found.path]
+    loads = [state.load for state in found.path]
+    columns = dict(zip(HISTORY_COLUMNS, (pa.array(loads), pa.array(moved, pa.float64())), strict=True))
+    return pa.table({"case": _repeated(case.name, len(loads)), **columns})
+
+
+def _repeated(text: str, count: int) -> pa.Array:
+    return _named([text], np.zeros(count, dtype=np.int32))
+
+
+def _named(names: Iterable[str], index: Any) -> pa.Array:
+    plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
+    return plain.cast(pa.string())
