@@ -26,8 +26,9 @@ from sidmacib.pieces import lock_faces
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.results import write_table
+from workflow.schema import Study
+from workflow.schema.geometry import GeometrySection
 from workflow.solve import node_table, solve_case
-from workflow.study import Geometry, Study
 
 PEAK_SCALE = 0.01  # -, of a peak: published ones differ by up to 0.6 % between meshes
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
@@ -35,18 +36,18 @@ ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
 SIZES = ("a_m", "b_m", "h_m", "H_m")
 
 
-def geometries(study: Study, published: Published) -> Iterator[Geometry]:
+def geometries(study: Study, published: Published) -> Iterator[GeometrySection]:
     """The grid of ``study.calibration``, with the published a * b; the study's own at the end."""
     grid = study.calibration
     area = published.numbers["sample"]["T0"] / study.materials.inner.cohesion
     for a, share, ratio in product(grid.a, grid.height_share, grid.height_over_b):
         b = area / a
-        yield Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
+        yield GeometrySection(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
     yield study.geometry
 
 
 def static_results(
-    study: Study, samples: Mapping[str, int], geometry: Geometry, ratios: Floats
+    study: Study, samples: Mapping[str, int], geometry: GeometrySection, ratios: Floats
 ) -> Iterator[CaseResult]:
     """The static model of ``samples`` of a geometry, e / a being ``ratios``; without histories."""
     own = read_study(
@@ -131,7 +132,7 @@ def misfit_columns(
     )
 
 
-def size_columns(geometry: Geometry) -> dict[str, float]:
+def size_columns(geometry: GeometrySection) -> dict[str, float]:
     """Sizes of a geometry, and the two ratios that pure shear depends on."""
     height = geometry.h + geometry.H
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
@@ -175,7 +176,7 @@ def length_along(points: Floats) -> Floats:
 
 
 def curve_table(
-    study: Study, samples: Mapping[str, int], geometries: list[Geometry]
+    study: Study, samples: Mapping[str, int], geometries: list[GeometrySection]
 ) -> pd.DataFrame:
     """V-M curves of some geometries, and their two straight parts, one row per point."""
     ratios = np.array([math.inf if g == 90.0 else math.tan(math.radians(g)) for g in ANGLES])
@@ -206,13 +207,13 @@ def best_rows(table: pd.DataFrame) -> pd.DataFrame:
     return best.sort_values("misfit_swapped")
 
 
-def geometry_of(row: pd.Series) -> Geometry:
+def geometry_of(row: pd.Series) -> GeometrySection:
     """The geometry of a row of `misfit_map`."""
-    return Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
+    return GeometrySection(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
 
 
 def confirmation(
-    study: Study, samples: Mapping[str, int], chosen: list[Geometry], results: str
+    study: Study, samples: Mapping[str, int], chosen: list[GeometrySection], results: str
 ) -> dict[str, Any]:
     """Configuration of a study of pure shear on ``chosen`` geometries, for the engines to run.
 

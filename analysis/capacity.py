@@ -14,9 +14,10 @@ from analysis.weights import case_columns
 from sidmacib.joint import Direction
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
+from workflow.models import detailed
 from workflow.results import write_table
-from workflow.study import Study
+from workflow.schema import Study
 
 COLUMNS = (
     *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
@@ -70,7 +71,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
         read = {
             source: own
             for source, own in pure_shear_weights(weights, sample).items()
-            if source[0] in study.references
+            if source[0] in detailed(study.model_names)
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):

@@ -8,8 +8,10 @@ import pandas as pd
 from analysis.calibration import misfit_columns, size_columns
 from analysis.reading import Published, read_published
 from workflow.configuration import read_study_file
+from workflow.models import detailed
 from workflow.results import write_table
-from workflow.study import Geometry, Study
+from workflow.schema import Study
+from workflow.schema.geometry import GeometrySection
 
 
 def confirmation_table(
@@ -21,8 +23,8 @@ def confirmation_table(
     for rank in dict.fromkeys(name.split("_")[0] for name in study.samples):
         own = {n: s.locks for n, s in study.samples.items() if n.split("_")[0] == rank}
         joint = study.joint(next(iter(own)))
-        geometry = Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
-        for model in (m for m in study.references if m in set(capacity["model"])):
+        geometry = GeometrySection(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
+        for model in (m for m in detailed(study.model_names) if m in set(capacity["model"])):
             loads = capacity[capacity["model"] == model].set_index("sample")["load_N"]
             shares = weights[weights["model"] == model].sort_values("lock")
             peaks = {locks: float(loads[name]) for name, locks in own.items()}

@@ -20,9 +20,9 @@ from sidmacib.contact_points import ContactOption
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.programme import Sidmacib, capacities
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results import write_table
-from workflow.study import Study
+from workflow.schema import Study
 
 BEST_COLUMNS = (
     *("model", "sample", "locks", "mesh_m", "friction"),

@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.reading import CaseResult, read_case
 from analysis.weights import case_columns, lock_weights
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results import write_table
 
 SHARES = (0.25, 0.5, 0.75)  # of the given loads over the leading model's first failure

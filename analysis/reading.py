@@ -10,9 +10,10 @@ import pandas as pd
 import yaml
 
 from sidmacib.pieces import lock_faces
-from workflow.cases import Case
+from workflow.case import Case
 from workflow.results import NODE_COLUMNS
-from workflow.study import Assembly, Study
+from workflow.schema import Study
+from workflow.schema.assembly import AssemblySection
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def read_case(folder: Path) -> CaseResult:
     nodes = pd.read_csv(folder / "nodes.csv")
     if missing := set(NODE_COLUMNS) - set(nodes.columns):
         raise ValueError(f"{folder / 'nodes.csv'}: no column {', '.join(sorted(missing))}")
-    case = Case.model_validate_json((folder / "case.json").read_bytes())
+    case = Case.from_json((folder / "case.json").read_bytes())
     nodes.insert(2, "lock", nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int))
     return CaseResult(
         case=case,
@@ -79,7 +80,7 @@ class Published:
             math.isclose(joint.T0, own["T0"])
             and math.isclose(joint.dry.friction, own["friction"])
             and joint.locks in self.numbers["weights"]
-            and study.assembly == Assembly()
+            and study.assembly == AssemblySection()
             and 0.0 in study.eccentricities
         )
 

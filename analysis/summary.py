@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from analysis.fit import winner
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
 
 # Errors up to this count as none: peaks of the distinct elements are not known better.
 PEAK_ACCURACY = 0.0025

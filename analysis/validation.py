@@ -11,9 +11,9 @@ import pandas as pd
 from analysis.capacity import pure_shear_weights
 from analysis.fit import winner
 from analysis.reading import Published, read_published
-from workflow.cases import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results import write_table
-from workflow.study import Study
+from workflow.schema import Study
 
 COLUMNS = (
     *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference"),

@@ -2,125 +2,134 @@
 
 import argparse
 import difflib
-import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
-from pydantic import BaseModel, ConfigDict
-
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction
 from sidmacib.loading import Loading
-from sidmacib.mechanics.assembly import Failure
+from workflow.case import REFERENCE, Case, case_name
 from workflow.configuration import ConfigError, read_study_file
+from workflow.consistency import needs
 from workflow.engines import ENGINES
-from workflow.solvers import SOLVERS
-from workflow.study import Assembly, Numerics, NumericsChange, Study, Variant
+from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
+from workflow.numerics import Numerics
+from workflow.schema import Study
+from workflow.schema.assembly import AssemblySection, VariantSection
+from workflow.schema.numerics import NumericsChanges, NumericsSection
+from workflow.schema.values import shown
 
-REFERENCE = "reference"  # the variant that is held against the published numbers
-
-
-class Case(BaseModel):
-    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: of engines only."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
-
-    name: str
-    model: str
-    variant: str
-    sample: str
-    joint: Joint
-    mesh: float
-    loading: Loading
-    numerics: Numerics | None
-
-    @property
-    def direction(self) -> Direction:
-        """Direction of loading in the (V, M) plane."""
-        return self.loading.direction
-
-    @property
-    def eccentricity_m(self) -> float:
-        """E in m; ``inf`` is pure torsion."""
-        return self.direction.eccentricity * self.joint.a
+MAX_CASES = 1_000_000
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
-    """All cases of ``study`` by model and name; raises `ConfigError` for unknown overrides."""
-    cases: dict[tuple[str, str], Case] = {}
-    for case in _cases(study):
-        if (case.model, case.name) in cases:
-            raise ConfigError(f"variants.{case.variant}: got {case.name} twice, allowed is once")
-        cases[case.model, case.name] = case
-    if not study.overrides:
-        return cases
-    # Engines that are left out, because they are not installed, have these cases too.
-    every = study.model_copy(update={"dem": study.dem.model_copy(update={"engines": (*ENGINES,)})})
-    names = {case.name for case in _cases(every) if case.model in ENGINES}
-    for name in study.overrides:
-        if name not in names:
-            raise ConfigError(f"overrides: got {name}, {_allowed(name, names)}")
+    """All cases of ``study`` by model and name.
+
+    Raises `ConfigError` for overrides of cases that there are not, and if there are too many.
+    """
+    if (count := case_count(study)) > MAX_CASES:
+        raise ConfigError(
+            f"study: {count:,} cases, samples times meshes times eccentricities times models and "
+            f"variants, are too many; there must be {MAX_CASES:,} or fewer"
+        )
+    cases = {(case.model, case.name): case for case in _cases(study, study.model_names)}
+    if study.overrides:
+        # Engines that are left out, because they are not installed, have these cases too.
+        names = {case.name for case in _cases(study, obtained_by(Obtained.ENGINE))}
+        for name in study.overrides:
+            if name not in names:
+                raise ConfigError(f"overrides: {shown(name)} is no case; {_near(name, names)}")
     return cases
 
 
-def _cases(study: Study) -> Iterator[Case]:
-    for model in (*study.dem.engines, *study.models):
-        for variant, change in {REFERENCE: Variant(), **study.variants}.items():
+def case_count(study: Study) -> int:
+    """How many cases ``study`` has, without building them."""
+    return len(study.samples) * sum(
+        len(change.meshes or study.meshes) * len(change.eccentricities or study.eccentricities)
+        for _, _, change, _ in _runs(study, study.model_names)
+    )
+
+
+def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
+    joint = cache(study.joint)
+
+    @cache
+    def loading(ratio: float, assembly: AssemblySection) -> Loading:
+        return Loading(Direction(ratio), assembly.load_share, assembly.push)
+
+    for model, variant, change, assembly in _runs(study, models):
+        numerics = _changed(study.dem.numerics, change.numerics)
+        for sample in study.samples:
+            for mesh in change.meshes or study.meshes:
+                for ratio in change.eccentricities or study.eccentricities:
+                    name = case_name(sample, mesh, ratio, variant)
+                    yield Case(
+                        name=name,
+                        model=model.name,
+                        variant=variant,
+                        sample=sample,
+                        joint=joint(sample, assembly),
+                        mesh=mesh,
+                        loading=loading(ratio, assembly),
+                        numerics=_numerics(model, numerics, study.overrides.get(name)),
+                    )
+
+
+def _runs(
+    study: Study, models: Sequence[str]
+) -> Iterator[tuple[Model, str, VariantSection, AssemblySection]]:
+    """Models and the variants that each can run, and has results of its own for."""
+    for model in (MODELS[name] for name in models):
+        for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
-            if not _runs(model, variant, assembly, study):
-                continue
-            for sample in study.samples:
-                joint = study.joint(sample, assembly)
-                for mesh in change.meshes or study.meshes:
-                    for ratio in change.eccentricities or study.eccentricities:
-                        name = case_name(sample, mesh, ratio, variant)
-                        numerics = _replaced(study.dem.numerics, change.numerics)
-                        numerics = _replaced(numerics, study.overrides.get(name, NumericsChange()))
-                        if model in ENGINES and not ENGINES[model].shares_out:
-                            numerics = numerics.model_copy(update={"ranks": 1})
-                        yield Case(
-                            name=name,
-                            model=model,
-                            variant=variant,
-                            sample=sample,
-                            joint=joint,
-                            mesh=mesh,
-                            loading=Loading(Direction(ratio), assembly.load_share, assembly.push),
-                            numerics=numerics if model in ENGINES else None,
-                        )
+            own = variant == REFERENCE or assembly != study.assembly
+            if (own or Ability.NUMERICS in model.abilities) and not model.refusal(
+                needs(study, assembly)
+            ):
+                yield model, variant, change, assembly
 
 
-def _runs(model: str, variant: str, assembly: Assembly, study: Study) -> bool:
-    """Whether ``model`` knows how ``variant`` fails, and can tell something new of it."""
-    engine = ENGINES.get(model)
-    brittle_only = engine.brittle_only if engine else SOLVERS[model].brittle
-    if brittle_only and assembly.failure is not Failure.BRITTLE:
-        return False
-    return engine is not None or variant == REFERENCE or assembly != study.assembly
+def _numerics(
+    model: Model, section: NumericsSection, override: NumericsChanges | None
+) -> Numerics | None:
+    if Ability.NUMERICS not in model.abilities:
+        return None
+    numerics = (_changed(section, override) if override else section).numerics()
+    return numerics if Ability.RANKS in model.abilities else replace(numerics, ranks=1)
 
 
-def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:
-    """Name of a case, ``ratio`` being e / a."""
-    direction = "torsion" if math.isinf(ratio) else f"e{ratio:g}a"
-    name = f"{sample}-mesh{mesh:g}-{direction}"
-    return name if variant == REFERENCE else f"{name}-{variant}"
-
-
-def _replaced(numerics: Numerics, change: NumericsChange) -> Numerics:
+def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSection:
     return numerics.model_copy(update=change.model_dump(exclude_none=True))
 
 
-def _allowed(name: str, names: set[str]) -> str:
-    """The names that are allowed: those close to ``name``, or else all."""
-    close = difflib.get_close_matches(name, names)
-    if close:
-        return f"allowed are cases of the study, such as {', '.join(close)}"
-    return f"allowed are cases: {', '.join(sorted(names))}"
+def _near(name: str, names: set[str]) -> str:
+    """What is allowed in place of ``name``: some of ``names``, those close to it if any are."""
+    sample = name.split("-", maxsplit=1)[0]
+    among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
+    close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
+    return f"it must be one of the study's, such as {', '.join(close)}"
 
 
 def case_folder(results: str, model: str, case: str) -> str:
     """Where the results of a case are."""
     return f"{results}/cases/{model}/{case}"
+
+
+def find_case(study: Study, name: str, model: str | None = None) -> Case:
+    """The case ``name``, of the first installed model if none is named; raises `ConfigError`."""
+    cases = cases_of(study)
+    leading = detailed(study.model_names)
+    there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
+    model = model or (there or leading)[0]
+    if model not in study.model_names:
+        allowed = " or ".join(study.model_names)
+        raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
+    if (model, name) not in cases:
+        names = {own for of, own in cases if of == model}
+        raise ConfigError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
+    return cases[model, name]
 
 
 def main() -> None:
@@ -131,20 +140,12 @@ def main() -> None:
     parser.add_argument("--model", help="the first that is installed if not given")
     parser.add_argument("--results")
     arguments = parser.parse_args()
-    study = read_study_file(arguments.config, arguments.results)
     try:
-        cases = cases_of(study)
+        study = read_study_file(arguments.config, arguments.results)
+        case = find_case(study, arguments.case, arguments.model)
     except ConfigError as error:
-        sys.exit(f"{arguments.config}: {error}")
-    there = [m for m in study.references if m not in ENGINES or not ENGINES[m].missing()]
-    model = arguments.model or (there or study.references)[0]
-    models = {model for model, _ in cases}
-    if model not in models:
-        sys.exit(f"MODEL: got {model}, allowed are: {', '.join(sorted(models))}")
-    names = {name for own, name in cases if own == model}
-    if arguments.case not in names:
-        sys.exit(f"CASE: got {arguments.case}, {_allowed(arguments.case, names)}")
-    print(case_folder(study.results, model, arguments.case))
+        sys.exit(str(error))
+    print(case_folder(study.results, case.model, case.name))
 
 
 if __name__ == "__main__":

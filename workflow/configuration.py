@@ -3,77 +3,88 @@
 import argparse
 import sys
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import yaml
 from pydantic import ValidationError
 
+from workflow.consistency import faults
 from workflow.engines import ENGINES
-from workflow.study import Study
+from workflow.models import Obtained, obtained_by
+from workflow.schema import Study
+from workflow.schema.values import shown, shown_key
+from workflow.yaml_text import MAX_BYTES, TextError, parsed
+
+MAX_LINES, MAX_LINE = 20, 380
 
 
 class ConfigError(ValueError):
     """The configuration is not valid; the arguments are lines, one for each fault."""
 
+    def __init__(self, *lines: str) -> None:
+        super().__init__(
+            *(line if len(line) < MAX_LINE else f"{line[:MAX_LINE]}..." for line in lines)
+        )
+
     def __str__(self) -> str:
         return "\n".join(map(str, self.args))
-
-
-def read_study(config: Mapping[str, Any]) -> Study:
-    """The study that ``config`` describes; raises `ConfigError`."""
-    try:
-        return Study.model_validate(config)
-    except ValidationError as error:
-        faults = error.errors(include_url=False)
-        # A list is reported as too short as well when its only item is at fault.
-        faults = [f for f in faults if f["type"] != "too_short"] or faults
-        raise ConfigError(*dict.fromkeys(map(_one_line, faults))) from None
-
-
-def _one_line(fault: Any) -> str:
-    place = [str(part) for part in fault["loc"]]
-    if fault["type"] == "extra_forbidden":
-        return f"{'.'.join(place)}: unknown key; allowed here are {', '.join(_keys(place[:-1]))}"
-    if fault["type"] == "missing":
-        return f"{'.'.join(place)}: missing"
-    if fault["type"] == "string_pattern_mismatch":
-        where = ".".join(place[:-2])
-        return f"{where}: got {fault['input']!r}, allowed are letters, digits, _ and . in a name"
-    if fault["type"] == "value_error":  # one of our own, which names the key or what stands in it
-        return ": ".join(filter(None, [".".join(place), str(fault["ctx"]["error"])]))
-    message = fault["msg"][0].lower() + fault["msg"][1:]
-    message = message.replace("valid tuple", "list").replace("valid dictionary", "mapping")
-    return f"{'.'.join(place)}: got {fault['input']!r}, {message}"
-
-
-def _keys(place: list[str]) -> list[str]:
-    """Keys of the section at ``place``."""
-    schema = Study.model_json_schema()
-    node: dict[str, Any] = schema
-    for part in place:
-        of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
-        below = node.get("properties", {}).get(part) or next(iter(of_any_name.values())) or {}
-        node = schema["$defs"][below["$ref"].rsplit("/", 1)[1]] if "$ref" in below else below
-    return list(node.get("properties", {}))
 
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
     """The study in the YAML file ``path``, perhaps with another results folder.
 
-    Ends the program with a line for each fault.
+    Raises `ConfigError`, whose lines begin with the file's name.
     """
+    config = load_configuration(path, {"results": results} if results is not None else {})
     try:
-        config = yaml.safe_load(path.read_text()) or {}
-        if not isinstance(config, dict):
-            raise ConfigError("got no keys, allowed is a mapping of keys to values")
-        return read_study({**config, "results": results} if results else config)
-    except OSError as error:
-        sys.exit(f"{path}: {error.strerror}")
-    except yaml.YAMLError as error:
-        sys.exit(f"{path}: {' '.join(str(error).split())}")
+        return read_study(config)
     except ConfigError as error:
-        sys.exit("\n".join(f"{path}: {line}" for line in error.args))
+        raise ConfigError(*(f"{_named(path)}: {line}" for line in error.args)) from None
+
+
+def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys and values in the YAML file ``path`` with ``changes``, section by section.
+
+    Raises `ConfigError` if the file cannot be read; whether it is a study, `read_study` tells.
+    """
+    return _merged(read_config_text(path), changes)
+
+
+def read_config_text(path: Path) -> dict[str, Any]:
+    """The keys and values in the YAML file ``path``; raises `ConfigError`."""
+    try:
+        if not path.is_file():  # folders, pipes and devices, some of which have no end
+            path.stat()  # says whether anything is there
+            raise TextError("not a file")
+        with path.open("rb") as stream:
+            config = parsed(stream.read(MAX_BYTES + 1))
+    except OSError as error:
+        raise ConfigError(f"{_named(path)}: {error.strerror}") from None
+    except ValueError as error:  # also for NUL in the file's name
+        raise ConfigError(f"{_named(path)}: {error}") from None
+    if config is None:
+        return {}
+    if not isinstance(config, dict):
+        raise ConfigError(
+            f"{_named(path)}: {shown(config)} is not a study; it must be a mapping of keys to "
+            "values"
+        )
+    return config
+
+
+def read_study(config: Mapping[str, Any]) -> Study:
+    """The study that ``config`` describes, every model in it that can be; raises `ConfigError`."""
+    try:
+        study = Study.model_validate(_with_all_models(config))
+    except ValidationError as error:
+        found = error.errors(include_url=False)
+        lines = [_one_line(fault) for fault in found[:MAX_LINES]]
+        raise ConfigError(*lines, *_others(len(found))) from None
+    lines = [*faults(study), *_unfit_folder(Path(study.results))]
+    if lines:
+        raise ConfigError(*lines[:MAX_LINES], *_others(len(lines)))
+    return study
 
 
 def installed_engines(study: Study) -> list[str]:
@@ -84,6 +95,87 @@ def installed_engines(study: Study) -> list[str]:
     return [name for name, reason in missing.items() if reason is None]
 
 
+def _others(count: int) -> list[str]:
+    """How many of ``count`` faults are not shown."""
+    return [f"and {count - MAX_LINES} more faults"] if count > MAX_LINES else []
+
+
+def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    both = {
+        key: _merged(config[key], value)
+        for key, value in changes.items()
+        if isinstance(value, Mapping) and isinstance(config.get(key), Mapping)
+    }
+    return {**config, **changes, **both}
+
+
+def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
+    """``config`` with all models where it names none."""
+    dem = config.get("dem", {})
+    if isinstance(dem, Mapping):
+        dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
+    return {"models": obtained_by(Obtained.SOLVED), **config, "dem": dem}
+
+
+def _unfit_folder(folder: Path) -> list[str]:
+    """Why results cannot be written to ``folder``, as far as that shows now."""
+    for path in (folder, *folder.parents):
+        try:
+            if path.is_dir():
+                return []
+            if path.exists():
+                return [f"results: {shown(str(path))} is a file; it must be a folder"]
+        except OSError as error:
+            return [f"results: {shown(str(path))}: {error.strerror}"]
+    return []
+
+
+_MAPPING = "it must be a mapping of keys to values"
+_EXPECTED = {
+    "model_type": _MAPPING,
+    "model_attributes_type": _MAPPING,
+    "dict_type": _MAPPING,
+    "string_type": "it must be a name",
+}
+
+
+def _one_line(fault: Any) -> str:
+    place = [str(part) for part in fault["loc"]]
+    if place[-1:] == ["[key]"]:
+        place = place[:-2]
+    kind, told = fault["type"], f"{shown(fault['input'])} is not allowed"
+    if kind == "value_error":  # one of our own
+        told = str(fault["ctx"]["error"])
+    elif kind == "extra_forbidden":
+        told = f"unknown key; the keys here are {', '.join(_keys(place[:-1]))}"
+    elif kind == "missing":
+        told = "missing; it must be given"
+    elif kind == "enum":
+        told += f"; it must be {fault['ctx']['expected'].replace(chr(39), '')}"
+    else:
+        told += f"; {_EXPECTED.get(kind, fault['msg'])}"
+    return f"{'.'.join(map(shown_key, place)) or 'study'}: {told}"
+
+
+_schema = cache(Study.model_json_schema)
+
+
+def _keys(place: list[str]) -> list[str]:
+    """Keys of the section at ``place``."""
+    schema = node = _schema()
+    for part in place:
+        of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
+        below = node.get("properties", {}).get(part) or next(iter(of_any_name.values())) or {}
+        node = schema["$defs"][below["$ref"].rsplit("/", 1)[1]] if "$ref" in below else below
+    return list(node.get("properties", {}))
+
+
+def _named(path: Path) -> str:
+    """The file's name in a message."""
+    text = str(path)
+    return text if len(text) <= 100 and text.isprintable() else shown(text)
+
+
 def main() -> None:
     """Command line: a study's configuration; prints the folder of results, or the engines."""
     parser = argparse.ArgumentParser(description="Print what a study writes to, or runs with.")
@@ -91,7 +183,10 @@ def main() -> None:
     parser.add_argument("config", type=Path)
     parser.add_argument("--results", help="another folder than the configuration's")
     arguments = parser.parse_args()
-    study = read_study_file(arguments.config, arguments.results)
+    try:
+        study = read_study_file(arguments.config, arguments.results)
+    except ConfigError as error:
+        sys.exit(str(error))
     if arguments.what == "folder":
         print(study.results)
     else:

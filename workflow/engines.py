@@ -14,7 +14,8 @@ class Engine:
     the program, followed by the script's name; ``package``: Debian's package that has it;
     ``probe``: a program of that package, which tells whether it is installed; ``brittle_only``: it
     knows no ductile faces; ``one_stiffness``: its inner faces are as stiff along as across;
-    ``shares_out``: it can share a case out to several processes.
+    ``shares_out``: it can share a case out to several processes; ``ignores``: keys of the numerics
+    that do nothing in it.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Engine:
     brittle_only: bool = False
     one_stiffness: bool = False
     shares_out: bool = False
+    ignores: frozenset[str] = frozenset()
 
     def missing(self) -> str | None:
         """What to install, in one line; None if the program is there."""
@@ -56,6 +58,7 @@ ENGINES = {
             brittle_only=True,
             one_stiffness=True,
             shares_out=True,
+            ignores=frozenset({"damping"}),
         ),
     )
 }

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workflow.cases import Case
+from workflow.case import Case
 
 OUTPUTS = ("history.csv", "nodes.csv", "result.json")
 CASE_FILES = ("case.json", *OUTPUTS)
@@ -24,7 +24,7 @@ def write_results(
 ) -> None:
     """Write the case, its tables and, at the end, ``loads`` in N: peak, failed, first failure."""
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
+    (folder / "case.json").write_text(case.to_json())
     write_table(nodes, folder / "nodes.csv")
     write_table(history, folder / "history.csv")
     names = ("peak_load_N", "failed_load_N", "first_failure_load_N")

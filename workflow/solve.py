@@ -13,21 +13,24 @@ from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
-from workflow.cases import Case, case_folder, cases_of
+from workflow.case import Case
+from workflow.cases import case_folder, cases_of
+from workflow.models import MODELS, Obtained, obtained_by
+from workflow.outcome import Outcome, State
 from workflow.results import write_results
-from workflow.solvers import SOLVERS, Outcome, State
-from workflow.study import Study
+from workflow.schema import Study
 
 
 def solve_case(case: Case) -> tuple[Assembly, Outcome]:
     """The assembly of ``case``, and what its model finds."""
     assembly = assemble(case.joint, case.mesh)
     loads = lateral_load(case.joint, assembly, case.loading)
-    return assembly, SOLVERS[case.model].solve(assembly, loads)
+    return assembly, MODELS[case.model].solve(assembly, loads)
 
 
 def node_table(assembly: Assembly, state: State) -> pd.DataFrame:
     """Stresses at all nodes, in the columns of an engine's nodes.csv."""
+    assert state.force is not None and state.bonded is not None
     faces = [assembly.faces[number] for number in assembly.nodes.face]
     stress = state.force / assembly.nodes.area[:, None]
     shear = np.einsum("nt,ntx->nx", stress[:, 1:], face_frames(assembly)[:, 1:])
@@ -46,6 +49,7 @@ def node_table(assembly: Assembly, state: State) -> pd.DataFrame:
 
 def history_row(assembly: Assembly, state: State) -> dict[str, Any]:
     """Load, displacement, shear on and broken share of each inner face."""
+    assert state.force is not None and state.bonded is not None
     row: dict[str, Any] = {
         "load_N": state.load,
         "displacement_m": state.displacement,
@@ -74,7 +78,7 @@ def write_outcome(case: Case, assembly: Assembly, outcome: Outcome, folder: Path
 def main() -> None:
     """Command line: the model, the study as JSON, and the results' folder."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("model", choices=SOLVERS)
+    parser.add_argument("model", choices=obtained_by(Obtained.SOLVED))
     parser.add_argument("study", type=Study.model_validate_json)
     parser.add_argument("results")
     arguments = parser.parse_args()

@@ -5,9 +5,8 @@ What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 """
 
 import argparse
-import hashlib
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,11 @@ import pandas as pd
 from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads
 from sidmacib.pieces import assemble
-from workflow.cases import REFERENCE, Case, case_folder, cases_of
+from workflow.case import REFERENCE, Case
+from workflow.cases import case_folder, cases_of
 from workflow.render import ENVIRONMENT
 from workflow.results import NODE_COLUMNS, write_results
-from workflow.study import Study
+from workflow.schema import Study
 
 MODEL = "3dec"
 TEMPLATE, DECK, RETURNED = "3dec.dat.j2", "joint.dat", "results.txt"
@@ -30,9 +30,8 @@ RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to
 
 def decks(study: Study) -> dict[str, Case]:
     """The cases that decks are written for, by name: brittle ones of the reference variant."""
-    own = {"model": MODEL, "numerics": None}
     return {
-        case.name: case.model_copy(update=own)
+        case.name: replace(case, model=MODEL, numerics=None)
         for case in cases_of(study).values()
         if case.variant == REFERENCE and case.joint.failure is Failure.BRITTLE
     }
@@ -40,8 +39,7 @@ def decks(study: Study) -> dict[str, Case]:
 
 def fingerprint(case: Case) -> str:
     """Name of a case with a digest of all that its results depend on."""
-    told = case.model_dump_json(include={"joint", "mesh", "loading"})
-    return f"{case.name}-{hashlib.sha256(told.encode()).hexdigest()[:12]}"
+    return f"{case.name}-{case.digest()[:12]}"
 
 
 def deck_folder(results: str, name: str) -> str:

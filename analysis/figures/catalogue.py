@@ -4,8 +4,10 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from workflow.cases import REFERENCE, Case, cases_of
-from workflow.study import Study
+from workflow.case import REFERENCE, Case
+from workflow.cases import cases_of
+from workflow.models import detailed
+from workflow.schema import Study
 
 # Figures of the paper that each kind redraws, by number of locks.
 IN_THE_PAPER = {
@@ -36,9 +38,9 @@ def _figures(study: Study) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in study.samples:
         yield FigureSpec(f"options-{sample}", "options", sample)
-        for model in study.dem.engines or study.references[:1]:
+        for model in study.dem.engines or detailed(study.model_names)[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]
-            suffix = "" if model == study.references[0] else f"-{model}"
+            suffix = "" if model == detailed(study.model_names)[0] else f"-{model}"
             for kind, case in (
                 ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
                 (

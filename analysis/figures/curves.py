@@ -12,6 +12,7 @@ from analysis.figures.material import Material
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib
+from workflow.models import detailed
 
 REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 
@@ -66,7 +67,7 @@ def meshes(material: Material) -> Figure:
     axes = figure.subplots(1, len(samples), squeeze=False)[0]
     for axis, sample in zip(axes, samples, strict=True):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in material.study.references:
+            for model in detailed(material.study.model_names):
                 model_curve(axis, material, model, sample, mesh, colour)
         published_point(axis, material.capacity, sample)
         style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")

@@ -11,7 +11,7 @@ from analysis.figures import curves, models, side_by_side, stress_maps, style
 from analysis.figures.catalogue import figures_of
 from analysis.figures.material import Material
 from analysis.reading import read_case
-from workflow.study import Study
+from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
     "options": curves.options,

@@ -6,8 +6,9 @@ import pandas as pd
 
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
 from analysis.reading import CaseResult, read_published
-from workflow.cases import REFERENCE
-from workflow.study import Study
+from workflow.case import REFERENCE
+from workflow.models import detailed
+from workflow.schema import Study
 
 
 @dataclass(frozen=True)
@@ -28,13 +29,13 @@ class Material:
     def models(self) -> tuple[str, ...]:
         """The models of the joint's pieces, the leading one first, those from elsewhere last."""
         own = self.table["model"].unique()
-        ordered = [m for m in (*self.study.references, *self.study.models) if m in own]
+        ordered = [m for m in (*detailed(self.study.model_names), *self.study.models) if m in own]
         return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return self.study.references[0]
+        return detailed(self.study.model_names)[0]
 
     def curve(self, model: str, sample: str, mesh: float) -> pd.DataFrame:
         """Capacities of a model in the reference variant, from pure shear to pure torsion."""

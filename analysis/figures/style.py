@@ -11,7 +11,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from workflow.solvers import SOLVERS
+from workflow.models import Obtained, obtained_by
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
@@ -42,8 +42,9 @@ LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 
 
 def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
     """How the curve of one of ``models`` is drawn: distinct elements by marks, others by lines."""
-    own = [name for name in models if (name in SOLVERS) == (model in SOLVERS)]
-    styles = LINES if model in SOLVERS else MARKS
+    solved = obtained_by(Obtained.SOLVED)
+    own = [name for name in models if (name in solved) == (model in solved)]
+    styles = LINES if model in solved else MARKS
     return dict(styles[own.index(model) % len(styles)])
 
 

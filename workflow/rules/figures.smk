@@ -22,7 +22,7 @@ rule figure:
             "analysis/figures/stress_maps.py",
             "analysis/models.py",
             "analysis/published.yaml",
-            "workflow/solvers.py",
+            "workflow/solvers/__init__.py",
         ),
         tables=[
             rules.capacity.output[0],

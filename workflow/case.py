@@ -1,0 +1,111 @@
+"""A case: one model, one joint, one mesh, one direction of loading. Light to import."""
+
+import hashlib
+import json
+import math
+import types
+import typing
+from dataclasses import asdict, dataclass, fields, is_dataclass
+from enum import StrEnum
+from functools import cache
+from typing import Any
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading
+from workflow.numerics import Numerics
+
+REFERENCE = "reference"  # the variant that is held against the published numbers
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: of engines only."""
+
+    name: str
+    model: str
+    variant: str
+    sample: str
+    joint: Joint
+    mesh: float
+    loading: Loading
+    numerics: Numerics | None
+
+    @property
+    def direction(self) -> Direction:
+        """Direction of loading in the (V, M) plane."""
+        return self.loading.direction
+
+    @property
+    def eccentricity_m(self) -> float:
+        """E in m; ``inf`` is pure torsion."""
+        return self.direction.eccentricity * self.joint.a
+
+    @property
+    def key(self) -> str:
+        """Sample, mesh and direction: the same for all models and variants."""
+        return case_name(self.sample, self.mesh, self.direction.eccentricity)
+
+    def digest(self) -> str:
+        """SHA-256 of all that the results depend on: everything but the names."""
+        told = _plain(self)
+        for key in ("name", "variant", "sample"):
+            del told[key]
+        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+
+    def to_json(self) -> str:
+        """The case as JSON, exactly; infinity as text."""
+        return json.dumps(_plain(self), indent=1, allow_nan=False) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str | bytes) -> "Case":
+        """The case that `to_json` wrote; ValueError if ``text`` is anything else."""
+        try:
+            found = _built(cls, json.loads(text, parse_constant=_refused))
+        except (TypeError, RecursionError, ValueError) as error:
+            raise ValueError(f"not a case: {error}") from None
+        assert isinstance(found, cls)
+        return found
+
+
+def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:
+    """Name of a case, ``ratio`` being e / a."""
+    direction = "torsion" if math.isinf(ratio) else f"e{ratio:g}a"
+    name = f"{sample}-mesh{mesh:g}-{direction}"
+    return name if variant == REFERENCE else f"{name}-{variant}"
+
+
+def _plain(case: Case) -> dict[str, Any]:
+    told = asdict(case)
+    direction = told["loading"]["direction"]
+    if math.isinf(direction["eccentricity"]):
+        direction["eccentricity"] = "inf" if direction["eccentricity"] > 0 else "-inf"
+    return told
+
+
+def _refused(constant: str) -> None:
+    raise ValueError(f"{constant} is no number")
+
+
+def _built(kind: Any, value: Any) -> Any:
+    """``value``, read from JSON, as ``kind``; ValueError or TypeError if it is not of that kind."""
+    if isinstance(kind, types.UnionType):
+        (kind,) = (k for k in typing.get_args(kind) if k is not types.NoneType)
+        return None if value is None else _built(kind, value)
+    if isinstance(kind, type) and is_dataclass(kind):
+        hints = _hints(kind)
+        if not isinstance(value, dict) or set(value) != set(hints):
+            raise ValueError(f"{kind.__name__} must have the keys {', '.join(hints)}")
+        return kind(**{key: _built(hints[key], own) for key, own in value.items()})
+    if issubclass(kind, StrEnum):
+        return kind(value)
+    if kind is float and (value in ("inf", "-inf") or type(value) in (float, int)):
+        return float(value)
+    if type(value) is not kind:
+        raise ValueError(f"{str(value)[:60]!r} is not of the kind {kind.__name__}")
+    return value
+
+
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
+    hints = typing.get_type_hints(kind)
+    return {field.name: hints[field.name] for field in fields(kind)}

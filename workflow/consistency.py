@@ -1,0 +1,188 @@
+"""What must hold between the sections of a study, and between a study and the models it names."""
+
+import math
+from collections.abc import Iterable, Iterator
+
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Failure
+from sidmacib.revision import REDUCTIONS
+from workflow.case import REFERENCE
+from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
+from workflow.schema import Study
+from workflow.schema.assembly import AssemblySection
+from workflow.schema.numerics import NumericsSection
+from workflow.schema.values import shown
+
+MAX_NODES = 1_000_000  # of one case: a few GB in any model
+MAX_GEOMETRIES = 100_000  # of the calibration
+MAX_CELLS_ALONG = 1000  # a lock, in the calibration
+
+
+def faults(study: Study) -> Iterator[str]:
+    """All that is wrong with ``study``, in a line each."""
+    joints: dict[str, Joint] = {}
+    for name in study.samples:
+        try:
+            joints[name] = study.joint(name)
+        except ValueError as error:
+            yield f"samples.{name}: {' '.join(str(error).split())}"
+    yield from _joints(study, joints)
+    yield from _lists(study)
+    for key, meshes in _everywhere(study, "meshes"):
+        yield from _meshes(key, meshes, joints)
+    yield from _models(study)
+    yield from _calibration(study)
+    if study.figures.mesh not in (None, *study.meshes):
+        yield (
+            f"figures.mesh: {study.figures.mesh} m is not allowed; it must be one of meshes: "
+            f"{_some(study.meshes)}"
+        )
+    if REFERENCE in study.variants:
+        yield f"variants: the name {REFERENCE} is taken; it must be any other"
+
+
+def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
+    """What ``study`` asks of a model that runs its joints as ``assembly``."""
+    inner = study.materials.inner
+    found = []
+    if assembly.failure is Failure.DUCTILE:
+        found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
+    else:
+        found.append(Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile"))
+    if inner.normal_stiffness != inner.shear_stiffness:
+        found.append(
+            Need(
+                Ability.TWO_STIFFNESSES,
+                "materials.inner.shear_stiffness",
+                f"{inner.shear_stiffness:g} Pa/m",
+                f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
+            )
+        )
+    return tuple(found)
+
+
+def node_estimate(joint: Joint, mesh: float) -> float:
+    """About how many nodes ``joint`` has with cells of ``mesh`` (m), and never fewer."""
+
+    def cells(side: float) -> float:
+        return side / mesh + 1.0
+
+    upright = cells(joint.h) + cells(joint.H)  # between neighbours
+    return joint.locks * cells(joint.a) * (3.0 * cells(joint.b) + upright)
+
+
+def notes(study: Study) -> list[str]:
+    """What a study says that one of its engines takes no notice of, in a line each."""
+    default = NumericsSection()
+    given = {
+        "dem.numerics": study.dem.numerics,
+        **{f"variants.{name}.numerics": v.numerics for name, v in study.variants.items()},
+        **{f"overrides.{shown(name)}": change for name, change in study.overrides.items()},
+    }
+    found = []
+    for model in (MODELS[name] for name in study.dem.engines):
+        ignored = model.ignores | (frozenset() if Ability.RANKS in model.abilities else {"ranks"})
+        for place, numerics in given.items():
+            for key in sorted(ignored):
+                if getattr(numerics, key) not in (None, getattr(default, key)):
+                    found.append(f"{place}.{key}: {model.name} takes no notice of it")
+    return found
+
+
+def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
+    for name, joint in joints.items():
+        if not 0.0 < joint.T0 < math.inf:
+            yield (
+                f"samples.{name}: a lock's strength of {joint.T0:g} N, cohesion * a * b, is not "
+                "allowed; it must be greater than 0 and finite"
+            )
+        for rule in study.sidmacib.reductions:
+            try:
+                REDUCTIONS[rule](joint, (1.0,) * joint.locks)
+            except ValueError as error:
+                yield (
+                    f"samples.{name}.locks: {joint.locks} is not possible while "
+                    f"sidmacib.reductions has {rule} ({error})"
+                )
+
+
+def _lists(study: Study) -> Iterator[str]:
+    """Values that names of cases cannot tell apart."""
+    for key in ("meshes", "eccentricities"):
+        for place, values in _everywhere(study, key):
+            seen: dict[str, float] = {}
+            for value in values:
+                if (other := seen.get(f"{value:g}")) is not None:
+                    yield (
+                        f"{place}: {other!r} and {value!r} are the same in the names of cases; "
+                        "they must differ in the first six digits"
+                    )
+                    break
+                seen[f"{value:g}"] = value
+
+
+def _meshes(key: str, meshes: tuple[float, ...], joints: dict[str, Joint]) -> Iterator[str]:
+    for name, joint in joints.items():
+        side = min(joint.a, joint.b)
+        if max(meshes) >= side:
+            yield (
+                f"{key}: {max(meshes)} m is too coarse for sample {name}; it must be less than "
+                f"{side} m, the shorter side of an inner face"
+            )
+        if (nodes := node_estimate(joint, min(meshes))) > MAX_NODES:
+            yield (
+                f"{key}: {min(meshes)} m is too fine for sample {name}, which would have "
+                f"{nodes:.2g} nodes; it must have {MAX_NODES:,} or fewer"
+            )
+
+
+def _models(study: Study) -> Iterator[str]:
+    for key, names, allowed in (
+        ("models", study.models, obtained_by(Obtained.SOLVED)),
+        ("dem.engines", study.dem.engines, obtained_by(Obtained.ENGINE)),
+    ):
+        for place, name in enumerate(names):
+            if name not in allowed:
+                yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
+            elif name in names[:place]:
+                yield f"{key}: {name} stands twice; each name must stand once only"
+    known = [name for name in study.model_names if name in MODELS]
+    asked = needs(study, study.assembly)
+    refusals = (MODELS[name].refusal(asked) for name in known)
+    yield from dict.fromkeys(filter(None, refusals))
+    if not detailed(known):
+        can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
+        yield (
+            f"models: {_some(study.models)} is not enough while dem.engines is empty; it must "
+            f"have {' or '.join(can)}"
+        )
+
+
+def _calibration(study: Study) -> Iterator[str]:
+    grid = study.calibration
+    count = math.prod(map(len, (grid.a, grid.height_share, grid.height_over_b)))
+    if count > MAX_GEOMETRIES:
+        yield (
+            f"calibration: {count:,} geometries, a times height_share times height_over_b, are "
+            f"too many; there must be {MAX_GEOMETRIES:,} or fewer"
+        )
+    least = max(grid.a) / MAX_CELLS_ALONG
+    if grid.mesh < least:
+        yield (
+            f"calibration.mesh: {grid.mesh} m is too fine for locks of {max(grid.a)} m; it must "
+            f"be at least {least:g} m"
+        )
+
+
+def _everywhere(study: Study, key: str) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Where meshes or eccentricities stand, and what they are."""
+    yield key, getattr(study, key)
+    for name, variant in study.variants.items():
+        if values := getattr(variant, key):
+            yield f"variants.{name}.{key}", values
+
+
+def _some(values: Iterable[object]) -> str:
+    """The first of ``values`` in words."""
+    words = [str(value) for value in values]
+    return ", ".join(words[:5]) + (", ..." if len(words) > 5 else "") or "nothing"

@@ -1,0 +1,143 @@
+"""The registry of models: what each can, and how its results are obtained. To add one: one entry.
+
+Light to import: a model's own code is loaded when it solves.
+"""
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum, auto
+
+from sidmacib.mechanics.assembly import Assembly, Loads
+from workflow.engines import ENGINES, Engine
+from workflow.outcome import Outcome
+
+
+class Obtained(StrEnum):
+    """How a model's results are obtained."""
+
+    SOLVED = auto()  # in this process, many cases in one batch
+    ENGINE = auto()  # by an external program, one job for each case
+    RETURNED = auto()  # by a program that somebody runs elsewhere
+    RULE = auto()  # capacities of the abstracted joint, joint by joint, where tables are made
+
+
+class Ability(StrEnum):
+    """What a model can take into account, or tell."""
+
+    BRITTLE = auto()  # joints whose inner faces lose their strength where it is reached
+    DUCTILE = auto()  # joints whose inner faces keep it
+    TWO_STIFFNESSES = auto()  # inner faces with another stiffness along than across
+    FRICTION = auto()  # on dry faces
+    PROGRESSIVE = auto()  # follows failure from node to node up to the peak
+    NUMERICS = auto()  # depends on how the peak is searched, dem.numerics
+    RANKS = auto()  # shares one case out to several processes
+    STRESSES = auto()  # tells them at all nodes
+    DISPLACEMENTS = auto()  # tells the one that the load works on
+    FIRST_FAILURE = auto()  # tells the load at which the first node fails
+
+
+@dataclass(frozen=True)
+class Need:
+    """What a study asks of its models: an ability, as it gives ``key`` this ``value``.
+
+    ``allowed``: what the key must be for a model without the ability.
+    """
+
+    ability: Ability
+    key: str
+    value: str
+    allowed: str
+
+
+@dataclass(frozen=True)
+class Model:
+    """A model of the joint. ``module``: where its ``solve`` is, if it is solved in this process.
+
+    ``ignores``: keys of dem.numerics that do nothing in it.
+    """
+
+    name: str
+    obtained: Obtained
+    abilities: frozenset[Ability]
+    module: str | None = None
+    ignores: frozenset[str] = frozenset()
+
+    def refusal(self, needs: Iterable[Need]) -> str | None:
+        """Why the model cannot do what is needed, in one line; None if it can."""
+        for need in needs:
+            if need.ability not in self.abilities:
+                return (
+                    f"{need.key}: {need.value} is not possible with {self.name}; "
+                    f"it must be {need.allowed}"
+                )
+        return None
+
+    def solve(self, assembly: Assembly, loads: Loads) -> Outcome:
+        """What the model finds for ``assembly`` under ``loads``.
+
+        Raises `sidmacib.errors.CapacityError` where it has no answer, and TypeError if it is not
+        solved in this process.
+        """
+        if self.module is None:
+            raise TypeError(f"{self.name} is not solved in this process")
+        return importlib.import_module(self.module).solve(assembly, loads)
+
+
+def _of_engine(engine: Engine) -> Model:
+    lacks = {
+        Ability.DUCTILE: engine.brittle_only,
+        Ability.TWO_STIFFNESSES: engine.one_stiffness,
+        Ability.RANKS: not engine.shares_out,
+    }
+    can = frozenset(ability for ability in Ability if not lacks.get(ability, False))
+    return Model(engine.name, Obtained.ENGINE, can, ignores=engine.ignores)
+
+
+_OF_THE_PIECES = {Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES}
+
+MODELS = {
+    model.name: model
+    for model in (
+        *map(_of_engine, ENGINES.values()),
+        Model(
+            "static",
+            Obtained.SOLVED,
+            frozenset(
+                {
+                    *(*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE),
+                    *(Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+                }
+            ),
+            module="workflow.solvers.static",
+        ),
+        Model(
+            "limit",
+            Obtained.SOLVED,
+            frozenset({*_OF_THE_PIECES, Ability.DUCTILE}),
+            module="workflow.solvers.limit",
+        ),
+        Model(
+            "3dec",
+            Obtained.RETURNED,
+            frozenset({*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE}),
+        ),
+        Model(
+            "sidmacib",
+            Obtained.RULE,
+            frozenset(
+                {Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION}
+            ),
+        ),
+    )
+}
+
+
+def obtained_by(way: Obtained) -> tuple[str, ...]:
+    """Names of the models whose results are obtained in one ``way``."""
+    return tuple(name for name, model in MODELS.items() if model.obtained is way)
+
+
+def detailed(names: Iterable[str]) -> tuple[str, ...]:
+    """Those of ``names`` that follow progressive failure; SiDMACIB is held against them."""
+    return tuple(name for name in names if Ability.PROGRESSIVE in MODELS[name].abilities)

@@ -1,0 +1,35 @@
+"""How the joint is cut, loaded and fails, in every model of its pieces."""
+
+from typing import Any
+
+from sidmacib.joint import UpperBody
+from sidmacib.loading import LoadShare, Push
+from sidmacib.mechanics.assembly import Failure
+from workflow.schema.numerics import NumericsChanges
+from workflow.schema.section import Section, changes_to
+from workflow.schema.values import Eccentricities, Lengths
+
+
+class AssemblySection(Section):
+    """How the joint is cut, loaded and fails."""
+
+    failure: Failure = Failure.BRITTLE
+    load_share: LoadShare = LoadShare.FACE
+    upper_body: UpperBody = UpperBody.COLUMNS
+    push: Push = Push.PLUS_Y
+
+
+_CHANGES: Any = changes_to(AssemblySection)
+
+
+class VariantSection(_CHANGES):
+    """What differs from the study, and where: everywhere if meshes, eccentricities are None."""
+
+    numerics: NumericsChanges = NumericsChanges()
+    meshes: Lengths | None = None
+    eccentricities: Eccentricities | None = None
+
+    def assembly(self, study: AssemblySection) -> AssemblySection:
+        """The assembly of this variant."""
+        own = self.model_dump(include=set(AssemblySection.model_fields), exclude_none=True)
+        return study.model_copy(update=own)

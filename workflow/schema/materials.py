@@ -1,0 +1,44 @@
+"""Materials of the joints."""
+
+from typing import Any
+
+from sidmacib.joint import DRY, INNER, Joint
+from sidmacib.mechanics.assembly import FaceMaterial
+from workflow.schema.section import Section, section_of
+from workflow.schema.values import (
+    Density,
+    Friction,
+    NoStrength,
+    Stiffness,
+    Strength,
+    StrengthOrNone,
+)
+
+_ELASTIC = {
+    "normal_stiffness": Stiffness,
+    "shear_stiffness": Stiffness,
+    "friction": Friction,
+}
+_INNER: Any = section_of(INNER, **_ELASTIC, cohesion=Strength, tensile_strength=StrengthOrNone)
+_DRY: Any = section_of(DRY, **_ELASTIC, cohesion=NoStrength, tensile_strength=NoStrength)
+
+
+class InnerFaceSection(_INNER):
+    """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
+
+
+class DryFaceSection(_DRY):
+    """Frictional faces between the blocks; they have no strength of their own."""
+
+
+class MaterialsSection(Section):
+    """Density (kg/m3) and faces."""
+
+    density: Density = Joint(locks=3).density
+    inner: InnerFaceSection = InnerFaceSection()
+    dry: DryFaceSection = DryFaceSection()
+
+
+def face_material(section: InnerFaceSection | DryFaceSection) -> FaceMaterial:
+    """The same as the models take it."""
+    return FaceMaterial(**section.model_dump())

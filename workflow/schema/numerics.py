@@ -1,0 +1,37 @@
+"""How the engines look for the peak: ranges of `workflow.numerics.Numerics`."""
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+
+from workflow.numerics import Numerics
+from workflow.schema.section import changes_to, section_of
+from workflow.schema.values import Number, Share
+
+_KEYS: Any = section_of(
+    Numerics(),
+    tolerance=Annotated[float, BeforeValidator(Number(at_least=1e-5, at_most=0.0025))],
+    first_increment=Annotated[float, BeforeValidator(Number(above=0, at_most=1))],
+    ramp_periods=Annotated[float, BeforeValidator(Number(at_least=1, at_most=1000))],
+    hold_periods=Annotated[float, BeforeValidator(Number(at_least=1, at_most=100_000))],
+    unbalanced_ratio=Annotated[float, BeforeValidator(Number(at_least=1e-9, at_most=0.01))],
+    collapse_ratio=Annotated[float, BeforeValidator(Number(at_least=5, at_most=10_000))],
+    damping=Share,
+    time_step_ratio=Share,
+    ranks=Annotated[int, BeforeValidator(Number(at_least=1, at_most=1024, whole=True))],
+)
+
+
+class NumericsSection(_KEYS):
+    """The keys of `Numerics`."""
+
+    def numerics(self) -> Numerics:
+        """The same as the engines take it."""
+        return Numerics(**self.model_dump())
+
+
+_CHANGES: Any = changes_to(NumericsSection)
+
+
+class NumericsChanges(_CHANGES):
+    """Changes to the numerics; what is None stays."""

@@ -1,0 +1,76 @@
+"""A whole study."""
+
+import math
+from typing import Annotated
+
+from pydantic import Field
+
+from sidmacib.joint import Joint
+from workflow.schema.assembly import AssemblySection, VariantSection
+from workflow.schema.calibration import CalibrationSection
+from workflow.schema.dem import DemSection
+from workflow.schema.figures import FiguresSection
+from workflow.schema.geometry import GeometrySection, SampleSection
+from workflow.schema.materials import MaterialsSection, face_material
+from workflow.schema.numerics import NumericsChanges
+from workflow.schema.section import Section
+from workflow.schema.sidmacib import SidmacibSection
+from workflow.schema.values import Eccentricities, Entries, Folder, Lengths, Name, Several
+
+
+class Study(Section):
+    """A whole study: joints, meshes and directions of loading, and the models that they run in."""
+
+    results: Folder = "results"
+    samples: Annotated[dict[Name, SampleSection], Entries]
+    geometry: GeometrySection = GeometrySection()
+    materials: MaterialsSection = MaterialsSection()
+    meshes: Lengths = (0.02, 0.005)
+    eccentricities: Eccentricities = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
+    assembly: AssemblySection = AssemblySection()
+    models: Annotated[tuple[str, ...], Several]
+    sidmacib: SidmacibSection = SidmacibSection()
+    dem: DemSection
+    variants: dict[Name, VariantSection] = Field(default_factory=dict)
+    overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
+    calibration: CalibrationSection = CalibrationSection()
+    figures: FiguresSection = FiguresSection()
+
+    @property
+    def model_names(self) -> tuple[str, ...]:
+        """Names of the models whose cases the study consists of: engines, then others."""
+        return *self.dem.engines, *self.models
+
+    def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
+        """The joint of ``sample``, assembled as the study says or as another ``assembly``."""
+        assembly = assembly or self.assembly
+        own = self.samples[sample].model_dump(exclude_none=True)
+        return Joint(
+            **{**self.geometry.model_dump(), **own},
+            density=self.materials.density,
+            inner=face_material(self.materials.inner),
+            dry=face_material(self.materials.dry),
+            failure=assembly.failure,
+            upper_body=assembly.upper_body,
+        )
+
+    def tables_json(self) -> str:
+        """What tables depend on, as JSON: not how engines compute."""
+        return self._without("results", "overrides", "variants", "calibration", "figures")
+
+    def pieces_json(self) -> str:
+        """What the models of the joint's pieces that need no engine depend on, as JSON."""
+        return self._without("results", "overrides", "calibration", "figures")
+
+    def figures_json(self) -> str:
+        """What figures depend on, as JSON: not how engines compute."""
+        return self._without("results", "overrides", "calibration")
+
+    def calibration_json(self) -> str:
+        """What the search for the published geometry depends on, as JSON."""
+        return self.model_dump_json(exclude={"results", "overrides", "variants", "figures"})
+
+    def _without(self, *sections: str) -> str:
+        """All but some sections and how engines compute; what is left is a valid study."""
+        dem = {"numerics": True, "time_limit": True}
+        return self.model_dump_json(exclude={**dict.fromkeys(sections, True), "dem": dem})
