@@ -9,12 +9,14 @@ from typing import Any
 
 import pandas as pd
 
-from workflow.cases import REFERENCE, Case, cases_of
+from workflow.case import REFERENCE, Case
+from workflow.cases import cases_of
 from workflow.configuration import read_study_file
 from workflow.engines import ENGINES
+from workflow.models import detailed
 from workflow.results import write_table
+from workflow.schema import Study
 from workflow.solve import solve_case
-from workflow.study import Study
 
 REPEATS = 3
 
@@ -75,7 +77,7 @@ def main() -> None:
     table = pd.DataFrame(times(study))
     write_table(table, Path(study.results) / "tables/times.csv")
     measured = set(table.dropna()["model"])
-    leading = next((model for model in study.references if model in measured), None)
+    leading = next((model for model in detailed(study.model_names) if model in measured), None)
     if leading is None:
         sys.exit(f"{study.results}: no engine has run there, so run make study first")
     print(describe(table, leading))

@@ -21,11 +21,11 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
-from workflow.cases import Case
+from workflow.case import Case
 from workflow.engines import ENGINES
 from workflow.execute import execute
+from workflow.numerics import Numerics
 from workflow.render import DATA_FILE, assembly_data, script, write_case
-from workflow.study import Numerics
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
 settings.register_profile("repeatable", deadline=None, derandomize=True)

@@ -7,11 +7,12 @@ import pytest
 from analysis.balance import unbalanced_share
 from analysis.reading import read_case
 from analysis.weights import lock_weights
-from workflow.cases import Case, cases_of
+from workflow.case import Case
+from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.models import Obtained, obtained_by
 from workflow.results import NODE_COLUMNS
 from workflow.solve import solve_case, write_outcome
-from workflow.solvers import SOLVERS
 
 
 def case_of(model: str, direction: str, locks: int = 3) -> Case:
@@ -29,7 +30,7 @@ def solved(case: Case, folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("model", SOLVERS)
+@pytest.mark.parametrize("model", obtained_by(Obtained.SOLVED))
 @pytest.mark.parametrize("direction", ["e0a", "e0.5a", "torsion"])
 def test_results_read_like_an_engines_and_balance_every_piece(
     model: str, direction: str, tmp_path: Path

@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 import yaml
 from conftest import ROOT
+from workflow.schema import Study
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Failure, Joint
 from workflow.cases import Case, cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
-from workflow.study import Study
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 

@@ -38,11 +38,9 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
     if study.overrides:
         # Engines that are left out, because they are not installed, have these cases too.
         names = {case.name for case in _cases(study, obtained_by(Obtained.ENGINE))}
-        unknown = [name for name in study.overrides if name not in names]
-        if unknown:
-            raise ConfigError(
-                f"overrides: {shown(unknown[0])} is no case; {_near(unknown[0], names)}"
-            )
+        for name in study.overrides:
+            if name not in names:
+                raise ConfigError(f"overrides: {shown(name)} is no case; {_near(name, names)}")
     return cases
 
 
@@ -82,7 +80,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 def _runs(
     study: Study, models: Sequence[str]
 ) -> Iterator[tuple[Model, str, VariantSection, AssemblySection]]:
-    """Models and variants that go together: those that a model can, and finds its own results for."""
+    """Models and the variants that each can run, and has results of its own for."""
     for model in (MODELS[name] for name in models):
         for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
@@ -108,12 +106,9 @@ def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSect
 
 def _near(name: str, names: set[str]) -> str:
     """What is allowed in place of ``name``: some of ``names``, those close to it if any are."""
-    among = (
-        names
-        if len(names) < 5000
-        else [n for n in names if n.split("-")[0] == name.split("-", maxsplit=1)[0]]
-    )
-    close = difflib.get_close_matches(name[:200], among) or sorted(names)[:3]
+    sample = name.split("-", maxsplit=1)[0]
+    among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
+    close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
     return f"it must be one of the study's, such as {', '.join(close)}"
 
 

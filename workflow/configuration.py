@@ -1,9 +1,9 @@
 """Read a study's configuration: from a mapping or a YAML file, every fault in one line."""
 
 import argparse
-import stat
 import sys
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,10 +23,9 @@ class ConfigError(ValueError):
     """The configuration is not valid; the arguments are lines, one for each fault."""
 
     def __init__(self, *lines: str) -> None:
-        told = [f"{line[:MAX_LINE]}..." if len(line) > MAX_LINE else line for line in lines]
-        if len(told) > MAX_LINES:
-            told[MAX_LINES:] = [f"and {len(told) - MAX_LINES} more faults of this kind"]
-        super().__init__(*told)
+        super().__init__(
+            *(line if len(line) < MAX_LINE else f"{line[:MAX_LINE]}..." for line in lines)
+        )
 
     def __str__(self) -> str:
         return "\n".join(map(str, self.args))
@@ -55,16 +54,15 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
 def read_config_text(path: Path) -> dict[str, Any]:
     """The keys and values in the YAML file ``path``; raises `ConfigError`."""
     try:
-        if stat.S_ISDIR(path.stat().st_mode) or not path.is_file():
-            raise ConfigError(f"{_named(path)}: not a file")
+        if not path.is_file():  # folders, pipes and devices, some of which have no end
+            path.stat()  # says whether anything is there
+            raise TextError("not a file")
         with path.open("rb") as stream:
             config = parsed(stream.read(MAX_BYTES + 1))
     except OSError as error:
         raise ConfigError(f"{_named(path)}: {error.strerror}") from None
-    except TextError as error:
+    except ValueError as error:  # also for NUL in the file's name
         raise ConfigError(f"{_named(path)}: {error}") from None
-    except ValueError:  # NUL in the name
-        raise ConfigError(f"{_named(path)}: not the name of a file") from None
     if config is None:
         return {}
     if not isinstance(config, dict):
@@ -81,10 +79,11 @@ def read_study(config: Mapping[str, Any]) -> Study:
         study = Study.model_validate(_with_all_models(config))
     except ValidationError as error:
         found = error.errors(include_url=False)
-        raise ConfigError(*dict.fromkeys(map(_one_line, found))) from None
+        lines = [_one_line(fault) for fault in found[:MAX_LINES]]
+        raise ConfigError(*lines, *_others(len(found))) from None
     lines = [*faults(study), *_unfit_folder(Path(study.results))]
     if lines:
-        raise ConfigError(*lines)
+        raise ConfigError(*lines[:MAX_LINES], *_others(len(lines)))
     return study
 
 
@@ -94,6 +93,11 @@ def installed_engines(study: Study) -> list[str]:
     for reason in filter(None, missing.values()):
         print(f"{reason}. The study goes on without it.", file=sys.stderr)
     return [name for name, reason in missing.items() if reason is None]
+
+
+def _others(count: int) -> list[str]:
+    """How many of ``count`` faults are not shown."""
+    return [f"and {count - MAX_LINES} more faults"] if count > MAX_LINES else []
 
 
 def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -153,10 +157,12 @@ def _one_line(fault: Any) -> str:
     return f"{'.'.join(map(shown_key, place)) or 'study'}: {told}"
 
 
+_schema = cache(Study.model_json_schema)
+
+
 def _keys(place: list[str]) -> list[str]:
     """Keys of the section at ``place``."""
-    schema = Study.model_json_schema()
-    node: dict[str, Any] = schema
+    schema = node = _schema()
     for part in place:
         of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
         below = node.get("properties", {}).get(part) or next(iter(of_any_name.values())) or {}

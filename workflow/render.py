@@ -112,7 +112,7 @@ def write_case(case: Case, folder: Path) -> None:
     loads = lateral_load(case.joint, assembly, case.loading)
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-    (folder / "case.json").write_text(case.model_dump_json(indent=1) + "\n")
+    (folder / "case.json").write_text(case.to_json())
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     (folder / engine.script).write_text(script(engine, title, assembly, loads, case.numerics))
 
@@ -120,7 +120,7 @@ def write_case(case: Case, folder: Path) -> None:
 def main() -> None:
     """Command line: the case as JSON, and the folder to write to."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("case", type=Case.model_validate_json)
+    parser.add_argument("case", type=Case.from_json)
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     write_case(arguments.case, arguments.folder)

@@ -14,7 +14,7 @@ import yaml
 
 MAX_BYTES = 4_000_000
 MAX_DEPTH = 20
-MAX_VALUES = 1_000_000
+MAX_VALUES = 200_000
 
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|(0|[1-9][0-9]*)(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]{0,30})")

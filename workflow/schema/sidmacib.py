@@ -2,7 +2,7 @@
 
 from typing import Annotated, Self
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.revision import REDUCTIONS
@@ -40,10 +40,12 @@ class SidmacibSection(Section):
     """The overload on the upper block (N), contact points, and rules for which locks count."""
 
     overload: Force = 1000.0
-    options: Annotated[dict[Name, OptionSection], Entries] = {
-        name: OptionSection(positions=option.positions, portions=option.portions)
-        for name, option in OPTIONS.items()
-    }
+    options: Annotated[dict[Name, OptionSection], Entries] = Field(
+        default={
+            name: OptionSection(positions=option.positions, portions=option.portions)
+            for name, option in OPTIONS.items()
+        }
+    )
     reductions: Annotated[tuple[Annotated[str, BeforeValidator(_reduction)], ...], Some] = tuple(
         REDUCTIONS
     )

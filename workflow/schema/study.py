@@ -3,6 +3,8 @@
 import math
 from typing import Annotated
 
+from pydantic import Field
+
 from sidmacib.joint import Joint
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.calibration import CalibrationSection
@@ -29,8 +31,8 @@ class Study(Section):
     models: Annotated[tuple[str, ...], Several]
     sidmacib: SidmacibSection = SidmacibSection()
     dem: DemSection
-    variants: dict[Name, VariantSection] = {}
-    overrides: dict[str, NumericsChanges] = {}
+    variants: dict[Name, VariantSection] = Field(default_factory=dict)
+    overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
     calibration: CalibrationSection = CalibrationSection()
     figures: FiguresSection = FiguresSection()
 

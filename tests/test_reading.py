@@ -1,0 +1,378 @@
+"""Reading a configuration: whatever stands in the file, a study or one clear line for each fault."""
+
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from conftest import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from workflow.cases import cases_of
+from workflow.configuration import (
+    ConfigError,
+    load_configuration,
+    read_config_text,
+    read_study,
+    read_study_file,
+)
+from workflow.schema import Study
+
+CONFIG = (ROOT / "config.yaml").read_bytes()
+STUDY = "samples: {n3: {locks: 3}}\n"
+LINES, LETTERS = 21, 400
+
+
+def lines_of(path: Path) -> list[str]:
+    """The faults of the configuration in ``path``, none if it is a study."""
+    try:
+        cases_of(read_study_file(path))
+    except ConfigError as error:
+        return str(error).splitlines()
+    return []
+
+
+def written(folder: Path, text: str | bytes) -> Path:
+    path = folder / "study.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return path
+
+
+def bomb(levels: int) -> str:
+    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
+    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, levels)]
+    return "\n".join([STUDY, *lines])
+
+
+# --- texts ---------------------------------------------------------------------------------------
+NASTY: list[tuple[str | bytes, str]] = [
+    ("# caf\xe9\nsamples: {}".encode("latin-1"), "line 1: not UTF-8 text; save the file as UTF-8"),
+    (STUDY.encode("utf-16"), "line 1: not UTF-8 text"),
+    (bytes(range(256)), "line [12]: not UTF-8 text"),
+    (STUDY.encode() + b"\0", "line 2: not text; it holds a control character"),
+    ("samples:\n\tn3: {locks: 3}", "line 2: a tab where spaces are needed; indent with spaces"),
+    ("meshes: " + "[" * 100_000, "line 1: nested too deep; 20 levels must do"),
+    ("meshes: " + "{a: " * 100_000, "line 1: nested too deep"),
+    ("- " * 100_000, "line 1: nested too deep"),
+    (bomb(12), "line [78]: too many values; there must be 200,000 or fewer"),
+    ("a: &a [*a]", r"line 1: \*a stands for nothing before it"),
+    (f"{STUDY}geometry: {{a: 0.06}}\ngeometry: {{a: 0.07}}", "line 3: 'geometry' stands twice"),
+    ("samples: {n3: {locks: 3, locks: 5}}", "line 1: 'locks' stands twice; a key must stand once"),
+    ("samples: !!python/object/apply:os.system [ls]", "line 1: the tag tag:yaml.org.* not allowed"),
+    (f"{STUDY}meshes: !!set {{0.02}}", "line 2: the tag .*set is not allowed; leave it out"),
+    (f"{STUDY}meshes: !!float x", "line 2: the tag .*float is not allowed"),
+    (f"{STUDY}geometry: {{a: !x 1}}", "line 2: the tag !x is not allowed"),
+    ("- samples", "a list is not a study; it must be a mapping of keys to values"),
+    ("samples", "'samples' is not a study"),
+    ("42", "42 is not a study"),
+    ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; a key must be a word"),
+    (f"{STUDY}---\n{STUDY}", "line 2: a second document; there must be one only"),
+    ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
+    ("samples: @n3", "line 1: not YAML: "),
+    ("x" * 5_000_000, "too long; it must have 4,000,000 bytes or less"),
+    ("", "samples: missing; it must be given"),
+    ("# nothing", "samples: missing; it must be given"),
+    ("---\n...\n", "samples: missing"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), NASTY, ids=range(len(NASTY)))
+def test_a_text_that_is_no_study_is_refused_in_one_line(
+    tmp_path: Path, text: str | bytes, message: str
+) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(ConfigError, match=f"^{path}: {message}") as error:
+        read_study_file(path)
+    (line,) = str(error.value).splitlines()
+    assert len(line) < LETTERS
+
+
+VALUES = [
+    ("geometry: {a: %s}" % ("9" * 5000), "geometry.a: '9999.*' is not a number; it must be "),
+    ("samples: {n3: {locks: 1%s}}" % ("0" * 400), "samples.n3.locks: '1000.*' is not a number"),
+    ("geometry: {a: 1e999}", "geometry.a: '1e999' is not a number; .* greater than 0 .m."),
+    ("geometry: {a: true}", "geometry.a: true is not a number; it must be a number greater than 0"),
+    ("samples: {n3: {locks: true}}", "samples.n3.locks: true is not a number; .* from 2 to 101"),
+    ("samples: {n3: {locks: 3.5}}", "samples.n3.locks: 3.5 is not allowed; .* a whole number from"),
+    ("geometry: {a: .nan}", "geometry.a: nan is not allowed; it must be greater than 0 .m."),
+    ("geometry: {a: .inf}", "geometry.a: inf is not allowed"),
+    ("geometry: {a: 2024-01-01}", "geometry.a: '2024-01-01' is not a number"),
+    ("geometry: {a: 1:30}", "geometry.a: '1:30' is not a number"),
+    ("geometry: {a: 0x10}", "geometry.a: '0x10' is not a number"),
+    ("geometry: {a: 010}", "geometry.a: '010' is not a number"),
+    ("geometry: {a: 1_000}", "geometry.a: '1_000' is not a number"),
+    ("geometry: {a: null}", "geometry.a: null is not a number"),
+    ("geometry: {a: [1]}", "geometry.a: a list is not a number"),
+    ("geometry: 3", "geometry: 3 is not allowed; it must be a mapping of keys to values"),
+    ("variants:", "variants: null is not allowed; it must be a mapping"),
+    ("dem:", "dem: null is not allowed; it must be a mapping"),
+    ("dem: {engines: yade}", "dem.engines: 'yade' is not allowed; it must be a list"),
+    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list of at least one value"),
+    ("eccentricities: [yes]", "eccentricities.0: 'yes' is not allowed; .*, or torsion"),
+    ("eccentricities: [true]", "eccentricities.0: true is not allowed; it must be .* at least 0"),
+    ("eccentricities: [.nan]", "eccentricities.0: nan is not allowed"),
+    (f"eccentricities: [{'9' * 5000}]", "eccentricities.0: '999.* is not allowed"),
+    (f"{'x' * 500}: 1", "'xxxx.*...': unknown key; the keys here are results, samples, "),
+    ('"a\\nb": 1', r"'a\\nb': unknown key"),
+    ('"\\0": 1', r"'\\x00': unknown key"),
+    ("samples: {%s: {locks: 3}}" % ("n" * 300), "samples: 'nnn.*' is too long a name; 64 letters"),
+    ('samples: {"n\\n": {locks: 3}}', r"samples: 'n\\n' is not allowed as a name"),
+    ("samples: {..: {locks: 3}}", r"samples: '\.\.' is not allowed as a name; it must be made of"),
+    ("samples: {}", "samples: an empty mapping is not allowed; .* of at least one name"),
+    ("results: {x}", "results: a mapping is not allowed; it must be the name of a folder"),
+    ('results: "{x}"', "results: '{x}' is not allowed; .* must not begin with - or ~, .* braces"),
+    ("results: -rf", "results: '-rf' is not allowed; a folder's name must not begin with -"),
+    ('results: "a\\0b"', r"results: 'a\\x00b' is not allowed; .* unprintable"),
+    ('results: "a\\nb"', r"results: 'a\\nb' is not allowed"),
+    ("results: ~/x", "results: '~/x' is not allowed"),
+    ("results: /", "results: '/' is not allowed; it must be a folder of its own"),
+    ("results: ..", r"results: '\.\.' is not allowed; it must be a folder of its own"),
+    ("results: out/..", "results: .* is not allowed; it must be a folder of its own"),
+    ("results: %s" % ("r" * 300), "results: 'rrr.*' is too long; 200 letters must do for a folder"),
+    ("results: ' '", "results: ' ' is not allowed; it must be the name of a folder"),
+    ("results:", "results: null is not allowed; it must be the name of a folder"),
+    ("results: true", "results: true is not allowed"),
+    ("meshes: [1e-6]", "meshes: 1e-06 m is too fine for sample n3, .* 1,000,000 or fewer"),
+    ("meshes: [1e-300]", "meshes: 1e-300 m is too fine"),
+    ("variants: {v: {meshes: [1e-6]}}", "variants.v.meshes: 1e-06 m is too fine for sample n3"),
+    ("calibration: {mesh: 1e-6}", "calibration.mesh: 1e-06 m is too fine .* at least 0.0001 m"),
+    ("models: [[static]]", "models.0: a list is not allowed; it must be a name"),
+    ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), VALUES, ids=range(len(VALUES)))
+def test_a_value_that_is_not_allowed_is_told_with_its_key_and_what_is(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    path = written(tmp_path, (text if text.startswith("samples") else STUDY + text))
+    line, *others = lines_of(path)
+    assert not others
+    assert len(line) < LETTERS
+    with pytest.raises(ConfigError, match=f"^{path}: {message}"):
+        read_study_file(path)
+
+
+def test_many_faults_end_with_how_many_more_there_are(tmp_path: Path) -> None:
+    found = lines_of(written(tmp_path, f"{STUDY}meshes: [{'x, ' * 100_000}]"))
+    assert len(found) == LINES
+    assert found[-1].endswith("and 99980 more faults")
+
+
+# --- files ---------------------------------------------------------------------------------------
+def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for path, message in (
+        (tmp_path, "not a file"),
+        (tmp_path / "missing.yaml", "No such file or directory"),
+        (tmp_path / "pipe", "not a file"),
+        (Path("/dev/zero"), "not a file"),
+        (tmp_path / ("x" * 300), "File name too long"),
+        (Path("a\0b"), "embedded null byte"),
+    ):
+        with pytest.raises(ConfigError, match=message) as error:
+            read_study_file(path)
+        assert len(str(error.value)) < LETTERS
+        assert str(error.value).isprintable()
+
+
+def test_a_file_that_may_not_be_read_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    path = written(tmp_path, STUDY)
+    monkeypatch.setattr(Path, "open", refuse)  # root may read everything
+    with pytest.raises(ConfigError, match=f"^{path}: Permission denied$"):
+        read_study_file(path)
+
+
+def test_a_results_folder_that_is_a_file_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").touch()
+    for name in ("file", "file/below"):
+        with pytest.raises(ConfigError, match=r"results: 'file' is a file; it must be a folder"):
+            read_study_file(written(tmp_path, STUDY), name)
+
+
+def test_a_results_folder_may_be_absolute_above_or_yet_to_be_made(tmp_path: Path) -> None:
+    path = written(tmp_path, STUDY)
+    for name in (str(tmp_path / "new/below"), "../beside", "a b", "é", "2024"):
+        assert read_study_file(path, name).results == name
+
+
+# --- values that are allowed ---------------------------------------------------------------------
+def test_numbers_may_be_written_as_people_write_them(tmp_path: Path) -> None:
+    for text in ("0.06", "6e-2", ".06", "+0.06", "'0.06'", "6.E-2"):
+        path = written(tmp_path, f"{STUDY}geometry: {{a: {text}}}")
+        assert read_study_file(path).joint("n3").a == 0.06
+    assert yaml.safe_load("6e-2") == "6e-2"  # as other readers see it
+    assert read_study({**yaml.safe_load(STUDY), "geometry": {"a": "6e-2"}}).geometry.a == 0.06
+    assert read_study({**yaml.safe_load(STUDY), "geometry": {"a": np.float64(0.06)}})
+
+
+def test_words_that_yaml_took_for_other_things_are_names(tmp_path: Path) -> None:
+    text = "samples: {no: {locks: 3}, 3: {locks: 3}, null: {locks: 5}, 0.10: {locks: 3}}"
+    assert [*read_study_file(written(tmp_path, text)).samples] == ["no", "3", "null", "0.10"]
+
+
+def test_an_alias_stands_for_what_it_names(tmp_path: Path) -> None:
+    text = "samples: {n3: &s {locks: 3}, again: *s}\nmeshes: &m [0.02]\nvariants: {v: {meshes: *m}}"
+    study = read_study_file(written(tmp_path, text))
+    assert study.samples["again"] == study.samples["n3"]
+    assert study.variants["v"].meshes == (0.02,)
+
+
+def test_torsion_is_an_infinite_eccentricity_and_zero_has_no_sign(tmp_path: Path) -> None:
+    study = read_study_file(written(tmp_path, f"{STUDY}eccentricities: [-0.0, torsion]"))
+    assert study.eccentricities == (0.0, math.inf)
+    assert math.copysign(1.0, study.eccentricities[0]) == 1.0
+    again = read_study_file(written(tmp_path, f"{STUDY}eccentricities: [0, .inf]"))
+    assert again.eccentricities == study.eccentricities
+    assert Study.model_validate_json(study.model_dump_json()) == study
+
+
+def test_a_file_in_utf_8_may_begin_with_a_mark(tmp_path: Path) -> None:
+    assert read_study_file(written(tmp_path, STUDY.encode("utf-8-sig")))
+
+
+def test_thousands_of_meshes_are_welcome(tmp_path: Path) -> None:
+    meshes = [0.002 + 1e-6 * i for i in range(5000)]
+    study = read_study_file(written(tmp_path, f"{STUDY}meshes: {meshes}"))
+    assert len(study.meshes) == 5000
+
+
+def test_the_reader_agrees_with_pyyaml_on_the_published_study() -> None:
+    assert read_config_text(ROOT / "config.yaml") == yaml.safe_load(CONFIG)
+
+
+def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
+    path = written(tmp_path, f"{STUDY}dem: {{engines: [yade], numerics: {{ranks: 2}}}}")
+    changes = {"results": "out", "dem": {"engines": [], "numerics": {"damping": "0.3"}}}
+    config = load_configuration(path, changes)
+    assert config == {
+        "samples": {"n3": {"locks": 3}},
+        "results": "out",
+        "dem": {"engines": [], "numerics": {"ranks": 2, "damping": "0.3"}},
+    }
+    assert read_study(config).dem.numerics.damping == 0.3
+
+
+@pytest.mark.parametrize("module", ["workflow.configuration", "workflow.cases"])
+def test_commands_end_with_the_line_and_no_traceback(module: str, tmp_path: Path) -> None:
+    path = written(tmp_path, f"{STUDY}geometry: {{a: true}}")
+    arguments = {
+        "workflow.configuration": ["folder", str(path)],
+        "workflow.cases": [str(path), "n3-mesh0.02-e0a"],
+    }
+    found = subprocess.run(
+        [sys.executable, "-m", module, *arguments[module]],
+        check=False,
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 1
+    assert found.stderr.startswith(f"{path}: geometry.a: true is not a number;")
+    assert len(found.stderr.splitlines()) == 1
+
+
+# --- anything at all -----------------------------------------------------------------------------
+KEYS = [
+    *Study.model_fields,
+    *("n3", "v", "a", "b", "h", "H", "locks", "inner", "dry", "cohesion", "friction", "numerics"),
+    *("engines", "ranks", "tolerance", "options", "reductions", "positions", "portions", "mesh"),
+]
+SCALARS = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.sampled_from([10**400, -(10**4000), 2**64]),
+    st.floats(),
+    st.text(max_size=20),
+    st.sampled_from(["torsion", "static", "yade", "brittle", "1e-3", "-rf", "{x}", "..", "\ud800"]),
+    st.binary(max_size=4),
+    st.dates(),
+    st.sets(st.integers(), max_size=2),
+)
+ANYTHING = st.recursive(
+    SCALARS,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=3),
+        st.dictionaries(st.one_of(st.sampled_from(KEYS), st.text(max_size=5)), inner, max_size=4),
+        st.dictionaries(SCALARS.filter(lambda x: not isinstance(x, set)), inner, max_size=2),
+    ),
+    max_leaves=12,
+)
+
+
+def is_a_study_or_lines(config: Any) -> None:
+    try:
+        cases_of(read_study(config))
+    except ConfigError as error:
+        lines = str(error).splitlines()
+        assert 1 <= len(lines) <= LINES
+        assert all(len(line) < LETTERS and line.isprintable() for line in lines)
+
+
+@settings(max_examples=300)
+@given(st.dictionaries(st.sampled_from([*Study.model_fields]), ANYTHING, max_size=4))
+def test_any_values_are_a_study_or_lines(config: dict[str, Any]) -> None:
+    is_a_study_or_lines(config)
+    is_a_study_or_lines({"samples": {"n3": {"locks": 3}}, **config})
+
+
+@st.composite
+def one_value_replaced(draw: st.DrawFn) -> dict[str, Any]:
+    """The published study with one of its values replaced by anything."""
+    config = yaml.safe_load(CONFIG)
+    place: Any = config
+    while True:
+        keys = [*place] if isinstance(place, dict) else [*range(len(place))]
+        if not keys:
+            return config
+        key = draw(st.sampled_from(keys))
+        if not isinstance(place[key], dict | list) or draw(st.integers(0, 3)) == 0:
+            place[key] = draw(ANYTHING)
+            return config
+        place = place[key]
+
+
+@settings(max_examples=300)
+@given(one_value_replaced())
+def test_the_published_study_with_one_value_replaced_is_a_study_or_lines(
+    config: dict[str, Any],
+) -> None:
+    is_a_study_or_lines(config)
+
+
+@settings(max_examples=300)
+@given(st.data())
+def test_the_published_text_with_bytes_replaced_is_a_study_or_lines(data: st.DataObject) -> None:
+    start = data.draw(st.integers(0, len(CONFIG)))
+    length = data.draw(st.integers(0, 40))
+    piece = data.draw(st.one_of(st.binary(max_size=8), st.text(max_size=8).map(_encoded)))
+    text = CONFIG[:start] + piece + CONFIG[start + length :]
+    path = Path(os.environ["PYTEST_FUZZ_FILE"])
+    path.write_bytes(text)
+    lines = lines_of(path)
+    assert len(lines) <= LINES
+    assert all(len(line) < LETTERS and line.isprintable() for line in lines)
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode(errors="surrogatepass")
+
+
+@pytest.fixture(autouse=True)
+def _file_of_the_fuzzer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTEST_FUZZ_FILE", str(tmp_path / "fuzzed.yaml"))
