@@ -17,7 +17,7 @@ from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads
 from sidmacib.pieces import assemble
 from workflow.cases import REFERENCE, Case, case_folder, cases_of
-from workflow.render import ENVIRONMENT
+from workflow.engines.render import ENVIRONMENT
 from workflow.results import NODE_COLUMNS, write_results
 from workflow.study import Study
 
