@@ -24,7 +24,7 @@ from sidmacib.mechanics.assembly import (
 from workflow.case import Case
 from workflow.engines import ENGINES
 from workflow.execute import execute
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 from workflow.render import DATA_FILE, assembly_data, script, write_case
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.

@@ -12,7 +12,7 @@ from typing import Any
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant that is held against the published numbers
 

@@ -15,7 +15,7 @@ from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import needs
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection

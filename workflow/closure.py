@@ -45,6 +45,11 @@ def source(module: str) -> Path | None:
     return next((found for found in candidates if found.is_file()), None)
 
 
+def _is_package(module: str) -> bool:
+    path = source(module)
+    return path is not None and path.name == "__init__.py"
+
+
 def _parents(module: str) -> Iterator[str]:
     parts = module.split(".")
     return (".".join(parts[:count]) for count in range(1, len(parts)))
@@ -56,10 +61,14 @@ def _imports(module: str) -> tuple[str, ...]:
     for node in _statements(_tree(module)):
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            names.append(node.module)
+        elif isinstance(node, ast.ImportFrom):
+            # From the package that the module is in, or one above, where it says so.
+            own = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
+            above = own[: -node.level] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            names.append(base)
             # What is imported from a package may be a module of it.
-            names += [f"{node.module}.{alias.name}" for alias in node.names]
+            names += [f"{base}.{alias.name}" for alias in node.names]
     return tuple(name for name in dict.fromkeys(names) if source(name))
 
 

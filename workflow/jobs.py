@@ -12,7 +12,8 @@ from typing import Any
 from analysis.figures.catalogue import figure_files, figures_of
 from workflow.case import Case
 from workflow.closure import code_digest
-from workflow.engines import ENGINES
+from workflow.engines import ENGINES, Engine
+from workflow.engines.render import sources
 from workflow.models import MODELS, Obtained, detailed
 from workflow.receipts import digest_of
 from workflow.results.files import OUTPUTS, RECORD, case_folder
@@ -95,6 +96,7 @@ def case_jobs(study: Study, cases: Iterable[Case]) -> dict[str, Job]:
 def _engine_job(case: Case, time_limit: float) -> Job:
     engine = ENGINES[case.model]
     folder = case_folder(case.model, case.name)
+    modules, files = sources(engine)
     return Job(
         name=f"{case.model}/{case.name}",
         step="workflow.steps.engine",
@@ -103,12 +105,18 @@ def _engine_job(case: Case, time_limit: float) -> Job:
         outputs=(f"{folder}/{RECORD}", f"{folder}/result.json"),
         others=tuple(f"{folder}/{name}" for name in OUTPUTS if name != "result.json"),
         arguments={"case": case.to_json()},
-        files=engine.sources(),
-        versions={case.model: engine.version()},
+        modules=modules,
+        files=files,
+        versions=versions(engine),
         settings={"time_limit": time_limit},
         finds=((case.model, case.name),),
         threads=case.numerics.ranks if case.numerics else 1,
     )
+
+
+def versions(engine: Engine) -> dict[str, str]:
+    """The version of an engine; empty where it is not installed."""
+    return {} if engine.missing() else {engine.name: engine.version()}
 
 
 def batches(cases: list[Case]) -> dict[str, list[Case]]:

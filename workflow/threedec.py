@@ -16,7 +16,7 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from workflow.case import REFERENCE, Case
 from workflow.cases import cases_of
-from workflow.render import ENVIRONMENT
+from workflow.engines.render import ENVIRONMENT
 from workflow.outcome import Outcome, State
 from workflow.results.files import stress_to_force
 from workflow.results.record import ResultError

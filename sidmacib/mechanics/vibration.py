@@ -5,7 +5,6 @@ displacement beyond which the joint can only have failed.
 """
 
 import numpy as np
-from scipy.linalg import eigh
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.equilibrium import free_rows
@@ -18,8 +17,9 @@ def natural_frequencies(assembly: Assembly) -> Floats:
     Every piece is a rigid body with its largest principal moment of inertia about all axes.
     """
     free = [piece for piece in assembly.pieces if not piece.fixed]
-    mass = np.concatenate([[p.mass] * 3 + [p.inertia.max()] * 3 for p in free])
-    return np.sqrt(eigh(Springs.of(assembly).elastic_stiffness(), np.diag(mass), eigvals_only=True))
+    root = np.sqrt(np.concatenate([[p.mass] * 3 + [p.inertia.max()] * 3 for p in free]))
+    stiffness = Springs.of(assembly).elastic_stiffness()
+    return np.sqrt(np.linalg.eigvalsh(stiffness / np.outer(root, root)))
 
 
 def compliance(assembly: Assembly, loads: Loads) -> float:

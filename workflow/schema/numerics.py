@@ -1,10 +1,10 @@
-"""How the engines look for the peak: ranges of `workflow.numerics.Numerics`."""
+"""How the engines look for the peak: ranges of `workflow.engines.numerics.Numerics`."""
 
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 from workflow.schema.section import changes_to, section_of
 from workflow.schema.values import Number, Share
 

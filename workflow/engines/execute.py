@@ -1,21 +1,22 @@
 """Run an engine on a rendered case; what it writes counts only if it ends well."""
 
-import argparse
 import contextlib
 import json
+import math
 import os
+import select
 import shutil
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from pathlib import Path
 
-from workflow.engines import ENGINES, Engine
-from workflow.render import DATA_FILE
-from workflow.results import OUTPUTS
+from workflow.engines import Engine
+from workflow.engines.render import DATA_FILE, MODULES
+from workflow.engines.scripts.children import ENDS_WITH_PARENT
 
+OUTPUTS = ("history.csv", "nodes.csv", "result.json")
 TAIL_LINES = 20
 
 
@@ -26,8 +27,9 @@ class EngineError(RuntimeError):
 def execute(engine: Engine, folder: Path, time_limit: float) -> None:
     """Run the script in ``folder`` for at most ``time_limit`` s and put its results beside it.
 
-    The engine works in a scratch folder; its log stays as ``engine.log``. Raises `EngineError` if
-    the program is missing, fails, is killed, runs out of time or ends without a peak.
+    The engine works in a scratch folder; its log stays as ``engine.log``. However this process
+    ends, the engine ends with it. Raises `EngineError` if the program is missing, fails, is killed,
+    runs out of time or ends without a peak.
     """
     for name in OUTPUTS:
         (folder / name).unlink(missing_ok=True)
@@ -36,20 +38,22 @@ def execute(engine: Engine, folder: Path, time_limit: float) -> None:
     if missing := engine.missing():
         raise EngineError(missing)
     log = folder / "engine.log"
-    with tempfile.TemporaryDirectory(dir=folder, prefix="running-") as scratch:
-        for name in (engine.script, DATA_FILE):
-            shutil.copy(folder / name, scratch)
-        _run([*engine.command, engine.script], Path(scratch), log, time_limit)
-        _check(Path(scratch), log)
-        for name in OUTPUTS:
-            (Path(scratch) / name).replace(folder / name)
+    with tempfile.TemporaryDirectory(dir=folder, prefix="running-") as name:
+        scratch = Path(name)
+        for file in (engine.script, DATA_FILE):
+            shutil.copy(folder / file, scratch)
+        shutil.copytree(folder / MODULES.name, scratch / MODULES.name)
+        _run([*engine.command, engine.script], scratch, log, time_limit)
+        _check(scratch, log)
+        for file in OUTPUTS:
+            (scratch / file).replace(folder / file)
 
 
 def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None:
     """Run ``command`` in a process group of its own, which ends with this process."""
     with log.open("w") as stream:
         process = subprocess.Popen(
-            command,
+            [*ENDS_WITH_PARENT, *command],
             cwd=folder,
             stdin=subprocess.DEVNULL,
             stdout=stream,
@@ -58,15 +62,24 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             env={**os.environ, "OMP_NUM_THREADS": "1"},
         )
         try:
-            status = process.wait(time_limit)
-        except subprocess.TimeoutExpired:
-            raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log)) from None
+            if not _ends_within(process.pid, time_limit):
+                raise EngineError(_with_tail(f"out of time after {time_limit:g} s", log))
+            status = process.wait()
         finally:
             _end(process)
     if status < 0:
         raise EngineError(_with_tail(f"killed by signal {-status}", log))
     if status > 0:
         raise EngineError(_with_tail(f"ended with exit code {status}", log))
+
+
+def _ends_within(pid: int, time_limit: float) -> bool:
+    """Wait for a process, without the polling of `Popen.wait`, for at most ``time_limit`` s."""
+    handle = os.pidfd_open(pid)
+    try:
+        return bool(select.select([handle], [], [], time_limit)[0])
+    finally:
+        os.close(handle)
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
@@ -86,32 +99,17 @@ def _check(folder: Path, log: Path) -> None:
         if not (folder / name).is_file():
             raise EngineError(_with_tail(f"ended without {name}", log))
     try:
-        peak = json.loads((folder / "result.json").read_text())["peak_load_N"]
-    except (ValueError, KeyError):
+        result = json.loads((folder / "result.json").read_text())
+        peak, failed = result["peak_load_N"], result["failed_load_N"]
+        sound = 0.0 < peak <= failed and math.isfinite(failed)
+    except (ValueError, KeyError, TypeError):
         raise EngineError(_with_tail("ended with an unreadable result.json", log)) from None
-    if not peak > 0:
-        raise EngineError(_with_tail(f"ended without a peak: load {peak} N", log))
+    if not sound:
+        raise EngineError(
+            _with_tail(f"ended without a peak: it carries {peak} N and fails at {failed} N", log)
+        )
 
 
 def _with_tail(reason: str, log: Path) -> str:
     tail = log.read_text(errors="replace").splitlines()[-TAIL_LINES:]
     return "\n".join([f"{reason}; end of {log}:", *(f"  | {line}" for line in tail)])
-
-
-def main() -> None:
-    """Command line: engine, folder of the case, time limit in s."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("engine", choices=ENGINES)
-    parser.add_argument("folder", type=Path)
-    parser.add_argument("--time-limit", type=float, required=True, metavar="S")
-    arguments = parser.parse_args()
-    for number in (signal.SIGTERM, signal.SIGHUP):  # the engine ends with this process
-        signal.signal(number, lambda *_: sys.exit("stopped"))
-    try:
-        execute(ENGINES[arguments.engine], arguments.folder, arguments.time_limit)
-    except EngineError as error:
-        sys.exit(f"{arguments.folder.name}: {arguments.engine} {error}")
-
-
-if __name__ == "__main__":
-    main()

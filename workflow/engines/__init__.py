@@ -1,0 +1,113 @@
+"""The distinct-element programs that a study can run. To add one, see CONTRIBUTING.md."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+YADE_CONFIGURATION = "/usr/lib", "*/yade-double/py/yade/config.py"  # Debian's
+
+
+@dataclass(frozen=True)
+class Engine:
+    """An external program.
+
+    ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
+    the program, followed by the script's name; ``package``: Debian's package that has it;
+    ``probe``: a program of that package, which tells whether it is installed; ``version_text``: a
+    text of the program that holds its version where ``version_pattern`` tells.
+
+    What it cannot do: ``brittle_only``: it knows no ductile faces; ``one_stiffness``: its inner
+    faces are as stiff along as across. What it can: ``shares_out``: share a case out to several
+    processes. ``ignores``: numerics that it does not use.
+    """
+
+    name: str
+    template: str
+    script: str
+    command: tuple[str, ...]
+    package: str
+    probe: str
+    version_text: Callable[[], str]
+    version_pattern: str
+    brittle_only: bool = False
+    one_stiffness: bool = False
+    shares_out: bool = False
+    ignores: tuple[str, ...] = ()
+
+    def missing(self) -> str | None:
+        """What to install, in one line; None if the program is there."""
+        if shutil.which(self.probe) and shutil.which(self.command[0]):
+            return None
+        return f"{self.name}: not installed; on Debian: apt-get install {self.package}"
+
+    def version(self) -> str:
+        """The program's own version, such as 3.8.0; RuntimeError if it is not installed."""
+        return _version(self)
+
+
+@cache
+def _version(engine: Engine) -> str:
+    if missing := engine.missing():
+        raise RuntimeError(missing)
+    found = re.search(engine.version_pattern, engine.version_text(), re.MULTILINE)
+    if not found:
+        raise RuntimeError(f"{engine.name}: it does not tell its version")
+    return found[1]
+
+
+def _yade_configuration() -> str:
+    """YADE's configuration: asking the program takes it two seconds."""
+    root, pattern = YADE_CONFIGURATION
+    return "".join(path.read_text() for path in sorted(Path(root).glob(pattern)))
+
+
+def _liggghts_help() -> str:
+    environment = {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
+    return subprocess.run(
+        ["liggghts", "-h"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=environment,
+        check=False,
+    ).stdout
+
+
+ENGINES = {
+    engine.name: engine
+    for engine in (
+        Engine(
+            name="yade",
+            template="yade.py.j2",
+            script="joint.py",
+            # Debian's Python, not yade's own launcher: the latter opens ports on the loopback.
+            command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
+            package="yade",
+            probe="yade",
+            version_text=_yade_configuration,
+            version_pattern=r"^version='(.+)'",
+            ignores=("ranks",),
+        ),
+        Engine(
+            name="liggghts",
+            template="liggghts.py.j2",
+            script="joint.py",
+            command=(sys.executable,),  # the script starts LIGGGHTS and gives it commands
+            package="liggghts",
+            probe="liggghts",
+            version_text=_liggghts_help,
+            version_pattern=r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)",
+            brittle_only=True,
+            one_stiffness=True,
+            shares_out=True,
+            ignores=("damping",),
+        ),
+    )
+}

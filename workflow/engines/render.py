@@ -1,0 +1,174 @@
+"""Render a case: an engine's script from its template, and beside it the assembly and modules."""
+
+import ast
+import json
+import math
+import re
+import shutil
+from dataclasses import asdict
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import jinja2
+import jinja2.meta
+
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads
+from sidmacib.mechanics.vibration import compliance, natural_frequencies
+from workflow.engines import Engine
+from workflow.engines.numerics import Numerics
+
+DATA_FILE = "joint.json"
+MODULES = Path(__file__).parent / "scripts"
+TEMPLATES = Path(__file__).parents[2] / "templates"
+ENVIRONMENT = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(TEMPLATES),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
+
+
+def write_script(
+    engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str, folder: Path
+) -> None:
+    """Write into ``folder`` all that the engine needs to run there, by hand as well."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
+    text = script(engine, assembly, loads, numerics, title)
+    (folder / engine.script).write_text(text)
+    modules = folder / MODULES.name
+    shutil.rmtree(modules, ignore_errors=True)
+    modules.mkdir()
+    for name in script_modules(text):
+        shutil.copy(MODULES / name, modules / name)
+
+
+def script(
+    engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str
+) -> str:
+    """The engine's script for ``assembly`` under ``loads``."""
+    frequencies = natural_frequencies(assembly)
+    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
+    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
+    return ENVIRONMENT.get_template(engine.template).render(
+        title=title,
+        script_file=engine.script,
+        data_file=DATA_FILE,
+        materials={name: asdict(law) for law, name in _material_names(assembly).items()},
+        ductile=assembly.failure is Failure.DUCTILE,
+        flat_radius_m=2 * assembly.length,
+        time_step_s=_rounded(time_step),
+        period_steps=_rounded(period_steps),
+        ranks=numerics.ranks,
+        ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
+        hold_steps=math.ceil(numerics.hold_periods * period_steps),
+        first_increment_N=numerics.first_increment * loads.scale,
+        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(assembly, loads)),
+        damping=numerics.damping,
+        tolerance=numerics.tolerance,
+        unbalanced_ratio=numerics.unbalanced_ratio,
+    )
+
+
+def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
+    """Pieces, faces, nodes and loads in SI units, in plain types: all that a script needs to know.
+
+    Pieces and faces are referred to by index, materials by the names that the script gives them.
+    """
+    names = _material_names(assembly)
+    return {
+        "pieces": [
+            {
+                "name": piece.name,
+                "fixed": piece.fixed,
+                "centre_m": piece.centre.tolist(),
+                "mass_kg": piece.mass,
+                "inertia_kgm2": float(piece.inertia.max()),
+                "force_N": permanent[:3].tolist(),
+                "moment_Nm": permanent[3:].tolist(),
+            }
+            for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
+        ],
+        "faces": [
+            {
+                "name": face.name,
+                "kind": str(face.kind),
+                "below": face.below,
+                "above": face.above,
+                "normal": face.normal.tolist(),
+                "material": names[face.material],
+            }
+            for face in assembly.faces
+        ],
+        "loads": [
+            {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
+            for index, load in enumerate(loads.variable)
+            if load.any()
+        ],
+        "nodes": {
+            "face": assembly.nodes.face.tolist(),
+            "position_m": assembly.nodes.position.tolist(),
+            "area_m2": assembly.nodes.area.tolist(),
+        },
+    }
+
+
+@cache
+def script_modules(text: str) -> tuple[str, ...]:
+    """Names of the files in `MODULES` that a script of this text imports, directly or not."""
+    names = {"__init__.py"}
+    waiting = _imported(text, MODULES.name + ".")
+    while waiting:
+        name = waiting.pop()
+        if name not in names:
+            names.add(name)
+            waiting |= _imported_by(name)
+    return tuple(sorted(names))
+
+
+@cache
+def _imported_by(module: str) -> frozenset[str]:
+    return frozenset(_imported((MODULES / module).read_text(), ""))
+
+
+def _imported(text: str, prefix: str) -> set[str]:
+    """Files of the modules that are imported, from ``prefix`` or (if that is empty) relatively."""
+    return {
+        f"{node.module.removeprefix(prefix)}.py"
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.ImportFrom) and node.module
+        if (node.module.startswith(prefix) if prefix else node.level == 1)
+    }
+
+
+def sources(engine: Engine) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Modules that the engine's script imports, and files it is made of, below the project."""
+    files, waiting = [], [engine.template]
+    while waiting:
+        name = waiting.pop()
+        files.append(name)
+        text = (TEMPLATES / name).read_text()
+        found = jinja2.meta.find_referenced_templates(ENVIRONMENT.parse(text))
+        waiting += [other for other in found if other]
+    texts = "".join((TEMPLATES / name).read_text() for name in files)
+    named = re.findall(rf"^from {MODULES.name}\.(\w+) import", texts, re.MULTILINE)
+    package = ".".join([*__name__.split(".")[:-1], MODULES.name])
+    modules = tuple(f"{package}.{name}" for name in dict.fromkeys(named))
+    return modules, tuple(f"{TEMPLATES.name}/{name}" for name in files)
+
+
+def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
+    """A name for every material: the kind of the first face that has it, numbered if need be."""
+    names: dict[FaceMaterial, str] = {}
+    for face in assembly.faces:
+        if face.material not in names:
+            same = sum(name.split("-")[0] == face.kind for name in names.values())
+            names[face.material] = f"{face.kind}-{same + 1}" if same else str(face.kind)
+    return names
+
+
+def _rounded(value: float) -> float:
+    """``value`` without the last digits, which depend on the machine's linear algebra."""
+    return float(f"{value:.9g}")

@@ -1,0 +1,44 @@
+"""Run an engine on an assembly: render its script, execute it, keep what it writes."""
+
+from pathlib import Path
+
+from sidmacib.mechanics.assembly import Assembly, Failure, Kind, Loads
+from workflow.engines import Engine
+from workflow.engines.execute import EngineError, execute
+from workflow.engines.numerics import Numerics
+from workflow.engines.render import write_script
+
+
+def run_engine(
+    engine: Engine,
+    assembly: Assembly,
+    loads: Loads,
+    numerics: Numerics,
+    title: str,
+    folder: Path,
+    time_limit: float,
+) -> None:
+    """Search the peak of ``assembly`` under ``loads`` for at most ``time_limit`` s.
+
+    Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
+    Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
+    """
+    if reason := refusal(engine, assembly):
+        raise EngineError(f"{engine.name}: {reason}")
+    write_script(engine, assembly, loads, numerics, title, folder)
+    execute(engine, folder, time_limit)
+
+
+def refusal(engine: Engine, assembly: Assembly) -> str | None:
+    """Why the engine cannot compute ``assembly``; None if it can."""
+    if engine.brittle_only and assembly.failure is not Failure.BRITTLE:
+        return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
+    for face in assembly.faces:
+        law = face.material
+        unequal = law.normal_stiffness != law.shear_stiffness
+        if engine.one_stiffness and face.kind is Kind.INNER and unequal:
+            return (
+                f"{face.name} has a normal stiffness of {law.normal_stiffness:g} Pa/m and a shear "
+                f"stiffness of {law.shear_stiffness:g} Pa/m; inner faces must have one stiffness"
+            )
+    return None

@@ -1,0 +1,158 @@
+"""The assembly, its loads and how its peak is searched, as a script reads them."""
+
+import json
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+Vector = Sequence[float]
+
+
+@dataclass(frozen=True)
+class Material:
+    """Law of a face per unit of area: stiffness in Pa/m, friction coefficient, strengths in Pa."""
+
+    normal_stiffness: float
+    shear_stiffness: float
+    friction: float
+    cohesion: float
+    tensile_strength: float
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A rigid piece; force (N) and moment (N m) are what always acts on it at its centroid.
+
+    ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
+    depend on it.
+    """
+
+    name: str
+    fixed: bool
+    centre_m: Vector
+    mass_kg: float
+    inertia_kgm2: float
+    force_N: Vector
+    moment_Nm: Vector
+
+
+@dataclass(frozen=True)
+class Face:
+    """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index."""
+
+    name: str
+    kind: str
+    below: int
+    above: int
+    normal: Vector
+    material: Material
+
+    @property
+    def cohesive(self) -> bool:
+        """Whether its nodes are bonded until they fail."""
+        return self.kind == "inner"
+
+
+@dataclass(frozen=True)
+class PieceLoad:
+    """Force (1) and moment (m) on a piece, by index, per newton of load."""
+
+    piece: int
+    force: Vector
+    moment_m: Vector
+
+
+@dataclass(frozen=True)
+class Node:
+    """A contact node: index of its face, position in m, tributary area in m2."""
+
+    face: int
+    position_m: Vector
+    area_m2: float
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """Pieces that meet across faces with nodes, and the loads on them."""
+
+    pieces: list[Piece]
+    faces: list[Face]
+    nodes: list[Node]
+    loads: list[PieceLoad]
+
+    @property
+    def free(self) -> list[int]:
+        """Indices of the pieces that can move."""
+        return [index for index, piece in enumerate(self.pieces) if not piece.fixed]
+
+    @property
+    def permanent_N(self) -> float:
+        """Sum of the forces that always act on the free pieces, such as their weight."""
+        return sum(length(self.pieces[index].force_N) for index in self.free)
+
+
+@dataclass(frozen=True)
+class Search:
+    """How the peak is searched.
+
+    ``ramp_steps``, ``hold_steps``: time steps of a load increment and of the longest wait for
+    equilibrium after it; ``period_steps``: of the assembly's longest natural period.
+    ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
+    ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
+    last increment over the peak.
+    """
+
+    time_step_s: float
+    period_steps: float
+    ramp_steps: int
+    hold_steps: int
+    unbalanced_ratio: float
+    collapse_m_per_N: float
+    first_increment_N: float
+    tolerance: float
+
+    def collapsed(self, displacement: float, load: float) -> bool:
+        """Whether a displacement (m) is too large for a load (N); exits if it is no number."""
+        if not math.isfinite(displacement):
+            raise SystemExit(f"the computation has diverged: displacement {displacement} m")
+        return abs(displacement) > self.collapse_m_per_N * max(load, self.first_increment_N)
+
+
+def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> Assembly:
+    """The assembly of a data file, with the materials that its faces name."""
+    data: dict[str, Any] = json.loads(Path(path).read_text())
+    laws = {name: Material(**law) for name, law in materials.items()}
+    faces = [Face(**{**face, "material": laws[face["material"]]}) for face in data["faces"]]
+    nodes = [Node(*row) for row in zip(*data["nodes"].values(), strict=True)]
+    return Assembly(
+        [Piece(**piece) for piece in data["pieces"]],
+        faces,
+        nodes,
+        [PieceLoad(**load) for load in data["loads"]],
+    )
+
+
+def dot(one: Iterable[float], other: Iterable[float]) -> float:
+    """Scalar product."""
+    return sum(a * b for a, b in zip(one, other, strict=True))
+
+
+def length(vector: Vector) -> float:
+    """Euclidean norm."""
+    return math.sqrt(dot(vector, vector))
+
+
+def plus(one: Vector, other: Vector, factor: float = 1.0) -> list[float]:
+    """``one + factor * other``."""
+    return [a + factor * b for a, b in zip(one, other, strict=True)]
+
+
+def cross(one: Vector, other: Vector) -> list[float]:
+    """Vector product."""
+    return [
+        one[1] * other[2] - one[2] * other[1],
+        one[2] * other[0] - one[0] * other[2],
+        one[0] * other[1] - one[1] * other[0],
+    ]

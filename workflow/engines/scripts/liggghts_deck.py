@@ -1,0 +1,326 @@
+"""An assembly as LIGGGHTS' atoms and commands.
+
+Every piece is a rigid body. Every contact node is a pair of large spheres, one in each piece, which
+touch nobody else. At inner faces two more atoms, both at the node, are joined by a spring of length
+zero; when the spring is cut, the spheres come into play.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from .assembly import Assembly, Material, Piece, Search, Vector, plus
+
+SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
+GROUPS = 28  # that LIGGGHTS has left, of its 32
+# Drag on the pieces over critical drag, at the longest natural period: more would hold up what
+# slides.
+DRAG = 0.05
+AXES = (0, 1, 2)
+
+
+def reach(piece: Piece) -> float:
+    """Distance (m) of a piece's handles from its centroid.
+
+    A piece's mass is in six handles, at its centroid plus and minus this along each axis: so they
+    have its mass and, about all axes, its largest inertia. All other atoms weigh next to nothing.
+    """
+    return math.sqrt(1.5 * piece.inertia_kgm2 / piece.mass_kg)
+
+
+def pitch(places: Sequence[Vector]) -> float:
+    """Least distance along an axis between points of a grid (m)."""
+    gaps = [math.inf]
+    for values in zip(*places, strict=True):
+        ordered = sorted({round(value, 9) for value in values})
+        gaps += [high - low for low, high in zip(ordered, ordered[1:], strict=False)]
+    return min(gaps)
+
+
+def sphere_radii(assembly: Assembly, largest: float) -> list[float]:
+    """Radius of the contact spheres of each face (m), at most ``largest``.
+
+    Spheres that face each other at different nodes have a gap of pitch^2 / (4 radius): twice what
+    the face is pressed together by the largest strength of a face.
+    """
+    places: list[list[Vector]] = [[] for _ in assembly.faces]
+    area = [0.0] * len(assembly.faces)
+    for node in assembly.nodes:
+        places[node.face].append(node.position_m)
+        area[node.face] += node.area_m2
+    strength = max(f.material.cohesion * a for f, a in zip(assembly.faces, area, strict=True))
+    result = []
+    for face, own, whole in zip(assembly.faces, places, area, strict=True):
+        force = max(strength, assembly.permanent_N)
+        pressed = force / (face.material.normal_stiffness * whole)
+        result.append(min(largest, pitch(own) ** 2 / (8 * pressed)))
+    return result
+
+
+@dataclass
+class Atoms:
+    """All atoms, by their numbers from 1 on.
+
+    ``lines``, ``bonds``: of the data file. ``handles``: of each piece, none of a fixed one, as it
+    is not moved. ``spheres``: of each node, below and above. ``ends``: of each inner node's spring.
+    """
+
+    lines: list[str] = field(default_factory=list)
+    bonds: list[tuple[int, int]] = field(default_factory=list)
+    handles: list[list[int]] = field(default_factory=list)
+    spheres: list[tuple[int, int]] = field(default_factory=list)
+    ends: dict[int, tuple[int, int]] = field(default_factory=dict)
+
+    def add(self, kind: int, position: Vector, radius: float, mass: float, piece: int) -> int:
+        """Add an atom of a type; its number."""
+        diameter = 2 * radius
+        density = mass / (math.pi / 6 * diameter**3)
+        values = [*position, diameter, density]
+        number = len(self.lines) + 1
+        self.lines.append(f"{number} {kind} {' '.join(f'{v:.17g}' for v in values)} {piece + 1}")
+        return number
+
+
+class Deck:
+    """LIGGGHTS' atoms and input script for an assembly without load."""
+
+    def __init__(self, assembly: Assembly, search: Search, radius: float) -> None:
+        self.assembly, self.search = assembly, search
+        free = assembly.free
+        # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
+        # for each face, below and above, that touch each other.
+        self.handle_type = {piece: number for number, piece in enumerate(free, start=1)}
+        self.lone = len(free) + 1
+        self.face_types = [
+            (self.lone + 2 * face + 1, self.lone + 2 * face + 2)
+            for face in range(len(assembly.faces))
+        ]
+        self.types = self.lone + 2 * len(assembly.faces)
+        self.largest_radius = radius
+        self.radii = sphere_radii(assembly, radius)
+        self.reach = [reach(piece) for piece in assembly.pieces]
+        self.atoms = self._build()
+        self.bond = {node: number for number, node in enumerate(self.atoms.ends, start=1)}
+
+    def _build(self) -> Atoms:
+        atoms, assembly = Atoms(), self.assembly
+        for index, piece in enumerate(assembly.pieces):
+            mass = piece.mass_kg / 6
+            atoms.handles.append(
+                []
+                if piece.fixed
+                else [
+                    atoms.add(self.handle_type[index], place, 1e-6, mass, index)
+                    for place in self._handle_places(index)
+                ]
+            )
+        light = 1e-9 * min(piece.mass_kg for piece in assembly.pieces)
+        for number, node in enumerate(assembly.nodes):
+            face, radius = assembly.faces[node.face], self.radii[node.face]
+            lone = (self.lone, self.lone)
+            types = lone if face.cohesive else self.face_types[node.face]
+            below, above = (
+                atoms.add(kind, plus(node.position_m, face.normal, shift), radius, light, piece)
+                for kind, piece, shift in zip(
+                    types, (face.below, face.above), (-radius, radius), strict=True
+                )
+            )
+            atoms.spheres.append((below, above))
+            if face.cohesive:
+                ends = tuple(
+                    atoms.add(self.lone, node.position_m, 1e-6, light, piece)
+                    for piece in (face.below, face.above)
+                )
+                atoms.ends[number] = (ends[0], ends[1])
+                atoms.bonds.append(atoms.ends[number])
+        return atoms
+
+    def _handle_places(self, index: int) -> list[list[float]]:
+        centre, distance = self.assembly.pieces[index].centre_m, self.reach[index]
+        return [
+            plus(centre, [sign * distance * (axis == k) for k in AXES])
+            for axis in AXES
+            for sign in (1, -1)
+        ]
+
+    def spring_stiffness(self, node: int) -> float:
+        """Of the spring at an inner node, in N/m."""
+        own = self.assembly.nodes[node]
+        return self.assembly.faces[own.face].material.normal_stiffness * own.area_m2
+
+    def data_file(self, title: str) -> str:
+        """Text of the file of atoms and bonds."""
+        atoms, nodes = self.atoms, self.assembly.nodes
+        margin = 4 * self.largest_radius + max(self.reach[piece] for piece in self.assembly.free)
+        lines = [f"{title}\n", f"{len(atoms.lines)} atoms", f"{len(atoms.bonds)} bonds"]
+        lines += [f"{self.types} atom types", f"{max(1, len(atoms.bonds))} bond types\n"]
+        for axis, name in enumerate("xyz"):
+            low = min(node.position_m[axis] for node in nodes) - margin
+            high = max(node.position_m[axis] for node in nodes) + margin
+            lines.append(f"{low:.9g} {high:.9g} {name}lo {name}hi")
+        lines += ["\nAtoms\n", *atoms.lines]
+        if atoms.bonds:
+            lines.append("\nBonds\n")
+            lines += [f"{n} {n} {one} {two}" for n, (one, two) in enumerate(atoms.bonds, start=1)]
+        return "\n".join(lines) + "\n"
+
+    def input_script(self) -> Iterator[str]:
+        """LIGGGHTS' commands up to the first run."""
+        yield from (
+            "units si",
+            "atom_style hybrid granular molecular",
+            "atom_modify map array",
+            "boundary f f f",
+            "newton off",
+            "communicate single vel yes",
+            "read_data joint.atoms",
+            f"neighbor {SKIN:g} bin",
+            "neigh_modify delay 0",
+        )
+        yield from self._laws()
+        yield f"timestep {self.search.time_step_s!r}"
+        free = self.assembly.free
+        yield f"group free molecule {' '.join(str(piece + 1) for piece in free)}"
+        handles = " ".join(str(atom) for piece in free for atom in self.atoms.handles[piece])
+        yield f"group handles id {handles}"
+        # All force fixes before fix rigid, or each run would kick the bodies.
+        yield "variable load equal 0.0"
+        yield from self._loads()
+        yield from self._bodies()
+
+    def _laws(self) -> Iterator[str]:
+        """Who touches whom, and the laws of contacts and springs."""
+        assembly = self.assembly
+        area = {node.face: node.area_m2 for node in assembly.nodes}
+        touching = {frozenset(pair) for pair in self.face_types}
+        for one in range(1, self.types + 1):
+            for other in range(one, self.types + 1):
+                if frozenset((one, other)) not in touching:
+                    yield f"neigh_modify exclude type {one} {other}"
+        yield (
+            "pair_style gran model hooke/stiffness tangential history"
+            " tangential_damping off absolute_damping on"
+        )
+        yield "pair_coeff * *"
+
+        def stiffness(name: str) -> Callable[[int], float]:
+            return lambda face: getattr(assembly.faces[face].material, name) * area[face]
+
+        yield self._matrix("kn", stiffness("normal_stiffness"))
+        yield self._matrix("kt", stiffness("shear_stiffness"))
+        yield self._matrix("gamman_abs", lambda _: 0.0)
+        yield self._matrix("gammat_abs", lambda _: 0.0)
+        yield self._matrix("coefficientFriction", lambda face: self._material(face).friction)
+        if self.bond:
+            yield "bond_style harmonic"
+        for node, number in self.bond.items():
+            # The energy is coefficient * length^2.
+            yield f"bond_coeff {number} {self.spring_stiffness(node) / 2:.12g} 0.0"
+
+    def _material(self, face: int) -> Material:
+        return self.assembly.faces[face].material
+
+    def _matrix(self, name: str, value_of_face: Callable[[int], float]) -> str:
+        """A property of pairs of types, 0 but between the two sides of a face."""
+        values = [[0.0] * self.types for _ in range(self.types)]
+        for face, (one, other) in enumerate(self.face_types):
+            values[one - 1][other - 1] = values[other - 1][one - 1] = value_of_face(face)
+        numbers = " ".join(f"{v:.12g}" for row in values for v in row)
+        return f"fix {name} all property/global {name} peratomtypepair {self.types} {numbers}"
+
+    def _loads(self) -> Iterator[str]:
+        """Gravity or other permanent loads, and the load that is raised: forces on the handles."""
+        gravity = common_gravity(self.assembly)
+        if gravity:
+            yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
+        variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
+        none = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        groups = 0
+        for index in self.assembly.free:
+            piece = self.assembly.pieces[index]
+            permanent = none if gravity else (piece.force_N, piece.moment_Nm)
+            always = handle_forces(*permanent, self.reach[index])
+            raised = handle_forces(*variable.get(index, none), self.reach[index])
+            for number, atom in enumerate(self.atoms.handles[index]):
+                axes = [k for k in AXES if always[number][k] or raised[number][k]]
+                if not axes:
+                    continue
+                groups += 1
+                name = f"handle{atom}"
+                yield f"group {name} id {atom}"
+                terms = ["0.0", "0.0", "0.0"]
+                for k in axes:
+                    constant = f"+({always[number][k]!r})" if always[number][k] else ""
+                    terms[k] = f"v_{name}_{'xyz'[k]}"
+                    yield (
+                        f"variable {name}_{'xyz'[k]} equal "
+                        f"v_load*({raised[number][k]!r}){constant}"
+                    )
+                yield f"fix {name} {name} addforce {' '.join(terms)}"
+        if groups > GROUPS:
+            raise SystemExit(
+                f"liggghts: {groups} places to put the loads; it can have {GROUPS} at most"
+            )
+
+    def _bodies(self) -> Iterator[str]:
+        """The drag, the rigid bodies, and the variables that tell how they move."""
+        search, pieces, free = self.search, self.assembly.pieces, self.assembly.free
+        rate = 2 * DRAG * 2 * math.pi / (search.period_steps * search.time_step_s)
+        scales = " ".join(
+            f"scale {self.handle_type[piece]} {rate * pieces[piece].mass_kg / 6:.12g}"
+            for piece in free
+        )
+        yield f"fix drag handles viscous 1.0 {scales}"
+        yield "fix bodies free rigid molecule"
+        yield "thermo 1000000"
+        yield "thermo_modify lost error"
+        for number, piece in enumerate(free, start=1):
+            for axis in (1, 2, 3):  # the net force, but for the drag
+                drag = f"{rate * pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
+                yield f"variable f{number}_{axis} equal f_bodies[{number}][{6 + axis}]+{drag}"
+            for atom in self.atoms.handles[piece]:
+                for name in "xyz":
+                    yield f"variable p{atom}_{name} equal {name}[{atom}]"
+
+    @property
+    def place_variables(self) -> list[str]:
+        """Names of the variables that hold the handles' positions, 18 of each free piece."""
+        return [
+            f"p{atom}_{axis}"
+            for piece in self.assembly.free
+            for atom in self.atoms.handles[piece]
+            for axis in "xyz"
+        ]
+
+    @property
+    def force_variables(self) -> list[str]:
+        """Names of the variables that hold the unbalanced force of each free piece."""
+        return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]
+
+
+def common_gravity(assembly: Assembly) -> float:
+    """The acceleration (m/s2) along -z that is all that always acts on free pieces, or else 0."""
+    pieces = [assembly.pieces[index] for index in assembly.free]
+    gravity = -pieces[0].force_N[2] / pieces[0].mass_kg
+    alike = all(
+        math.isclose(-piece.force_N[2], gravity * piece.mass_kg, rel_tol=1e-12)
+        and not any((*piece.force_N[:2], *piece.moment_Nm))
+        for piece in pieces
+    )
+    return gravity if alike else 0.0
+
+
+def handle_forces(force: Vector, moment: Vector, distance: float) -> list[list[float]]:
+    """Forces on a piece's six handles (+x, -x, +y, -y, +z, -z) that add up to force and moment.
+
+    The force is shared by the two handles on x; each component of the moment is a couple.
+    """
+    (fx, fy, fz), (mx, my, mz) = force, [value / (2 * distance) for value in moment]
+    return [
+        [fx / 2, fy / 2 + mz, fz / 2],
+        [fx / 2, fy / 2 - mz, fz / 2],
+        [0.0, 0.0, mx],
+        [0.0, 0.0, -mx],
+        [my, 0.0, 0.0],
+        [-my, 0.0, 0.0],
+    ]

@@ -1,0 +1,226 @@
+"""An assembly in LIGGGHTS, at a load; it can be brought back to where it stood before."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from .assembly import Assembly, Material, Search, Vector, dot, length, plus
+from .flatness import Motion, check_flat
+from .liggghts_deck import Deck
+from .liggghts_process import LiggghtsProcess
+from .records import History, NodeForce, Outcome
+
+INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
+PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
+
+
+@dataclass(frozen=True)
+class Event:
+    """What was done to the assembly: its load was raised (N), or springs of nodes were cut."""
+
+    load: float | None
+    nodes: tuple[int, ...] = ()
+
+
+class Placement:
+    """Where a piece has moved to: its centroid (m) and its axes."""
+
+    def __init__(self, start: Vector, distance: float, places: Sequence[float]) -> None:
+        """``places``: of its handles, +x, -x, +y, -y, +z, -z; ``distance``: theirs from ``start``."""
+        ends = [places[3 * k : 3 * k + 3] for k in range(6)]
+        self.start = start
+        self.centre = [sum(end[k] for end in ends) / 6 for k in range(3)]
+        self.axes = [
+            [(one - other) / (2 * distance) for one, other in zip(*pair, strict=True)]
+            for pair in (ends[0:2], ends[2:4], ends[4:6])
+        ]
+
+    def place(self, position: Vector) -> list[float]:
+        """Where a point of the piece is now."""
+        arm = plus(position, self.start, -1.0)
+        return [
+            c + sum(arm[k] * self.axes[k][i] for k in range(3)) for i, c in enumerate(self.centre)
+        ]
+
+    def motion(self) -> Motion:
+        """Displacement of the centroid and small rotation about x, y, z."""
+        (_, xy, xz), (yx, _, yz), (zx, zy, _) = self.axes
+        turn = [(yz - zy) / 2, (zx - xz) / 2, (xy - yx) / 2]
+        return Motion(plus(self.centre, self.start, -1.0), turn)
+
+
+class LiggghtsModel:
+    """A LIGGGHTS that holds the assembly, and what was done to it so far."""
+
+    def __init__(self, deck: Deck, ranks: int, history: History) -> None:
+        self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
+        self.ranks, self.history = ranks, history
+        self.slice = max(1, round(5 * self.search.period_steps))  # steps between two looks at it
+        self.events: list[Event] = []
+        self.place_variables = deck.place_variables
+        self.force_variables = deck.force_variables
+        self._start()
+
+    def _start(self) -> None:
+        self.engine, self.load = LiggghtsProcess(self.ranks), 0.0
+        self.cut_nodes: set[int] = set()
+        self.engine.tell(f"include {INPUT_SCRIPT}")
+        self._run(0)
+
+    # --- the way to equilibrium ------------------------------------------------------------------
+    def raised(self, load: float) -> Outcome:
+        """Raise the load (N) smoothly and wait for what becomes of the assembly."""
+        return self._new(Event(load))
+
+    def cut(self, nodes: Iterable[int]) -> Outcome:
+        """Cut the springs of nodes and wait for what becomes of the assembly."""
+        return self._new(Event(None, tuple(sorted(nodes))))
+
+    def back(self) -> None:
+        """Undo the last event, by doing all before it again."""
+        self.engine.stop()
+        self.events.pop()
+        self._start()
+        for event in self.events:
+            self._do(event)
+
+    def _new(self, event: Event) -> Outcome:
+        self.history.attempts += 1
+        self.events.append(event)
+        return self._do(event)
+
+    def _do(self, event: Event) -> Outcome:
+        return self._cut(event.nodes) if event.load is None else self._raise(event.load)
+
+    def _raise(self, load: float) -> Outcome:
+        start, rise, ramp = self.engine.steps, load - self.load, self.search.ramp_steps
+        share = f"0.5-0.5*cos(PI*(step-{start})/{ramp})"
+        self.engine.tell(f"variable load equal {self.load!r}+{rise!r}*({share})")
+        self.engine.fresh = True  # a variable that is set anew moves to the end of all
+        for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
+            self._run(steps)
+            if self._gives_way(load):
+                return Outcome.COLLAPSE
+        self.load = load
+        self.engine.tell(f"variable load equal {load!r}")
+        return self._waits(PATIENCE)
+
+    def _cut(self, nodes: Iterable[int]) -> Outcome:
+        self.cut_nodes |= set(nodes)
+        commands = []
+        for node in nodes:
+            commands.append(f"bond_coeff {self.deck.bond[node]} 0.0 0.0")
+            types = self.deck.face_types[self.assembly.nodes[node].face]
+            commands += [
+                f"set atom {atom} type {kind}"
+                for atom, kind in zip(self.deck.atoms.spheres[node], types, strict=True)
+            ]
+        self.engine.tell(*commands)
+        self.engine.fresh = True
+        return self._waits(1)
+
+    def _waits(self, patience: int) -> Outcome:
+        for _ in range(patience * math.ceil(self.search.hold_steps / self.slice)):
+            self._run(self.slice)
+            if self._gives_way(self.load):
+                return Outcome.COLLAPSE
+            if self.unbalanced_ratio(self.load) < self.search.unbalanced_ratio:
+                return Outcome.EQUILIBRIUM
+        return Outcome.UNSETTLED
+
+    def _run(self, steps: int) -> None:
+        self.engine.run(steps)
+        self.history.time_steps += steps
+
+    def _gives_way(self, load: float) -> bool:
+        return self.search.collapsed(self.displacement(), load)
+
+    # --- measurements ----------------------------------------------------------------------------
+    def _placed(self) -> dict[int, Placement]:
+        """Where each free piece is."""
+        values, pieces = self.engine.values(self.place_variables), self.assembly.pieces
+        return {
+            piece: Placement(
+                pieces[piece].centre_m, self.deck.reach[piece], values[18 * k : 18 * k + 18]
+            )
+            for k, piece in enumerate(self.assembly.free)
+        }
+
+    def motions(self) -> list[Motion]:
+        """Displacement and rotation of each piece."""
+        placed, none = self._placed(), Motion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        pieces = range(len(self.assembly.pieces))
+        return [placed[piece].motion() if piece in placed else none for piece in pieces]
+
+    def displacement(self) -> float:
+        """The displacement that the load works on: its work per unit of load, in m."""
+        motions = self.motions()
+        return sum(
+            dot(part.force, motions[part.piece].displacement)
+            + dot(part.moment_m, motions[part.piece].rotation)
+            for part in self.assembly.loads
+        )
+
+    def unbalanced_ratio(self, load: float) -> float:
+        """Mean unbalanced force on the free pieces over the load, or the permanent one if larger."""
+        values = self.engine.values(self.force_variables)
+        total = sum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
+        return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)
+
+    def spring_forces(self) -> dict[int, list[float]]:
+        """Force of each spring (N), on the piece above; 0 where it is cut."""
+        placed = self._placed()
+
+        def place(piece: int, position: Vector) -> Vector:
+            return placed[piece].place(position) if piece in placed else position
+
+        forces = {}
+        for node in self.deck.bond:
+            own = self.assembly.nodes[node]
+            face, position = self.assembly.faces[own.face], own.position_m
+            apart = plus(place(face.below, position), place(face.above, position), -1.0)
+            stiffness = self.deck.spring_stiffness(node)
+            forces[node] = [0.0 if node in self.cut_nodes else stiffness * d for d in apart]
+        return forces
+
+    def node_forces(self) -> list[NodeForce]:
+        """Forces of all nodes."""
+        touching = self.engine.dump("all", ["fx", "fy", "fz"])
+        springs, rows = self.spring_forces(), []
+        for number, node in enumerate(self.assembly.nodes):
+            normal = self.assembly.faces[node.face].normal
+            bonded = number in self.deck.bond and number not in self.cut_nodes
+            # The sphere above has one neighbour, the one below: its force is the node's.
+            force = springs[number] if bonded else touching[self.deck.atoms.spheres[number][1]]
+            along = dot(force, normal)
+            rows.append(NodeForce(along, plus(force, normal, -along), bonded))
+        return rows
+
+    def utilisation(self) -> dict[int, float]:
+        """Shear or tension over its strength, of each spring that holds."""
+        rows = {}
+        for node, force in self.spring_forces().items():
+            if node not in self.cut_nodes:
+                own = self.assembly.nodes[node]
+                face = self.assembly.faces[own.face]
+                rows[node] = utilisation(force, face.normal, face.material, own.area_m2)
+        return rows
+
+    def record(self, load: float, stage: str) -> list[NodeForce]:
+        """Add a line to the history; the forces of all nodes."""
+        nodes = self.node_forces()
+        self.history.record(load, stage, self.displacement(), self.unbalanced_ratio(load), nodes)
+        return nodes
+
+    def check_flat(self, nodes: Sequence[NodeForce]) -> None:
+        """End with a reason where contact spheres no longer stand for flat faces."""
+        check_flat(self.assembly, self.motions(), self.deck.radii, nodes, self.load)
+
+
+def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> float:
+    """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
+    along = dot(force, normal)
+    shear = length(plus(force, normal, -along))
+    strength = law.tensile_strength * area
+    tension = -along / strength if strength > 0 else math.inf if along < 0 else 0.0
+    return max(shear / (law.cohesion * area), tension)

@@ -1,0 +1,117 @@
+"""A running LIGGGHTS that takes commands."""
+
+import math
+import os
+import re
+import subprocess
+from collections.abc import Sequence
+from itertools import count
+from pathlib import Path
+
+from .children import ENDS_WITH_PARENT, in_private_network
+
+LIGGGHTS = ("liggghts", "-log", "none")
+# Ranks talk through shared memory: without these, every rank listens on ports of all interfaces.
+MPI = {"OMPI_MCA_btl": "self,vader"}
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1"}  # no daemon either, which would do the same
+# Ranks that wait for each other give way where there are more of them than cores.
+MPIRUN = ("--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idle", "1")
+
+
+def command(ranks: int) -> tuple[str, ...]:
+    """What starts LIGGGHTS; mpirun, which always listens, does so where nobody can reach it."""
+    own = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
+    if ranks == 1:
+        return (*own, *LIGGGHTS)
+    mpirun = ("mpirun", "-np", str(ranks), *MPIRUN)
+    return (*in_private_network(), *own, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
+
+
+class LiggghtsProcess:
+    """LIGGGHTS on ``ranks`` processes; what goes wrong ends this script with its last words."""
+
+    def __init__(self, ranks: int) -> None:
+        self.process = subprocess.Popen(
+            command(ranks),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",  # of its error messages some are not text
+            env={**os.environ, **MPI, **(ALONE if ranks == 1 else {})},
+        )
+        self.marks = count()
+        self.steps, self.fresh = 0, True
+        self.version = version_in(self.tell())
+
+    def tell(self, *commands: str) -> list[str]:
+        """Give it commands, wait for their end, and return the lines that it printed."""
+        assert self.process.stdin and self.process.stdout
+        mark = f"done {next(self.marks)}"
+        lines: list[str] = []
+        try:
+            self.process.stdin.write("".join(f"{c}\n" for c in commands) + f'print "{mark}"\n')
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # it has ended: its last words follow
+        for line in self.process.stdout:
+            if line.strip() == mark:
+                return lines
+            lines.append(line.rstrip())
+        raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS has ended"]))
+
+    def run(self, steps: int) -> None:
+        """Advance; what was changed since the last run is set up only where ``fresh``."""
+        self.steps += steps
+        self.tell(f"run {steps} pre {'yes' if self.fresh else 'no'} post no")
+        self.fresh = False
+
+    def dump(self, group: str, columns: Sequence[str]) -> dict[int, list[float]]:
+        """Numbers of the atoms of a group, by atom."""
+        pattern = " ".join(["%d"] + ["%.17g"] * len(columns))
+        self.tell(
+            f"dump now {group} custom 1 now.dump id {' '.join(columns)}",
+            f'dump_modify now first yes format "{pattern}"',
+            "run 0 post no",
+            "undump now",
+        )
+        self.fresh = True
+        path = Path("now.dump")
+        rows = dumped_rows(path.read_text())
+        path.unlink()
+        return rows
+
+    def values(self, names: Sequence[str]) -> list[float]:
+        """Values of variables."""
+        text = " ".join("$" + "{" + name + "}" for name in names)
+        return printed_values(self.tell(f'print "values {text}"'))
+
+    def stop(self) -> None:
+        """End it."""
+        self.process.terminate()  # not kill: mpirun could not end its ranks
+        self.process.communicate()
+
+
+def version_in(lines: Sequence[str]) -> str:
+    """The version that LIGGGHTS prints when it starts, such as 3.8.0."""
+    for line in lines:
+        if found := re.search(r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)", line):
+            return found[1]
+    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS does not tell its version"]))
+
+
+def dumped_rows(text: str) -> dict[int, list[float]]:
+    """Numbers of the atoms in the last snapshot of a dump, by atom."""
+    lines = text.splitlines()
+    start = max(i for i, line in enumerate(lines) if line.startswith("ITEM: ATOMS")) + 1
+    rows = (line.split() for line in lines[start:])
+    return {int(row[0]): [float(value) for value in row[1:]] for row in rows}
+
+
+def printed_values(lines: Sequence[str]) -> list[float]:
+    """Numbers of the printed line that begins with "values"; exits if one is none."""
+    line = next(line for line in lines if line.startswith("values "))
+    found = [float(value) for value in line.split()[1:]]
+    if not all(map(math.isfinite, found)):
+        raise SystemExit("the computation has diverged: LIGGGHTS' results are no numbers")
+    return found

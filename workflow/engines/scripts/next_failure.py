@@ -1,0 +1,123 @@
+"""Search for the peak of a model whose bonds are cut one after the other: from failure to failure."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import Protocol
+
+from .assembly import Search
+from .records import BONDS, NodeForce, Outcome, Peak, failure_mode
+
+GROWTH = 1.5  # of the increment while the load is carried
+LEAST_INCREMENT = 1e-9  # over the first: less is no load
+LARGEST_LOAD = 1e6  # over the first increment
+TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
+
+
+class Model(Protocol):
+    """A model whose bonds hold until the search cuts them."""
+
+    load: float  # N, that it stands at
+
+    def raised(self, load: float) -> Outcome:
+        """Raise the load (N) and wait for what becomes of it."""
+
+    def cut(self, nodes: Iterable[int]) -> Outcome:
+        """Cut the bonds of nodes and wait for what becomes of it."""
+
+    def back(self) -> None:
+        """Undo the last event."""
+
+    def utilisation(self) -> dict[int, float]:
+        """Of each bond that holds."""
+
+    def record(self, load: float, stage: str) -> Sequence[NodeForce]:
+        """Add the state to the history; forces of all nodes."""
+
+    def check_flat(self, nodes: Sequence[NodeForce]) -> None:
+        """End with a reason where its contacts no longer stand for flat faces."""
+
+
+def next_load(before: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
+    """The load to go to (N): no further than to just below the next failure, if that can be told.
+
+    ``before``: loads and largest utilisations of the last equilibria; all but linear.
+    """
+    load, used = before[-1]
+    furthest = load + increment
+    if len(before) > 1 and load > before[-2][0] and before[-2][1] < used < math.inf:
+        slope = (used - before[-2][1]) / (load - before[-2][0])
+        failure = load + (1.0 - tolerance / 2 - used) / slope
+        # Near a failure all the way to it, otherwise most of it.
+        share = 1.0 if failure - load < 3 * tolerance * failure else 0.9
+        furthest = min(furthest, load + share * (failure - load))
+    return max(furthest, load * (1.0 + tolerance / 4))
+
+
+def failing(used: dict[int, float]) -> list[int]:
+    """Nodes that fail together: the most used of those at their strength."""
+    most = max(used.values())
+    return [node for node, u in used.items() if u >= min(1.0, most) * (1.0 - TOGETHER)]
+
+
+def most_used(used: dict[int, float]) -> float:
+    """The largest utilisation; 0 without bonds."""
+    return max(used.values(), default=0.0)
+
+
+def peak_by_failures(model: Model, search: Search) -> Peak:
+    """The largest load that ``model`` carries.
+
+    The load rises to just below the failure of the next bond. That bond is cut, at this load, and
+    all that fail in turn; where no equilibrium follows is the peak. A load that fails with no bond
+    at its limit is taken back and halves the increment.
+    """
+    if model.raised(0.0) is not Outcome.EQUILIBRIUM:
+        raise SystemExit("the assembly does not stand under its permanent loads")
+    tolerance, first = search.tolerance, search.first_increment_N
+    increment, first_failure = first, None
+    before: list[tuple[float, float]] = []
+    used = model.utilisation()
+    while True:
+        most = most_used(used)
+        before.append((model.load, most))
+        peak = model.load
+        nodes = model.record(peak, Outcome.EQUILIBRIUM.value)
+        model.check_flat(nodes)
+        if most >= 1.0 - tolerance:
+            first_failure = peak if first_failure is None else first_failure
+            while most >= 1.0 - tolerance:
+                cut = failing(used)
+                print(f"{peak:12.4f} N cuts {len(cut)} springs", flush=True)
+                outcome = model.cut(cut)
+                if outcome is not Outcome.EQUILIBRIUM:
+                    model.record(peak, outcome.value)
+                    return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
+                used = model.utilisation()
+                most = most_used(used)
+            before, increment = [], first / 4  # the next failure may be near
+            continue
+        load = next_load(before, increment, tolerance)
+        while True:
+            outcome = model.raised(load)
+            standing = outcome is Outcome.EQUILIBRIUM
+            used = model.utilisation() if standing else {}
+            over = most_used(used)
+            near = load - peak <= tolerance * max(peak, first)
+            if standing and (over <= 1.0 + tolerance or near):
+                break  # what is overstressed from one load to the next is cut there
+            print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
+            model.record(load, "overstressed" if standing else outcome.value)
+            if near:
+                mode = failure_mode(outcome, False, load)
+                return Peak(peak, load, first_failure, mode, nodes)
+            if load - peak < LEAST_INCREMENT * first:
+                raise SystemExit("the assembly carries no load in this direction")
+            told = standing and math.isfinite(over)
+            share = (1.0 - tolerance / 2 - most) / (over - most) if told else 0.5
+            increment = share * (load - peak)
+            model.back()
+            load = peak + increment
+        print(f"{load:12.4f} N stands", flush=True)
+        if load > LARGEST_LOAD * first:
+            raise SystemExit("the load grows without a peak")
+        increment *= GROWTH

@@ -1,0 +1,156 @@
+"""What a script writes: the history of the search, the stresses at the peak, the result."""
+
+import csv
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+from .assembly import Assembly, Vector
+
+Row = dict[str, Any]
+BONDS = "bonds"  # at the load that failed, bonds broke
+MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
+
+
+class Outcome(Enum):
+    """What becomes of an assembly whose load was raised, or whose bonds were cut."""
+
+    EQUILIBRIUM = "equilibrium"
+    COLLAPSE = "collapse"  # it moved too far for this load
+    UNSETTLED = "no equilibrium"  # it neither came to rest nor moved far
+
+
+@dataclass(frozen=True)
+class NodeForce:
+    """Normal force (N, compression positive), shear on the piece above (N), whether it is bonded."""
+
+    normal: float
+    shear: Vector
+    bonded: bool
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest load that is carried, in N, and what was found beside it.
+
+    ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
+    node failed, None if none did. ``mode``: how it failed, `BONDS` or `MECHANISM`. ``nodes``: the
+    forces at the peak.
+    """
+
+    load: float
+    failed_load: float
+    first_failure_load: float | None
+    mode: str
+    nodes: Sequence[NodeForce]
+
+
+@dataclass
+class History:
+    """Every equilibrium and failure on the way to the peak."""
+
+    assembly: Assembly
+    time_steps: int = 0  # in all, those of failed attempts included
+    attempts: int = 0
+    rows: list[Row] = field(default_factory=list)
+
+    def record(
+        self,
+        load: float,
+        stage: str,
+        displacement: float,
+        unbalanced_ratio: float,
+        nodes: Sequence[NodeForce],
+    ) -> None:
+        """Add a row: load (N), displacement (m), shear (N) and broken share of each inner face."""
+        faces = self.assembly.faces
+        shear = [[0.0, 0.0] for _ in faces]
+        count, bonds = [0] * len(faces), [0] * len(faces)
+        for force, node in zip(nodes, self.assembly.nodes, strict=True):
+            own = shear[node.face]
+            own[0] += force.shear[0]
+            own[1] += force.shear[1]
+            count[node.face] += 1
+            bonds[node.face] += force.bonded
+        row = {
+            "time_step": self.time_steps,
+            "attempt": self.attempts,
+            "stage": stage,
+            "load_N": load,
+            "displacement_m": displacement,
+            "unbalanced_ratio": unbalanced_ratio,
+        }
+        inner = [number for number, face in enumerate(faces) if face.cohesive]
+        for number in inner:
+            row[f"{faces[number].name}_shear_x_N"] = shear[number][0]
+            row[f"{faces[number].name}_shear_y_N"] = shear[number][1]
+        for number in inner:
+            row[f"{faces[number].name}_broken_share"] = 1.0 - bonds[number] / count[number]
+        self.rows.append(row)
+
+    def write(self, peak: Peak, engine: str, version: str) -> None:
+        """Write ``history.csv``, ``nodes.csv`` and at the very end ``result.json``.
+
+        Exits with a reason if a load or a stress is no number.
+        """
+        table = [
+            node_row(self.assembly, number, force) for number, force in enumerate(peak.nodes)
+        ]
+        numbers = [value for row in table for value in row.values() if isinstance(value, float)]
+        if not all(map(math.isfinite, [peak.load, peak.failed_load, *numbers])):
+            raise SystemExit("the computation has diverged: its results are no numbers")
+        write_table("history.csv", self.rows)
+        write_table("nodes.csv", table)
+        result = {
+            "peak_load_N": peak.load,
+            "failed_load_N": peak.failed_load,
+            "first_failure_load_N": peak.first_failure_load,
+            "mode": peak.mode,
+            "time_steps": self.time_steps,
+            "engine": engine,
+            "engine_version": version,
+        }
+        Path("result.json").write_text(json.dumps(result, indent=1) + "\n")
+
+
+def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:
+    """How the assembly failed at ``load`` (N); exits with a reason if it did not."""
+    if breaks:
+        return BONDS
+    if outcome is Outcome.COLLAPSE:
+        return MECHANISM
+    raise SystemExit(
+        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor move off"
+    )
+
+
+def node_row(assembly: Assembly, number: int, force: NodeForce) -> Row:
+    """A node's place, area and stresses."""
+    node = assembly.nodes[number]
+    face = assembly.faces[node.face]
+    x, y, z = node.position_m
+    return {
+        "face": face.name,
+        "kind": face.kind,
+        "x_m": x,
+        "y_m": y,
+        "z_m": z,
+        "area_m2": node.area_m2,
+        "normal_Pa": force.normal / node.area_m2,
+        "shear_x_Pa": force.shear[0] / node.area_m2,
+        "shear_y_Pa": force.shear[1] / node.area_m2,
+        "shear_z_Pa": force.shear[2] / node.area_m2,
+        "bonded": int(force.bonded),
+    }
+
+
+def write_table(name: str, rows: Sequence[Row]) -> None:
+    """Write rows as CSV."""
+    with Path(name).open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, rows[0])
+        writer.writeheader()
+        writer.writerows(rows)

@@ -1,0 +1,254 @@
+"""An assembly in YADE.
+
+Every contact node is a pair of spheres, one in each of the two pieces that meet there; the node's
+tributary area is in their stiffness and strength. All spheres of a piece are one rigid clump.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from .assembly import Assembly, Material, Search
+from .flatness import Motion, check_flat
+from .records import History, NodeForce, Outcome
+from .yade_program import O, Vector3, create_interaction, wrapper
+
+SLICE = 10  # time steps between two looks at the assembly
+PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is YADE's own.
+
+    ``radius_m``: of the contact spheres. Large against all displacements, so that contacts are as
+    flat as faces: a contact's normal turns by the displacement over twice the radius. ``damping``:
+    Cundall's, not viscous. ``ductile``: whether inner faces keep their strength once it is reached.
+    """
+
+    radius_m: float
+    damping: float
+    ductile: bool
+
+
+class YadeModel:
+    """An assembly of bodies in YADE's one and only scene."""
+
+    def __init__(
+        self, assembly: Assembly, search: Search, settings: Settings, history: History
+    ) -> None:
+        self.assembly, self.search, self.settings = assembly, search, settings
+        self.history = history
+        self.breakable = not settings.ductile
+        self.face_of = [assembly.faces[node.face] for node in assembly.nodes]
+        self.clumps, self.pairs = self._build()
+        self.free = [self.clumps[index] for index in assembly.free]
+
+    # --- bodies ----------------------------------------------------------------------------------
+    def _build(self) -> tuple[list[int], list[tuple[int, int]]]:
+        """Make spheres, clumps and engines; ids of each piece's clump and each node's spheres."""
+        material_of = lru_cache(maxsize=None)(self._add_material)
+        members: list[list[int]] = [[] for _ in self.assembly.pieces]
+        pairs = []
+        for node, face in zip(self.assembly.nodes, self.face_of, strict=True):
+            reach = self.settings.radius_m * Vector3(face.normal)
+            material = material_of(face.material, face.cohesive, node.area_m2)
+            pair = (
+                self._add_sphere(Vector3(node.position_m) - reach, material),
+                self._add_sphere(Vector3(node.position_m) + reach, material),
+            )
+            members[face.below].append(pair[0])
+            members[face.above].append(pair[1])
+            pairs.append(pair)
+        clumps = self._clump(members)
+        O.dt = self.search.time_step_s
+        detection = wrapper.Ig2_Sphere_Sphere_ScGeom6D(interactionDetectionFactor=1.001)
+        O.engines = [  # no collider: nodes are the only contacts
+            wrapper.ForceResetter(),
+            wrapper.InteractionLoop(
+                [detection],
+                [wrapper.Ip2_CohFrictMat_CohFrictMat_CohFrictPhys(setCohesionNow=True)],
+                [wrapper.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()],
+            ),
+            wrapper.NewtonIntegrator(damping=self.settings.damping, gravity=(0, 0, 0)),
+        ]
+        _watch(pairs)
+        O.step()  # bonds form now, and never again
+        detection.interactionDetectionFactor = 1.0
+        return clumps, pairs
+
+    def _add_material(self, law: Material, cohesive: bool, area: float) -> int:
+        """Material that gives two spheres the stiffness and strength of a node of this area (m2).
+
+        For equal spheres YADE takes kn = young * radius, ks = poisson * kn, adhesion = cohesion *
+        radius**2.
+        """
+        radius = self.settings.radius_m
+        material = wrapper.CohFrictMat(
+            young=law.normal_stiffness * area / radius,
+            poisson=law.shear_stiffness / law.normal_stiffness,
+            frictionAngle=math.atan(law.friction),
+            isCohesive=law.cohesion > 0,
+            normalCohesion=law.tensile_strength * area / radius**2,
+            shearCohesion=law.cohesion * area / radius**2,
+            momentRotationLaw=False,
+            # Dry nodes too: if not, one in tension shifts its reference and closes too early.
+            fragile=not (self.settings.ductile and cohesive),
+            density=1.0,
+        )
+        return int(O.materials.append(material))
+
+    def _add_sphere(self, centre: Any, material: int) -> int:
+        body = wrapper.Body()
+        body.shape = wrapper.Sphere(radius=self.settings.radius_m)
+        body.mat = O.materials[material]
+        body.state = body.mat.newAssocState()
+        volume = 4.0 / 3.0 * math.pi * self.settings.radius_m**3
+        body.state.mass = volume * body.mat.density
+        inertia = 0.4 * volume * self.settings.radius_m**2 * body.mat.density
+        body.state.inertia = inertia * Vector3.Ones
+        body.state.pos = body.state.refPos = centre
+        body.aspherical = False
+        return int(O.bodies.append(body))
+
+    def _clump(self, members: list[list[int]]) -> list[int]:
+        """Make a clump of each piece's spheres, with the piece's own mass; their ids.
+
+        A clump's origin is the centroid of its spheres: one that outweighs the others by far, and
+        touches nothing, puts it at the centroid of the piece.
+        """
+        heavy = O.materials.append(wrapper.CohFrictMat(density=1e15))
+        clumps = []
+        for piece, spheres in zip(self.assembly.pieces, members, strict=True):
+            spheres.append(self._add_sphere(Vector3(piece.centre_m), heavy))
+            clumps.append(int(O.bodies.clump(spheres)))
+            state = O.bodies[clumps[-1]].state
+            state.mass = piece.mass_kg
+            # The same about all axes: the clump's frame may be turned against the cuboid's.
+            state.inertia = piece.inertia_kgm2 * Vector3.Ones
+            state.refPos, state.refOri = state.pos, state.ori  # displacements count from here
+            if piece.fixed:
+                O.bodies[clumps[-1]].dynamic = False
+                state.blockedDOFs = "xyzXYZ"
+        return clumps
+
+    # --- loads and measurements ------------------------------------------------------------------
+    def _apply(self, load: float, permanent: float) -> None:
+        """Put the load (N) and a share of the permanent loads on the pieces."""
+        pieces = self.assembly.pieces
+        forces = [permanent * Vector3(piece.force_N) for piece in pieces]
+        moments = [permanent * Vector3(piece.moment_Nm) for piece in pieces]
+        for part in self.assembly.loads:
+            forces[part.piece] += load * Vector3(part.force)
+            moments[part.piece] += load * Vector3(part.moment_m)
+        for index in self.assembly.free:
+            O.forces.setPermF(self.clumps[index], forces[index])
+            O.forces.setPermT(self.clumps[index], moments[index])
+
+    def displacement(self) -> float:
+        """The displacement that the load works on: its work per unit of load, in m."""
+        work = 0.0
+        for part in self.assembly.loads:
+            state = O.bodies[self.clumps[part.piece]].state
+            turn = state.refOri * state.rot()  # rot() is in the clump's own frame
+            work += Vector3(part.force).dot(state.displ()) + Vector3(part.moment_m).dot(turn)
+        return work
+
+    def motions(self) -> list[Motion]:
+        """Displacement and rotation of each piece."""
+        states = [O.bodies[clump].state for clump in self.clumps]
+        return [Motion(tuple(s.displ()), tuple(s.refOri * s.rot())) for s in states]
+
+    def unbalanced_ratio(self, load: float) -> float:
+        """Mean unbalanced force on the free pieces over the load, or the permanent one if larger."""
+        total = sum(O.forces.f(clump, sync=True).norm() for clump in self.free)
+        return float(total / len(self.free) / max(load, self.assembly.permanent_N))
+
+    def node_forces(self) -> list[NodeForce]:
+        """Forces of all nodes."""
+        rows = []
+        for pair, face in zip(self.pairs, self.face_of, strict=True):
+            if not O.interactions.has(*pair) or not O.interactions[pair].isReal:
+                rows.append(NodeForce(0.0, (0.0, 0.0, 0.0), False))
+                continue
+            contact = O.interactions[pair]
+            normal = contact.geom.normal
+            # YADE's forces act on the second body; the normal points from the first to the second.
+            on_above = 1.0 if normal.dot(Vector3(face.normal)) > 0 else -1.0
+            bonded = face.cohesive and not contact.phys.cohesionBroken
+            shear = tuple(on_above * contact.phys.shearForce)
+            rows.append(NodeForce(contact.phys.normalForce.dot(normal), shear, bonded))
+        return rows
+
+    def broken(self) -> int:
+        """Number of nodes whose bond has broken."""
+        return sum(
+            face.cohesive
+            and not (
+                O.interactions.has(*pair)
+                and O.interactions[pair].isReal
+                and not O.interactions[pair].phys.cohesionBroken
+            )
+            for pair, face in zip(self.pairs, self.face_of, strict=True)
+        )
+
+    # --- the way to equilibrium ------------------------------------------------------------------
+    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+        """Raise the load smoothly from start to end (N) and wait for what becomes of it.
+
+        While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
+        """
+        self.history.attempts += 1
+        before, ramp = self.broken(), self.search.ramp_steps
+        for step in range(SLICE, ramp + SLICE, SLICE):
+            share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
+            load = start + share * (end - start)
+            self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
+            if self._gives_way(load):
+                return self._ended(load, Outcome.COLLAPSE)
+        self._record(end, "loaded")
+        for _ in range(PATIENCE):
+            for _ in range(0, self.search.hold_steps, SLICE):
+                if self._gives_way(end):
+                    return self._ended(end, Outcome.COLLAPSE)
+                if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
+                    return self._ended(end, Outcome.EQUILIBRIUM)
+            if self.broken() > before:
+                break
+        return self._ended(end, Outcome.UNSETTLED)
+
+    def _gives_way(self, load: float) -> bool:
+        """Advance by a slice of time steps; whether the assembly has moved too far for this load."""
+        for _ in range(SLICE):
+            O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
+        self.history.time_steps += SLICE
+        return self.search.collapsed(self.displacement(), load)
+
+    def _ended(self, load: float, outcome: Outcome) -> Outcome:
+        self._record(load, outcome.value)
+        if outcome is Outcome.EQUILIBRIUM:
+            radii = [self.settings.radius_m] * len(self.assembly.faces)
+            check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
+        return outcome
+
+    def _record(self, load: float, stage: str) -> None:
+        self.history.record(
+            load, stage, self.displacement(), self.unbalanced_ratio(load), self.node_forces()
+        )
+
+    def keep(self) -> None:
+        """Keep the present state."""
+        O.saveTmp("equilibrium")
+
+    def go_back(self) -> None:
+        """Return to the state that was kept last."""
+        O.loadTmp("equilibrium")
+        _watch(self.pairs)  # open nodes are not saved
+
+
+def _watch(pairs: list[tuple[int, int]]) -> None:
+    """Have every node looked at in each step, whether it is in contact or not."""
+    for pair in pairs:
+        if not O.interactions.has(*pair):
+            create_interaction(*pair, virtualI=True)

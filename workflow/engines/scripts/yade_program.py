@@ -1,0 +1,43 @@
+"""YADE's compiled modules, without what its Python package imports besides.
+
+``import yade`` also imports IPython, numpy, mpmath and more, which takes longer than a small case.
+In YADE's own launcher, where it has been imported already, it is taken as it is.
+"""
+
+import glob
+import os
+import sys
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+LIBRARIES = "/usr/lib/*/yade-double"  # Debian's
+
+
+def _import_compiled_part() -> None:
+    """Do what ``yade/__init__.py`` does for its compiled part, and no more."""
+    found = glob.glob(LIBRARIES)
+    if not found:
+        raise SystemExit(f"YADE is not in {LIBRARIES}")
+    package = ModuleType("yade")
+    package.__path__ = [f"{found[0]}/py/yade"]
+    sys.modules["yade"] = package
+    sys.setdlopenflags(os.RTLD_NOW | os.RTLD_GLOBAL)
+    config = import_module("yade.config")
+    plugins = sorted(str(path) for path in Path(config.libDir).rglob("lib*.so"))
+    import_module("yade.boot").initialize(plugins, config.confDir)
+
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # sums in a fixed order: results repeat exactly
+if "yade" not in sys.modules:
+    _import_compiled_part()
+
+# In this order: each needs the types that those before it have made known.
+wrapper: Any = import_module("yade.wrapper")
+Vector3: Any = import_module("yade._minieigenHP").Vector3
+import_module("yade._customConverters")  # of lists
+create_interaction: Any = import_module("yade._utils").createInteraction
+
+O: Any = wrapper.Omega()  # noqa: E741 (YADE's name for the simulation)
+VERSION: str = import_module("yade.config").version
