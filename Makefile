@@ -2,52 +2,41 @@
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make calibrate  which geometry fits the published numbers
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
-# make times   how long each model takes, after a study
 # make test    lint and all tests, real runs of the engines included
+# make bench   how long everything takes on this machine, as a table
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
 
 CONFIG ?= config.yaml
 RESULTS ?=
+CASE ?=
 MODEL ?=
+# They reach the shell as they are, whatever is in them.
+export CONFIG RESULTS CASE MODEL
 BIN := .venv/bin
-TO = $(if $(RESULTS),--results "$(RESULTS)")
-OPTIONS = --configfile "$(CONFIG)" --config $(if $(RESULTS),"results=$(RESULTS)")
-FOLDER = folder=$$($(BIN)/python -m workflow.configuration folder "$(CONFIG)" $(TO))
-ENGINES = engines=$$($(BIN)/python -m workflow.configuration engines "$(CONFIG)")
+WORKFLOW = @$(BIN)/python -m workflow
+TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study case calibrate decks times test lint format lock system clean
+.PHONY: study case calibrate decks bench test lint format lock system clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
-	@$(FOLDER) && \
-	$(ENGINES) && \
-	$(BIN)/snakemake $(OPTIONS) "dem={engines: [$$engines]}" && cat "$$folder/summary.txt"
+	$(WORKFLOW) study $(TO)
 
 case: .venv/study.ready
-	@test -n "$(CASE)" || { echo "CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a"; exit 2; }
-	@folder=$$($(BIN)/python -m workflow.cases "$(CONFIG)" "$(CASE)" $(if $(MODEL),--model "$(MODEL)") $(TO)) && \
-	$(BIN)/snakemake "$$folder/result.json" $(OPTIONS) && \
-	$(BIN)/python -m analysis.case "$$folder"
+	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
 
-# The best geometries are a study of their own, whose configuration the first step writes.
 calibrate: .venv/study.ready
-	@$(FOLDER) && \
-	$(ENGINES) && \
-	$(BIN)/snakemake calibrate $(OPTIONS) && \
-	$(BIN)/snakemake "$$folder/calibration/tables/capacity.csv" \
-		--configfile "$$folder/calibration/best.yaml" --config "dem={engines: [$$engines]}" && \
-	$(BIN)/snakemake confirmation $(OPTIONS) && cat "$$folder/calibration/best.txt"
+	$(WORKFLOW) calibrate $(TO)
 
 decks: .venv/study.ready
-	@$(FOLDER) && \
-	$(BIN)/snakemake decks $(OPTIONS) && echo "Decks: $$folder/decks/3dec"
+	$(WORKFLOW) decks $(TO)
 
-times: .venv/study.ready
-	@OMP_NUM_THREADS=1 $(BIN)/python -m analysis.times "$(CONFIG)" $(TO)
+bench: .venv/test.ready
+	@$(BIN)/python -m benchmarks
 
 test: .venv/test.ready lint
 	$(BIN)/pytest

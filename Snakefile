@@ -11,7 +11,7 @@ sys.path.insert(0, CHECKOUT)
 
 from workflow.configuration import ConfigError, read_study
 from workflow.lock import LockedError, lock
-from workflow.plan import faults, plan_file, plan_of
+from workflow.plan import plan_of, prepared
 
 # A study of one's own is not mixed with this one.
 if not workflow.config_settings.configfiles:
@@ -32,8 +32,7 @@ if workflow.is_main_process and not workflow.dryrun:
     except LockedError as error:
         sys.exit(str(error))
 JOBS = PLAN.jobs
-faults(JOBS.values(), Path(RESULTS))
-PLANS = {name: str(plan_file(job, job.digest(), Path(RESULTS))) for name, job in JOBS.items()}
+PLANS = {name: str(path) for name, path in prepared(JOBS.values(), Path(RESULTS)).items()}
 
 # `exec`: a job ends with Snakemake, not only with the shell between them.
 RUN = (

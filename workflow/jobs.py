@@ -21,6 +21,7 @@ from workflow.schema import Study
 from workflow.threedec import DECK, deck_folder
 
 BATCH = 512  # cases that one job solves, about
+RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # that are read from the cases' records
 BATCH_FILES = ("records.jsonl", "nodes.parquet", "history.parquet")
 
@@ -57,7 +58,7 @@ class Job:
 
     def digest(self) -> str:
         """Digest of all that its results depend on, but for its inputs."""
-        code = code_digest((self.step, *self.modules), self.files)
+        code = code_digest((RUNNER, self.step, *self.modules), self.files)
         return digest_of([self.name, code, dict(self.arguments), dict(self.versions)])
 
     def plan(self, digest: str, results: Path) -> dict[str, Any]:

@@ -73,19 +73,17 @@ def plan_file(job: Job, digest: str, results: Path) -> Path:
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
 
 
-def faults(jobs: Iterable[Job], results: Path) -> dict[str, str]:
-    """Why jobs have to be done, by name; each job's plan is written.
+def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
+    """Write each job's plan, and take away what has to be made again; the plans by job.
 
     Results that are not what their job made are removed. Where they were made from something else
     the plan is as new as now, newer than they are: it is among the job's inputs.
     """
-    found: dict[str, str] = {}
+    plans: dict[str, Path] = {}
     for job in jobs:
         digest = job.digest()
-        path = plan_file(job, digest, results)
+        path = plans[job.name] = plan_file(job, digest, results)
         reason = fault(read_receipt(results / job.receipt), job.name, digest, results)
-        if reason is not None:
-            found[job.name] = reason
         if not path.is_file():
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(json.dumps(job.plan(digest, results), indent=1) + "\n")
@@ -94,4 +92,4 @@ def faults(jobs: Iterable[Job], results: Path) -> dict[str, str]:
         if reason not in (None, STALE):
             for name in job.outputs:
                 (results / name).unlink(missing_ok=True)
-    return found
+    return plans
