@@ -1,5 +1,6 @@
-"""Reading a configuration: whatever stands in the file, a study or one clear line for each fault."""
+"""Reading a configuration: whatever is in the file, a study or one clear line for each fault."""
 
+import copy
 import math
 import os
 import subprocess
@@ -25,6 +26,7 @@ from workflow.configuration import (
 from workflow.schema import Study
 
 CONFIG = (ROOT / "config.yaml").read_bytes()
+PUBLISHED = yaml.safe_load(CONFIG)
 STUDY = "samples: {n3: {locks: 3}}\n"
 LINES, LETTERS = 21, 400
 
@@ -160,9 +162,9 @@ def test_a_value_that_is_not_allowed_is_told_with_its_key_and_what_is(
 
 
 def test_many_faults_end_with_how_many_more_there_are(tmp_path: Path) -> None:
-    found = lines_of(written(tmp_path, f"{STUDY}meshes: [{'x, ' * 100_000}]"))
+    found = lines_of(written(tmp_path, f"{STUDY}meshes: [{'x, ' * 10_000}]"))
     assert len(found) == LINES
-    assert found[-1].endswith("and 99980 more faults")
+    assert found[-1].endswith("and 9980 more faults")
 
 
 # --- files ---------------------------------------------------------------------------------------
@@ -252,7 +254,7 @@ def test_thousands_of_meshes_are_welcome(tmp_path: Path) -> None:
 
 
 def test_the_reader_agrees_with_pyyaml_on_the_published_study() -> None:
-    assert read_config_text(ROOT / "config.yaml") == yaml.safe_load(CONFIG)
+    assert read_config_text(ROOT / "config.yaml") == PUBLISHED
 
 
 def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
@@ -334,7 +336,7 @@ def test_any_values_are_a_study_or_lines(config: dict[str, Any]) -> None:
 @st.composite
 def one_value_replaced(draw: st.DrawFn) -> dict[str, Any]:
     """The published study with one of its values replaced by anything."""
-    config = yaml.safe_load(CONFIG)
+    config = copy.deepcopy(PUBLISHED)
     place: Any = config
     while True:
         keys = [*place] if isinstance(place, dict) else [*range(len(place))]

@@ -73,9 +73,9 @@ def test_a_dry_run_plans_every_case_table_and_figure(workspace: Workspace) -> No
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"geomtry": {"a": 0.06}}, "geomtry: unknown key; allowed here are results, samples"),
-        ({"geometry": {"a": -0.06}}, "geometry.a: got -0.06, input should be greater than 0"),
-        ({"overrides": {"n3-mesh0.3": {}}}, "overrides: got n3-mesh0.3, allowed are cases"),
+        ({"geomtry": {"a": 0.06}}, "geomtry: unknown key; the keys here are results, samples"),
+        ({"geometry": {"a": -0.06}}, "geometry.a: -0.06 is not allowed; it must be greater than 0 (m)"),
+        ({"overrides": {"n3-mesh0.3": {}}}, "overrides: 'n3-mesh0.3' is no case; it must be one of the study's"),
     ],
 )
 def test_a_typo_is_rejected_before_anything_runs(

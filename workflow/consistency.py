@@ -11,7 +11,7 @@ from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 from workflow.schema.numerics import NumericsSection
-from workflow.schema.values import shown
+from workflow.schema.values import shown, shown_key
 
 MAX_NODES = 1_000_000  # of one case: a few GB in any model
 MAX_GEOMETRIES = 100_000  # of the calibration
@@ -77,7 +77,7 @@ def notes(study: Study) -> list[str]:
     given = {
         "dem.numerics": study.dem.numerics,
         **{f"variants.{name}.numerics": v.numerics for name, v in study.variants.items()},
-        **{f"overrides.{shown(name)}": change for name, change in study.overrides.items()},
+        **{f"overrides.{shown_key(name)}": change for name, change in study.overrides.items()},
     }
     found = []
     for model in (MODELS[name] for name in study.dem.engines):

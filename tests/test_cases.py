@@ -1,0 +1,263 @@
+"""The cases of a study: which there are, their names, and that they survive being written."""
+
+import json
+import math
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from typing import Any
+
+import pytest
+import yaml
+from conftest import ROOT
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading, LoadShare, Push
+from sidmacib.mechanics.assembly import Failure
+from workflow.case import Case
+from workflow.cases import case_count, cases_of, find_case
+from workflow.configuration import ConfigError, read_study
+from workflow.engines import ENGINES
+from workflow.models import detailed
+from workflow.numerics import Numerics
+
+ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
+
+
+def merged(**change: Any) -> dict[str, Any]:
+    return {**ONE, **change}
+
+
+# --- which there are -----------------------------------------------------------------------------
+def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
+    study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
+    reference = [case for case in cases_of(study).values() if case.variant == "reference"]
+    assert len(reference) == 4 * 2 * 2 * 9
+    assert {case.model for case in reference} == {"yade", "liggghts", "static", "limit"}
+    directions = {0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf}
+    assert {case.direction.eccentricity for case in reference} == directions
+
+
+def test_a_direction_is_carried_exactly_as_configured_whatever_the_locks_length() -> None:
+    ratios = [0.1, 1 / 3, 0.30000000000000004]
+    samples = {"long": {"locks": 3, "a": 0.07}, "short": {"locks": 3, "a": 0.03}}
+    config = {"samples": samples, "eccentricities": ratios, "meshes": [0.02]}
+    cases = cases_of(read_study(config)).values()
+    for sample in samples:
+        own = [c for c in cases if c.sample == sample and c.model == "static"]
+        assert [case.direction.eccentricity for case in own] == ratios
+        assert [case.eccentricity_m for case in own] == [
+            ratio * samples[sample]["a"] for ratio in ratios
+        ]
+
+
+def test_a_variant_changes_what_it_names_where_it_says() -> None:
+    variants = {"soft": {"failure": "ductile", "meshes": [0.02], "eccentricities": [0]}}
+    cases = cases_of(read_study(merged(variants=variants)))
+    assert {key for key, case in cases.items() if case.variant == "soft"} == {
+        (model, "n3-mesh0.02-e0a-soft")
+        for model in ("yade", "limit")  # the others are brittle only
+    }
+    soft = cases["yade", "n3-mesh0.02-e0a-soft"]
+    own = cases["yade", "n3-mesh0.02-e0a"]
+    assert soft == replace(
+        own, name=soft.name, variant="soft", joint=replace(own.joint, failure=Failure.DUCTILE)
+    )
+
+
+def test_a_variant_of_the_numerics_is_for_engines_only() -> None:
+    cases = cases_of(read_study(merged(variants={"slow": {"numerics": {"ramp_periods": 80}}})))
+    slow = [case for case in cases.values() if case.variant == "slow"]
+    assert {case.model for case in slow} == {*ENGINES}
+    assert all(c.numerics and c.numerics == Numerics(ramp_periods=80) for c in slow)
+    assert all((case.numerics is None) == (case.model not in ENGINES) for case in cases.values())
+
+
+def test_without_engines_the_static_model_leads() -> None:
+    study = read_study(merged(dem={"engines": []}))
+    assert detailed(study.model_names) == ("static",)
+    assert {model for model, _ in cases_of(study)} == {"static", "limit"}
+
+
+def test_an_override_changes_one_case_only() -> None:
+    before = cases_of(read_study(ONE))
+    after = cases_of(read_study(merged(overrides={"n3-mesh0.02-torsion": {"ramp_periods": 50}})))
+    changed = [key for key in before if before[key] != after[key]]
+    assert changed == [(engine, "n3-mesh0.02-torsion") for engine in ENGINES]
+    assert after[changed[0]].numerics == Numerics(ramp_periods=50)
+
+
+def test_an_override_of_a_variant_changes_what_the_variant_left() -> None:
+    variants = {"slow": {"numerics": {"ramp_periods": 80}}}
+    overrides = {"n3-mesh0.02-e0a-slow": {"tolerance": 0.002}}
+    cases = cases_of(read_study(merged(variants=variants, overrides=overrides)))
+    numerics = cases["yade", "n3-mesh0.02-e0a-slow"].numerics
+    assert numerics == Numerics(ramp_periods=80, tolerance=0.002)
+
+
+def test_an_override_may_be_for_an_engine_that_is_left_out() -> None:
+    overrides = {"n3-mesh0.02-e0a": {"tolerance": 0.002}}
+    assert cases_of(read_study(merged(overrides=overrides, dem={"engines": []})))
+
+
+def test_only_an_engine_that_can_gets_several_ranks() -> None:
+    cases = cases_of(read_study(merged(dem={"numerics": {"ranks": 2}})))
+    ranks = {m: c.numerics.ranks for (m, _), c in cases.items() if c.numerics is not None}
+    assert ranks == {"yade": 1, "liggghts": 2}
+
+
+def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> None:
+    study = read_study(merged(dem={"engines": []}))
+    assert find_case(study, "n3-mesh0.02-e0a").model == "static"
+    assert find_case(study, "n3-mesh0.02-e0a", "limit").model == "limit"
+    with pytest.raises(ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit$"):
+        find_case(study, "n3-mesh0.02-e0a", "yade")
+    with pytest.raises(ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case of static; it must"):
+        find_case(study, "n3-mesh0.2-e0a")
+
+
+# --- names and identity --------------------------------------------------------------------------
+def test_a_key_is_the_same_for_all_models_and_variants_and_apart_from_others() -> None:
+    variants = {"body": {"load_share": "body"}}
+    cases = [*cases_of(read_study(merged(variants=variants))).values()]
+    places = {(case.key, case.sample, case.mesh, case.direction) for case in cases}
+    assert len(places) == len({case.key for case in cases}) == 2 * 9
+    assert all(case.name == case.key for case in cases if case.variant == "reference")
+    assert all(c.name == f"{c.key}-body" for c in cases if c.variant == "body")
+
+
+def test_the_digest_tells_what_the_results_depend_on_and_nothing_else() -> None:
+    cases = cases_of(read_study(ONE))
+    case = cases["yade", "n3-mesh0.02-e0a"]
+    assert replace(case, name="x", sample="y", variant="z").digest() == case.digest()
+    assert case.numerics is not None
+    others = [
+        replace(case, model="liggghts"),
+        replace(case, joint=replace(case.joint, h=case.joint.h * (1 + 1e-15))),
+        replace(case, mesh=0.021),
+        replace(case, loading=Loading(Direction(1e-12))),
+        replace(case, loading=replace(case.loading, push=Push.MINUS_Y)),
+        replace(case, numerics=replace(case.numerics, damping=0.3)),
+        replace(case, numerics=None),
+    ]
+    assert len({other.digest() for other in [case, *others]}) == 1 + len(others)
+    assert len({case.digest() for case in cases.values()}) == len(cases)
+
+
+def test_a_figures_setting_changes_no_case() -> None:
+    figures = {"mesh": 0.02, "eccentricity": 1}
+    assert cases_of(read_study(ONE)) == cases_of(read_study(merged(figures=figures)))
+
+
+# --- written and read ----------------------------------------------------------------------------
+SIZE = st.floats(1e-300, 1e300)
+
+
+@given(
+    joint=st.builds(
+        Joint,
+        locks=st.integers(2, 101),
+        **dict.fromkeys(("a", "b", "h", "H", "density"), SIZE),
+        failure=st.sampled_from(Failure),
+        upper_body=st.sampled_from(UpperBody),
+    ),
+    mesh=SIZE,
+    loading=st.builds(
+        Loading,
+        st.builds(Direction, st.floats(allow_nan=False)),
+        st.sampled_from(LoadShare),
+        st.sampled_from(Push),
+    ),
+    numerics=st.one_of(st.none(), st.builds(Numerics, tolerance=SIZE)),
+)
+def test_a_case_survives_json_exactly(
+    joint: Joint, mesh: float, loading: Loading, numerics: Numerics | None
+) -> None:
+    case = Case("n", "yade", "reference", "s", joint, mesh, loading, numerics)
+    again = Case.from_json(case.to_json())
+    assert again == case
+    assert again.digest() == case.digest()
+    assert type(again.loading.push) is Push
+    json.loads(case.to_json(), parse_constant=pytest.fail)  # what other readers know as JSON
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda told: told.pop("mesh"), "Case must have the keys name, model, "),
+        (lambda told: told.update(more=1), "Case must have the keys name, model, "),
+        (lambda told: told.update(mesh="0.02"), "'0.02' is not of the kind float"),
+        (lambda told: told.update(mesh=True), "'True' is not of the kind float"),
+        (lambda told: told.update(mesh=math.nan), "NaN is no number"),
+        (lambda told: told["joint"].update(locks=3.0), "'3.0' is not of the kind int"),
+        (lambda told: told["joint"].update(failure="soft"), "'soft' is not a valid Failure"),
+        (lambda told: told.update(joint=None), "Joint must have the keys locks, "),
+    ],
+)
+def test_what_is_not_a_case_is_refused(change: Any, message: str) -> None:
+    told = json.loads(cases_of(read_study(ONE))["yade", "n3-mesh0.02-e0a"].to_json())
+    change(told)
+    with pytest.raises(ValueError, match=f"^not a case: {message}"):
+        Case.from_json(json.dumps(told))
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "null", "\xff", "[" * 100_000])
+def test_a_text_that_is_cut_short_or_no_json_is_no_case(text: str) -> None:
+    with pytest.raises(ValueError, match=r"^not a case: "):
+        Case.from_json(text)
+
+
+# --- many ----------------------------------------------------------------------------------------
+def many(samples: int, ratios: int) -> dict[str, Any]:
+    return {
+        "samples": {f"s{i}": {"locks": 3, "a": 0.05 + 1e-4 * i} for i in range(samples)},
+        "meshes": [0.02],
+        "eccentricities": [0.001 * i for i in range(ratios)],
+        "models": ["static"],
+        "dem": {"engines": []},
+    }
+
+
+def test_ten_thousand_cases_are_built_at_once_and_share_their_joints() -> None:
+    study = read_study(many(10, 1000))
+    start = time.process_time()
+    cases = cases_of(study)
+    assert time.process_time() - start < 2.0
+    assert len(cases) == case_count(study) == 10_000
+    assert len({id(case.joint) for case in cases.values()}) == 10
+
+
+def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> None:
+    study = read_study(many(1001, 1000))
+    start = time.process_time()
+    with pytest.raises(ConfigError, match=r"^study: 1,001,000 cases, .* 1,000,000 or fewer$"):
+        cases_of(study)
+    assert time.process_time() - start < 2.0
+
+
+def test_the_count_is_that_of_the_published_study() -> None:
+    study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
+    assert case_count(study) == len(cases_of(study))
+
+
+def test_an_override_among_ten_thousand_cases_is_corrected_soon() -> None:
+    config = {**many(10, 1000), "models": ["static"], "overrides": {"s1-mesh0.02-e0.5": {}}}
+    start = time.process_time()
+    with pytest.raises(ConfigError, match=r"such as s1-mesh0\.02-e0\.5a"):
+        cases_of(read_study(config))
+    assert time.process_time() - start < 5.0
+
+
+@pytest.mark.parametrize("module", ["workflow.cases", "workflow.case", "workflow.models"])
+def test_planning_imports_no_solver_and_no_table(module: str) -> None:
+    text = f"import sys, {module}; print(*sys.modules)"
+    found = subprocess.run(
+        [sys.executable, "-c", text], check=True, cwd=ROOT, capture_output=True, text=True
+    )
+    heavy = {"cvxpy", "pandas", "numba", "scipy", "matplotlib", "pyarrow", "jinja2"}
+    assert not heavy & set(found.stdout.split())
+    if module == "workflow.case":
+        assert "pydantic" not in found.stdout.split()

@@ -1,0 +1,90 @@
+"""The registry: a model tells what it can, gives what it says, and refuses the rest in one line."""
+
+from dataclasses import replace
+
+import pytest
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.pieces import assemble
+from workflow.engines import ENGINES
+from workflow.models import MODELS, Ability, Model, Need, Obtained, detailed, obtained_by
+from workflow.outcome import Outcome, State
+
+SOLVED = obtained_by(Obtained.SOLVED)
+DUCTILE = Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
+STIFF = Need(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
+
+
+def loaded(joint: Joint) -> tuple[Assembly, Loads]:
+    assembly = assemble(joint, 0.03)
+    return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
+
+
+def test_every_way_to_obtain_results_has_its_models() -> None:
+    assert obtained_by(Obtained.ENGINE) == tuple(ENGINES)
+    assert SOLVED == ("static", "limit")
+    assert obtained_by(Obtained.RETURNED) == ("3dec",)
+    assert obtained_by(Obtained.RULE) == ("sidmacib",)
+
+
+def test_sidmacib_is_held_against_models_that_follow_progressive_failure() -> None:
+    assert detailed(["limit", "static", "sidmacib", "yade"]) == ("static", "yade")
+    assert detailed([]) == ()
+
+
+def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_several() -> None:
+    model = Model("rule", Obtained.RULE, frozenset({Ability.BRITTLE}))
+    assert model.refusal([]) is None
+    assert model.refusal([Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")]) is None
+    assert model.refusal([DUCTILE, STIFF]) == (
+        "assembly.failure: ductile is not possible with rule; it must be brittle"
+    )
+    assert model.refusal([STIFF]) == (
+        "shear_stiffness: 5 Pa/m is not possible with rule; it must be 10 Pa/m"
+    )
+
+
+def test_engines_can_what_their_entries_say() -> None:
+    for name, engine in ENGINES.items():
+        can = MODELS[name].abilities
+        assert (Ability.DUCTILE in can) != engine.brittle_only
+        assert (Ability.TWO_STIFFNESSES in can) != engine.one_stiffness
+        assert (Ability.RANKS in can) == engine.shares_out
+        assert {Ability.PROGRESSIVE, Ability.NUMERICS, Ability.STRESSES} <= can
+
+
+@pytest.mark.parametrize("name", SOLVED)
+def test_a_solved_model_tells_what_its_abilities_promise(name: str) -> None:
+    model, (assembly, loads) = MODELS[name], loaded(Joint(3))
+    outcome = model.solve(assembly, loads)
+    peak = outcome.path[-1]
+    assert 0.0 < peak.load <= outcome.failed_load
+    assert (peak.force is not None) == (Ability.STRESSES in model.abilities)
+    assert (peak.bonded is not None) == (Ability.STRESSES in model.abilities)
+    assert (peak.displacement is not None) == (Ability.DISPLACEMENTS in model.abilities)
+    assert (outcome.first_failure_load is not None) == (Ability.FIRST_FAILURE in model.abilities)
+    assert (len(outcome.path) > 1) == (Ability.PROGRESSIVE in model.abilities)
+
+
+@pytest.mark.parametrize("name", SOLVED)
+def test_friction_matters_to_the_models_that_know_it_only(name: str) -> None:
+    rough, smooth = Joint(3), Joint(3, dry=replace(Joint(3).dry, friction=0.0))
+    one, other = (MODELS[name].solve(*loaded(joint)).path[-1].load for joint in (rough, smooth))
+    assert (one == pytest.approx(other, rel=1e-6)) == (
+        Ability.FRICTION not in MODELS[name].abilities
+    )
+
+
+def test_a_model_that_is_not_solved_here_says_so() -> None:
+    assembly, loads = loaded(Joint(3))
+    for name in ("yade", "3dec", "sidmacib"):
+        with pytest.raises(TypeError, match=f"^{name} is not solved in this process$"):
+            MODELS[name].solve(assembly, loads)
+
+
+def test_an_outcome_may_be_a_capacity_alone() -> None:
+    outcome = Outcome((State(240.0),), failed_load=240.0)
+    assert (outcome.path[-1].force, outcome.path[-1].displacement) == (None, None)
+    assert outcome.first_failure_load is None
