@@ -22,7 +22,7 @@ from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
 
 ACCURACY = 1e-8  # of the optimum's value
-FEASIBLE = 1e-8  # largest violation of a constraint
+FEASIBLE = 1e-8  # largest violation of a constraint, over the largest unknown or 1
 CERTAIN = 1e-7  # residual of a certificate over what it proves
 
 # As far as they go: what counts is the check, not whether the solver reaches its tolerance.
@@ -111,11 +111,11 @@ def _optimal(data: dict[str, Any], answer: _Answer, accuracy: float) -> bool:
     # What the optimum can differ by, to first order: the gap, and what the residuals are worth.
     error = (
         abs(float(np.sum((curved + c) * x) + np.sum(b * z)))
-        + _length(residual) * _length(x)
-        + _length(violation) * _length(z)
+        + float(np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z)))
     )
     close = error <= accuracy * max(abs(value), 1.0)
-    return bool(close and np.abs(violation).max(initial=0.0) <= FEASIBLE)
+    largest = max(1.0, float(np.abs(x).max()))
+    return bool(close and np.abs(violation).max(initial=0.0) <= FEASIBLE * largest)
 
 
 def _infeasible(data: dict[str, Any], ray: Floats) -> bool:
