@@ -23,6 +23,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.pieces import rigid_pieces, upper_block
+from sidmacib.validation import refused, require_not_negative
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Sidmacib:
 
     ``strength``: factor w_j on the strength of each lock, one per lock; None for 1 everywhere.
     ``overload`` in N, down. ``friction``: whether the locks' dry friction resists along them.
+    ValueError for strengths or an overload that are negative or not finite.
     """
 
     joint: Joint
@@ -40,13 +42,17 @@ class Sidmacib:
     overload: float = 1000.0
 
     def __post_init__(self) -> None:
+        require_not_negative(overload=self.overload)
+        if not isinstance(self.friction, bool | np.bool_):
+            raise refused("friction", self.friction, "true or false")
         if self.strength is None:
             return
-        if len(self.strength) != self.joint.locks or min(self.strength) < 0:
+        if len(self.strength) != self.joint.locks:
             raise ValueError(
-                f"strength: got {self.strength}, allowed is one factor of at least 0 for each of "
-                f"{self.joint.locks} locks"
+                f"strength: {len(self.strength)} factors are too many or too few; there must be "
+                f"one for each of the {self.joint.locks} locks"
             )
+        require_not_negative(**{f"strength of lock {i}": w for i, w in enumerate(self.strength, 1)})
 
 
 @dataclass(frozen=True)
@@ -113,7 +119,8 @@ def _programme(model: Sidmacib) -> _Programme:
     along, across, normal = units.forces
     shear, torque = units.plane
     # Of force x, y, z and moment x, y, z: each equation's largest part.
-    size = np.array([along, shear, normal, normal * joint.locks * joint.b, normal * joint.a, torque])
+    width = joint.locks * joint.b
+    size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
     C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
     permanent = np.array([0.0, 0.0, -pressure, 0.0, 0.0, 0.0]) / size
     lateral = np.zeros((6, 2))

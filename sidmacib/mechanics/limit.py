@@ -59,7 +59,7 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     least = cp.sum_squares(cp.multiply(np.sqrt(programme.share)[:, None], force))
     carried = programme.constraints(found, force, 1.0 + MARGIN)
     solve(cp.Problem(cp.Minimize(least), carried), WHAT, accuracy=1e-4)
-    return LimitState(found * loads.scale, programme.unit[:, None] * np.array(force.value))
+    return LimitState(found * programme.scale, programme.unit[:, None] * np.array(force.value))
 
 
 class _Programme:
@@ -69,14 +69,16 @@ class _Programme:
         law, rows = NodeLaw.of(assembly), free_rows(assembly)
         area = assembly.nodes.area
         self.share = area / area.sum()
-        # A node's unit: its part of the loads' scale on a face of mean area.
-        self.unit = loads.scale * self.share * len(assembly.faces)
-        # Of forces and moments about 1 N and 1 N m times this.
-        size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6) * loads.scale
+        # Where nothing has strength, permanent loads are the only measure.
+        self.scale = loads.scale or float(np.abs(loads.permanent).max()) or 1.0
+        # A node's unit: its part of the scale on a face of mean area.
+        self.unit = self.scale * self.share * len(assembly.faces)
+        # Forces over the scale, and moments over the scale times the length, are about 1.
+        size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6) * self.scale
         columns = np.repeat(self.unit, 3)
         self.balance = csr_array(equilibrium_matrix(assembly)[rows] / size[:, None] * columns)
         self.permanent = loads.permanent.ravel()[rows] / size
-        self.variable = loads.variable.ravel()[rows] / size * loads.scale
+        self.variable = loads.variable.ravel()[rows] / size * self.scale
         self.shear, self.tension = law.shear_strength / self.unit, law.tensile_strength / self.unit
         self.friction = law.friction
         rough = ~law.cohesive & friction & (law.friction > 0.0)

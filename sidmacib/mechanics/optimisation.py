@@ -1,8 +1,8 @@
 """Solve a convex programme, and take no answer that was not checked here.
 
 A solver's own verdict depends on its tolerances, on scaling and on rounding. So every optimum is
-checked against the conditions of optimality (Boyd & Vandenberghe, Convex Optimization, 2004, section
-5.5) of the standard form that the solver was given,
+checked against the conditions of optimality (Boyd & Vandenberghe, Convex Optimization, 2004,
+section 5.5) of the standard form that the solver was given,
 
     minimise x'Px / 2 + c'x    subject to    A x + s = b,  s in K,
 
@@ -64,9 +64,10 @@ class _Answer:
 def solve(problem: cp.Problem, what: str, accuracy: float = ACCURACY) -> None:
     """Solve; the variables of ``problem`` then hold an optimum that was checked.
 
-    ``accuracy``: of the optimum's value over itself or 1, whichever is larger. Everything but an optimum raises an error that names ``what``:
-    `sidmacib.errors.InfeasibleError`, `UnboundedError`, or `SolverError` where no solver came to
-    a verdict that holds.
+    ``accuracy``: of the optimum's value over itself or 1, whichever is larger. Everything but an
+    optimum raises an error that names ``what``: `sidmacib.errors.InfeasibleError`,
+    `sidmacib.errors.UnboundedError`, or `sidmacib.errors.SolverError` where no solver came to a
+    verdict that holds.
     """
     verdicts = []
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
