@@ -110,9 +110,8 @@ def _optimal(data: dict[str, Any], answer: _Answer, accuracy: float) -> bool:
     residual = curved + c + A.T @ z
     value = float(np.sum((curved / 2 + c) * x))
     # What the optimum can differ by, to first order: the gap, and what the residuals are worth.
-    error = (
-        abs(float(np.sum((curved + c) * x) + np.sum(b * z)))
-        + float(np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z)))
+    error = abs(float(np.sum((curved + c) * x) + np.sum(b * z))) + float(
+        np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z))
     )
     close = error <= accuracy * max(abs(value), 1.0)
     largest = max(1.0, float(np.abs(x).max()))
