@@ -1,7 +1,19 @@
 """Models of interlocking masonry joints with several locks under torsion and shear."""
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # the same names again, for type checkers and completion
+    from sidmacib.contact_points import OPTIONS, ContactOption
+    from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
+    from sidmacib.joint import Direction, Joint
+    from sidmacib.loading import Loading, lateral_load
+    from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
+    from sidmacib.mechanics.limit import limit_load
+    from sidmacib.mechanics.static import static_peak
+    from sidmacib.pieces import assemble
+    from sidmacib.polygon import Envelope, envelope
+    from sidmacib.programme import Capacity, Sidmacib, capacities, capacity
 
 # Where each public name is: a module is imported when one of its names is first used, as solvers
 # take longer to import than most models take to run.
@@ -30,7 +42,30 @@ _HOME = {
     "static_peak": "mechanics.static",
 }
 
-__all__ = list(_HOME)  # noqa: PLE0605
+__all__ = [
+    "OPTIONS",
+    "Assembly",
+    "Capacity",
+    "CapacityError",
+    "ContactOption",
+    "Direction",
+    "Envelope",
+    "FaceMaterial",
+    "InfeasibleError",
+    "Joint",
+    "Loading",
+    "Loads",
+    "Sidmacib",
+    "SolverError",
+    "UnboundedError",
+    "assemble",
+    "capacities",
+    "capacity",
+    "envelope",
+    "lateral_load",
+    "limit_load",
+    "static_peak",
+]
 
 
 def __getattr__(name: str) -> Any:

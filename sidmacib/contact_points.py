@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.validation import is_number, refused
 
 
 @dataclass(frozen=True)
@@ -25,15 +26,15 @@ class ContactOption:
     def __post_init__(self) -> None:
         if len(self.positions) != len(self.portions):
             raise ValueError(
-                f"positions: got {len(self.positions)}, allowed is one for each of "
-                f"{len(self.portions)} portions"
+                f"positions: {len(self.positions)} are too many or too few; there must be one for "
+                f"each of the {len(self.portions)} portions"
             )
-        if any(abs(x) > 0.5 for x in self.positions):
-            raise ValueError(f"positions: got {self.positions}, allowed is -0.5 to 0.5 (of a)")
-        if any(p < 0 for p in self.portions) or not math.isclose(sum(self.portions), 1.0):
-            raise ValueError(
-                f"portions: got {self.portions}, allowed are shares from 0 to 1 that add up to 1"
-            )
+        if not all(is_number(x) and abs(x) <= 0.5 for x in self.positions):
+            raise refused("positions", self.positions, "from -0.5 to 0.5 (of a)")
+        if not all(is_number(p) and p >= 0.0 for p in self.portions) or not math.isclose(
+            sum(self.portions), 1.0
+        ):
+            raise refused("portions", self.portions, "shares from 0 to 1 that add up to 1")
 
     @classmethod
     def pair(cls, distance: float) -> "ContactOption":

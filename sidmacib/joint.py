@@ -13,6 +13,14 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
+from sidmacib.validation import (
+    is_number,
+    refused,
+    require_member,
+    require_not_negative,
+    require_positive,
+    require_whole,
+)
 
 
 class UpperBody(StrEnum):
@@ -35,7 +43,8 @@ class Joint:
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
     upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y. Odd
-    locks belong to the upper block, even locks to the lower one.
+    locks belong to the upper block, even locks to the lower one. ValueError for anything but at
+    least two locks, sizes above 0 and a density that is not negative.
     """
 
     locks: int
@@ -48,6 +57,16 @@ class Joint:
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
     upper_body: UpperBody = UpperBody.COLUMNS
+
+    def __post_init__(self) -> None:
+        require_whole(2, locks=self.locks)
+        require_positive(a=self.a, b=self.b, h=self.h, H=self.H)
+        require_not_negative(density=self.density)
+        for name in ("inner", "dry"):
+            if not isinstance(getattr(self, name), FaceMaterial):
+                raise refused(name, getattr(self, name), "a FaceMaterial")
+        require_member(Failure, failure=self.failure)
+        require_member(UpperBody, upper_body=self.upper_body)
 
     @property
     def T0(self) -> float:
@@ -85,8 +104,8 @@ class Direction:
     eccentricity: float
 
     def __post_init__(self) -> None:
-        if math.isnan(self.eccentricity):
-            raise ValueError("eccentricity: got nan, allowed is a number (e / a) or inf")
+        if not is_number(self.eccentricity) or math.isnan(self.eccentricity):
+            raise refused("eccentricity", self.eccentricity, "a number (e / a) or inf")
 
     @property
     def shear(self) -> float:

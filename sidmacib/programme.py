@@ -23,6 +23,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.pieces import rigid_pieces, upper_block
+from sidmacib.validation import refused, require_not_negative
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Sidmacib:
 
     ``strength``: factor w_j on the strength of each lock, one per lock; None for 1 everywhere.
     ``overload`` in N, down. ``friction``: whether the locks' dry friction resists along them.
+    ValueError for strengths or an overload that are negative or not finite.
     """
 
     joint: Joint
@@ -40,13 +42,17 @@ class Sidmacib:
     overload: float = 1000.0
 
     def __post_init__(self) -> None:
+        require_not_negative(overload=self.overload)
+        if not isinstance(self.friction, bool | np.bool_):
+            raise refused("friction", self.friction, "true or false")
         if self.strength is None:
             return
-        if len(self.strength) != self.joint.locks or min(self.strength) < 0:
+        if len(self.strength) != self.joint.locks:
             raise ValueError(
-                f"strength: got {self.strength}, allowed is one factor of at least 0 for each of "
-                f"{self.joint.locks} locks"
+                f"strength: {len(self.strength)} factors are too many or too few; there must be "
+                f"one for each of the {self.joint.locks} locks"
             )
+        require_not_negative(**{f"strength of lock {i}": w for i, w in enumerate(self.strength, 1)})
 
 
 @dataclass(frozen=True)
@@ -60,11 +66,40 @@ class Capacity:
 
 
 @dataclass(frozen=True)
-class _Programme:
-    """The feasible set: variables and constraints that all programmes share."""
+class _Units:
+    """What the programme measures by, so that its numbers are about 1 whatever the joint.
 
-    shear: cp.Variable
-    torque: cp.Variable
+    Forces in N along the locks, across them and normal to them; ``plane``: V in N and M in N m.
+    """
+
+    forces: Floats  # (3,)
+    plane: Floats  # (2,)
+
+    @classmethod
+    def of(cls, model: Sidmacib, limit: Floats, pressure: float, lever: float) -> "_Units":
+        """Units from the points' strengths, what presses the joint, and the lever of V (m)."""
+        joint = model.joint
+        across, width = float(limit.sum()), joint.locks * joint.b
+        pressure = abs(pressure) or across or 1.0
+        along = _friction(model) * pressure
+        rocking = pressure * width / lever
+        shear = min(across, rocking) or pressure
+        torque = float(limit @ np.abs(np.tile(model.option.positions, joint.locks))) * joint.a
+        return cls(
+            np.array([along or pressure, across or pressure, pressure]),
+            np.array([shear, (torque + along * width) or pressure * width]),
+        )
+
+
+@dataclass(frozen=True)
+class _Programme:
+    """The feasible set: variables, in ``units``, and constraints that all programmes share.
+
+    ``loads``: V and M. ``forces``: r_t1, r_t2, r_n at every point.
+    """
+
+    units: _Units
+    loads: cp.Variable
     forces: cp.Variable
     constraints: list[cp.Constraint]
 
@@ -74,30 +109,43 @@ def _programme(model: Sidmacib) -> _Programme:
     points = contact_points(joint, model.option)
     count = len(points.lock)
     weight, centroid = _upper_block(joint)
-    shear, torque, forces = cp.Variable(), cp.Variable(), cp.Variable((count, 3))
-
-    axes = np.broadcast_to(np.eye(3), (count, 3, 3))
-    C_eq = wrenches(points.position, axes, centroid)
-    permanent = np.array([0.0, 0.0, -(weight + model.overload), 0.0, 0.0, 0.0])
-    lateral = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
-    about_z = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
-    E = permanent + shear * lateral + torque * about_z
-
+    pressure = weight + model.overload
     strength = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
     limit = strength[points.lock - 1] * points.portion * joint.T0
-    mu = joint.dry.friction if model.friction else 0.0
-    along, across, normal = forces[:, 0], forces[:, 1], forces[:, 2]
+    units = _Units.of(model, limit, pressure, float(centroid[2] - joint.h / 2))
+    loads, forces = cp.Variable(2), cp.Variable((count, 3))
+
+    axes = np.broadcast_to(np.eye(3), (count, 3, 3))
+    along, across, normal = units.forces
+    shear, torque = units.plane
+    # Of force x, y, z and moment x, y, z: each equation's largest part.
+    width = joint.locks * joint.b
+    size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
+    C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
+    permanent = np.array([0.0, 0.0, -pressure, 0.0, 0.0, 0.0]) / size
+    lateral = np.zeros((6, 2))
+    lateral[1, 0] = lateral[5, 1] = 1.0
+    E = permanent + lateral @ loads
+
+    mu = _friction(model) * normal / along
     return _Programme(
-        shear,
-        torque,
+        units,
+        loads,
         forces,
         [
             C_eq @ cp.vec(forces, order="C") + E == 0,
-            normal >= 0,
-            cp.abs(along) <= mu * normal,
-            cp.abs(across) <= limit,
+            forces[:, 2] >= 0,
+            # Two sides each, not absolute values, which would add unknowns.
+            forces[:, 0] <= mu * forces[:, 2],
+            -forces[:, 0] <= mu * forces[:, 2],
+            forces[:, 1] <= limit / across,
+            -forces[:, 1] <= limit / across,
         ],
     )
+
+
+def _friction(model: Sidmacib) -> float:
+    return model.joint.dry.friction if model.friction else 0.0
 
 
 def _upper_block(joint: Joint) -> tuple[float, Floats]:
@@ -105,44 +153,48 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
     names = upper_block(joint)
     pieces = [piece for piece in rigid_pieces(joint) if piece.name in names]
     weight = sum(piece.weight for piece in pieces)
-    return weight, np.asarray(sum(piece.weight * piece.centre for piece in pieces) / weight)
+    # By volume: without density there is a centroid too.
+    volumes = [float(np.prod(piece.size)) for piece in pieces]
+    moments = sum(v * piece.centre for v, piece in zip(volumes, pieces, strict=True))
+    return weight, np.asarray(moments / sum(volumes))
 
 
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:
-    """The largest load in each of ``directions``; raises `sidmacib.errors.CapacityError` where there is none."""
+    """The largest load in each of ``directions``.
+
+    Raises `sidmacib.errors.CapacityError` where there is none.
+    """
     programme = _programme(model)
-    load, slope = cp.Variable(nonneg=True), cp.Parameter(2)
+    load, slope = cp.Variable(), cp.Parameter(2)
     problem = cp.Problem(
         cp.Maximize(load),
-        [
-            *programme.constraints,
-            programme.shear == slope[0] * load,
-            programme.torque == slope[1] * load,
-        ],
+        [*programme.constraints, load >= 0, programme.loads == slope * load],
     )
 
     def along(direction: Direction) -> Capacity:
-        slope.value = np.array([direction.shear, direction.torque * model.joint.a])
+        # V and M of 1 N of load, and a load that takes one of them or both to about their units.
+        each = np.array([direction.shear, direction.torque * model.joint.a])
+        unit = 1.0 / float(np.abs(each / programme.units.plane).sum())
+        slope.value = unit * each / programme.units.plane
         solve(problem, f"e = {direction.eccentricity:g} a")
-        value = float(cast(float, load.value))
-        return Capacity(
-            value,
-            value * direction.shear,
-            value * direction.torque * model.joint.a,
-            np.array(programme.forces.value),
-        )
+        value = unit * float(cast(float, load.value))
+        forces = programme.units.forces * programme.forces.value
+        return Capacity(value, value * each[0], value * each[1], forces)
 
     return [along(direction) for direction in directions]
 
 
 def capacity(model: Sidmacib, direction: Direction) -> Capacity:
-    """The largest load in ``direction``; raises `sidmacib.errors.CapacityError` if there is none."""
+    """The largest load in ``direction``; raises `sidmacib.errors.CapacityError` if none."""
     return capacities(model, [direction])[0]
 
 
 @dataclass(frozen=True)
 class SupportFunction:
-    """Finds the point (V, M) of the feasible set that lies furthest along a direction."""
+    """Finds the point of the feasible set that lies furthest along a direction.
+
+    Points and directions are of shape (2,), V and M in units of ``plane`` (N, N m).
+    """
 
     programme: _Programme
     normal: cp.Parameter
@@ -152,11 +204,17 @@ class SupportFunction:
     def of(cls, model: Sidmacib) -> "SupportFunction":
         """Set up the programme of ``model``."""
         programme, normal = _programme(model), cp.Parameter(2)
-        aim = normal[0] * programme.shear + normal[1] * programme.torque
-        return cls(programme, normal, cp.Problem(cp.Maximize(aim), programme.constraints))
+        aim = cp.Maximize(normal @ programme.loads)
+        return cls(programme, normal, cp.Problem(aim, programme.constraints))
+
+    @property
+    def plane(self) -> Floats:
+        """The units of V and M."""
+        return self.programme.units.plane
 
     def __call__(self, normal: Floats) -> Floats:
-        """The furthest point along ``normal`` (shape (2,), of V in N and M in N m)."""
+        """The furthest point along ``normal``."""
         self.normal.value = normal
-        solve(self.problem, f"outward normal (V, M) = ({normal[0]:g}, {normal[1]:g})")
-        return np.array([self.programme.shear.value, self.programme.torque.value], dtype=float)
+        V, M = normal / self.plane
+        solve(self.problem, f"outward normal (V, M) = ({V:g}, {M:g})")
+        return np.array(self.programme.loads.value, dtype=float)

@@ -27,7 +27,7 @@ def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
 def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:
     """(n - 1) / 2 locks count (the paper's rule); ValueError if n is even."""
     if joint.locks % 2 == 0:
-        raise ValueError(f"locks: got {joint.locks}, allowed for (n - 1) / 2 are odd numbers")
+        raise ValueError(f"locks: {joint.locks} is even; (n - 1) / 2 asks for an odd number")
     return active(joint, (joint.locks - 1) // 2)
 
 

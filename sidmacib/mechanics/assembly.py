@@ -11,6 +11,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from sidmacib.validation import require_not_negative, require_positive
+
 GRAVITY = 9.81  # m/s2
 
 Vector = tuple[float, float, float]
@@ -23,7 +25,8 @@ class FaceMaterial:
     """Law of a contact face, per unit of area.
 
     ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu.
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. ValueError unless stiffnesses
+    are above 0 and the others not negative.
     """
 
     normal_stiffness: float
@@ -31,6 +34,14 @@ class FaceMaterial:
     friction: float
     cohesion: float
     tensile_strength: float
+
+    def __post_init__(self) -> None:
+        require_positive(
+            normal_stiffness=self.normal_stiffness, shear_stiffness=self.shear_stiffness
+        )
+        require_not_negative(
+            friction=self.friction, cohesion=self.cohesion, tensile_strength=self.tensile_strength
+        )
 
 
 class Failure(StrEnum):

@@ -16,14 +16,16 @@ from enum import StrEnum
 
 import cvxpy as cp
 import numpy as np
+from scipy.sparse import csr_array
 
+from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.optimisation import solve
 
-ACCURACY = {"tol_gap_abs": 1e-7, "tol_gap_rel": 1e-7, "tol_feas": 1e-7}  # of Clarabel
-LEAST_BOUND = 1e-6  # of friction, over a node's mean share of the load: solvers need an interior
+ROUNDS = 200
+LEAST_BOUND = 1e-6  # of friction, over a node's share of the load: solvers need an interior
 
 
 class FrictionRule(StrEnum):
@@ -44,43 +46,45 @@ def least_energy_forces(
 
     Returns (N, 3): what the piece below each node exerts on the piece above, in the frame of the
     face. ``tolerance``: last change of the friction bounds, over the load. Raises
-    `sidmacib.errors.CapacityError` where no forces balance the loads, RuntimeError if the
-    friction bounds do not settle.
+    `sidmacib.errors.CapacityError` where no forces balance the loads or the friction bounds do not
+    settle.
     """
-    law = NodeLaw.of(assembly)
-    rows = free_rows(assembly)
-    target = (loads.permanent + load * loads.variable).ravel()[rows]
-    # Per unit of a node's mean share of the load: numbers about 1 for the solver.
-    scale = float(np.abs(target).max()) / len(law.friction)
+    law, rows = NodeLaw.of(assembly), free_rows(assembly)
     dry = np.flatnonzero(~law.cohesive)
+    # In units of each node's share, by area, of the load; moments over the assembly's length.
+    size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6)
+    target = (loads.permanent + load * loads.variable).ravel()[rows] / size
+    largest = float(np.abs(target).max())
+    share = assembly.nodes.area / assembly.nodes.area.sum()
+    unit = largest * share
+    matrix = equilibrium_matrix(assembly)[rows] / size[:, None] * np.repeat(share, 3)
 
-    force, bound = cp.Variable((len(law.friction), 3)), cp.Parameter(len(dry), nonneg=True)
-    mean = float(law.normal_stiffness.mean())
-    flexibility = mean / np.column_stack(
-        [law.normal_stiffness, law.shear_stiffness, law.shear_stiffness]
-    )
-    energy = cp.sum(cp.multiply(flexibility, cp.square(force)))
+    force, bound = cp.Variable((len(share), 3)), cp.Parameter(len(dry), nonneg=True)
+    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    softness = share[:, None] ** 2 / stiffness
+    weight = np.sqrt(softness / softness.sum() * 3.0)
+    energy = cp.sum_squares(cp.multiply(weight, force))
     shear = cp.norm(force[dry, 1:], 2, axis=1)
     balanced = [
-        equilibrium_matrix(assembly)[rows] @ cp.vec(force, order="C") == target / scale,
+        csr_array(matrix) @ cp.vec(force, order="C") == target / largest,
         force[dry, 0] >= 0,
     ]
     what = f"least complementary energy at {load:g} N"
     cone = shear <= cp.multiply(law.friction[dry], force[dry, 0])
-    solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what, cp.CLARABEL, **ACCURACY)
+    solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what)
     if rule is FrictionRule.ASSOCIATED:
-        return scale * np.array(force.value)
+        return unit[:, None] * np.array(force.value)
     problem = cp.Problem(cp.Minimize(energy), [*balanced, shear <= bound])
     before = np.full(len(dry), np.inf)
-    for count in range(200):
+    for count in range(ROUNDS):
         after = law.friction[dry] * np.maximum(force.value[dry, 0], LEAST_BOUND)
-        if np.abs(after - before).max() <= tolerance * len(law.friction):
-            return scale * np.array(force.value)
+        if (np.abs(after - before) * share[dry]).max(initial=0.0) <= tolerance:
+            return unit[:, None] * np.array(force.value)
         # Half way only after some rounds, against going round in circles.
         before = after if count < 10 else (before + after) / 2
         bound.value = before
-        solve(problem, what, cp.CLARABEL, **ACCURACY)
-    raise RuntimeError(f"the friction bounds do not settle at {load:g} N")
+        solve(problem, what)
+    raise SolverError(f"{what}: the friction bounds do not settle in {ROUNDS} rounds")
 
 
 def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> float:
@@ -96,4 +100,4 @@ def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> 
         if abs(used - 1.0) <= 1e-4:
             return load
         load /= float(used)
-    raise RuntimeError(f"the first failure does not settle at {load:g} N")
+    raise SolverError(f"the first failure does not settle at {load:g} N")

@@ -1,24 +1,177 @@
-"""Solve a convex programme, and take no answer that the solver does not vouch for."""
+"""Solve a convex programme, and take no answer that was not checked here.
+
+A solver's own verdict depends on its tolerances, on scaling and on rounding. So every optimum is
+checked against the conditions of optimality (Boyd & Vandenberghe, Convex Optimization, 2004,
+section 5.5) of the standard form that the solver was given,
+
+    minimise x'Px / 2 + c'x    subject to    A x + s = b,  s in K,
+
+and every verdict that there is none against its certificate. What does not pass is tried again
+with other settings or another solver. Programmes should be stated in units in which their numbers
+are about 1.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import cvxpy as cp
+import numpy as np
 
 from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
+from sidmacib.mechanics.assembly import Floats
+
+ACCURACY = 1e-8  # of the optimum's value
+FEASIBLE = 1e-8  # largest violation of a constraint, over the largest unknown or 1
+CERTAIN = 1e-7  # residual of a certificate over what it proves
+
+# As far as they go: what counts is the check, not whether the solver reaches its tolerance.
+_SIMPLEX = {"solver": "simplex", "threads": 1} | dict.fromkeys(
+    ["primal_feasibility_tolerance", "dual_feasibility_tolerance"], 1e-10
+)
+_INTERIOR = {"direct_solve_method": "qdldl", "accept_unknown": True} | dict.fromkeys(
+    ["tol_gap_abs", "tol_gap_rel", "tol_feas"], 1e-12
+)
+_CAREFUL = {
+    "max_step_fraction": 0.9,
+    "static_regularization_constant": 1e-10,
+    "iterative_refinement_max_iter": 50,
+}
+_CONIC: tuple[tuple[str, dict[str, Any]], ...] = (
+    (cp.CLARABEL, _INTERIOR),
+    (cp.CLARABEL, _INTERIOR | _CAREFUL),
+    (cp.CLARABEL, _INTERIOR | _CAREFUL | {"equilibrate_enable": False}),
+)
+_LINEAR: tuple[tuple[str, dict[str, Any]], ...] = (
+    (cp.HIGHS, _SIMPLEX),
+    (cp.HIGHS, _SIMPLEX | {"presolve": "off"}),
+    *_CONIC[:2],
+)
 
 
-def solve(problem: cp.Problem, what: str, solver: str = cp.HIGHS, **settings: float) -> None:
-    """Solve; every status but an optimum raises an error that names ``what``.
+@dataclass(frozen=True)
+class _Answer:
+    """What a solver returned: its verdict, and the unknowns and multipliers of the standard form.
 
-    ``settings``: of the solver.
+    Where there is no optimum they are the certificate.
     """
-    try:
-        problem.solve(solver=solver, **settings)
-    except cp.SolverError as error:
-        raise SolverError(f"{what}: {error}") from error
-    status = problem.status
-    if status == cp.OPTIMAL:
-        return
-    if status == cp.INFEASIBLE:
-        raise InfeasibleError(f"{what}: no forces balance the permanent loads")
-    if status == cp.UNBOUNDED:
-        raise UnboundedError(f"{what}: the load can grow without limit")
-    raise SolverError(f"{what}: solver status {status}")
+
+    status: str
+    x: Floats
+    z: Floats
+
+
+def solve(problem: cp.Problem, what: str, accuracy: float = ACCURACY) -> None:
+    """Solve; the variables of ``problem`` then hold an optimum that was checked.
+
+    ``accuracy``: of the optimum's value over itself or 1, whichever is larger. Everything but an
+    optimum raises an error that names ``what``: `sidmacib.errors.InfeasibleError`,
+    `sidmacib.errors.UnboundedError`, or `sidmacib.errors.SolverError` where no solver came to a
+    verdict that holds.
+    """
+    verdicts = []
+    for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
+        try:
+            data, chain, inverse = problem.get_problem_data(solver, solver_opts=dict(settings))
+            raw = chain.solve_via_data(problem, data, solver_opts=dict(settings))
+        except (cp.SolverError, ValueError) as error:
+            verdicts.append(f"{solver}: {error}")
+            continue
+        answer = _answer(solver, raw)
+        verdicts.append(f"{solver}: {answer.status}")
+        if answer.x.size and answer.z.size and _optimal(data, answer, accuracy):
+            problem.unpack(chain.invert(raw, inverse))
+            if problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
+                return
+        elif "infeasible" in answer.status and _infeasible(data, answer.z):
+            raise InfeasibleError(f"{what}: no forces balance the permanent loads")
+        elif "unbounded" in answer.status and _unbounded(data, answer.x):
+            raise UnboundedError(f"{what}: the load can grow without limit")
+    raise SolverError(f"{what}: no verdict that holds ({'; '.join(verdicts)})")
+
+
+def _answer(solver: str, raw: Any) -> _Answer:
+    if solver == cp.CLARABEL:
+        names = {"PrimalInfeasible": "infeasible", "DualInfeasible": "unbounded"}
+        status = str(raw.status).removeprefix("Almost")
+        return _Answer(names.get(status, str(raw.status)), np.array(raw.x), np.array(raw.z))
+    status = raw["model_status"].removeprefix("k").lower()
+    rows = raw["dual_ray"][2] if "dual_ray" in raw else raw["solution"].row_dual
+    return _Answer(status, np.array(raw["solution"].col_value), -np.array(rows))
+
+
+def _optimal(data: dict[str, Any], answer: _Answer, accuracy: float) -> bool:
+    """Whether unknowns and multipliers prove each other optimal."""
+    A, b, c, x = data["A"], data["b"], data["c"], answer.x
+    curved = data["P"] @ x if "P" in data else np.zeros_like(x)
+    slack = b - A @ x
+    violation = slack - _projected(slack, data["dims"], dual=False)
+    z = _projected(answer.z, data["dims"], dual=True)
+    residual = curved + c + A.T @ z
+    value = float(np.sum((curved / 2 + c) * x))
+    # What the optimum can differ by, to first order: the gap, and what the residuals are worth.
+    error = abs(float(np.sum((curved + c) * x) + np.sum(b * z))) + float(
+        np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z))
+    )
+    close = error <= accuracy * max(abs(value), 1.0)
+    largest = max(1.0, float(np.abs(x).max()))
+    return bool(close and np.abs(violation).max(initial=0.0) <= FEASIBLE * largest)
+
+
+def _infeasible(data: dict[str, Any], ray: Floats) -> bool:
+    """Whether ``ray``, of multipliers, proves that the constraints contradict each other."""
+    if not ray.size:
+        return False
+    z = _projected(ray, data["dims"], dual=True)
+    proof = -float(np.sum(data["b"] * z))
+    return proof > 0.0 and bool(_length(data["A"].T @ z) <= CERTAIN * proof)
+
+
+def _unbounded(data: dict[str, Any], ray: Floats) -> bool:
+    """Whether ``ray``, of unknowns, improves the aim for ever and meets no constraint."""
+    if not ray.size:
+        return False
+    slack = -(data["A"] @ ray)
+    gain = -float(np.sum(data["c"] * ray))
+    against = _length(slack - _projected(slack, data["dims"], dual=False))
+    if "P" in data:
+        against += _length(data["P"] @ ray)
+    return gain > 0.0 and bool(against <= CERTAIN * gain)
+
+
+def _projected(values: Floats, dims: Any, dual: bool) -> Floats:
+    """The nearest point of the cone K, or of its dual."""
+    found = np.zeros_like(values)
+    if dual:
+        found[: dims.zero] = values[: dims.zero]
+    linear = slice(dims.zero, dims.zero + dims.nonneg)
+    found[linear] = np.maximum(values[linear], 0.0)
+    for size, first in _second_order(dims):  # its own dual
+        cones = values[first].reshape(-1, size)
+        found[first] = _projected_on_second_order(cones).ravel()
+    return found
+
+
+def _second_order(dims: Any) -> Iterator[tuple[int, slice]]:
+    """Size of the second-order cones and where they are, neighbours of one size together."""
+    start = dims.zero + dims.nonneg
+    sizes = list(dims.soc)
+    while sizes:
+        count = next((i for i, size in enumerate(sizes) if size != sizes[0]), len(sizes))
+        yield sizes[0], slice(start, start + count * sizes[0])
+        start += count * sizes[0]
+        del sizes[:count]
+
+
+def _projected_on_second_order(cones: Floats) -> Floats:
+    """Project each row (t, v) on |v| <= t."""
+    t, v = cones[:, :1], cones[:, 1:]
+    size = np.sqrt(np.sum(v**2, axis=1, keepdims=True))
+    share = np.clip((t + size) / 2, 0.0, None)
+    scale = np.divide(share, size, out=np.zeros_like(size), where=size > 0.0)
+    outside = np.hstack([share, scale * v])
+    return np.asarray(np.where(size <= t, cones, outside))
+
+
+def _length(vector: Floats) -> float:
+    return float(np.sqrt(np.sum(vector**2)))  # not by BLAS, which rounds as the processor likes
