@@ -17,6 +17,8 @@ from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
 
 STEPS = 60  # of Newton's method
+LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient
+FLOOR = 1e-10  # of the largest stiffness
 
 
 class Structure(NamedTuple):
@@ -183,87 +185,74 @@ def face_stiffness(structure, face, slip, bonded, w, k):  # type: ignore[no-unty
 
 
 @njit(cache=True)
-def assemble(structure, slip, bonded, unknowns, matrix):  # type: ignore[no-untyped-def]
+def tangent_stiffness(structure, slip, bonded, unknowns, matrix):  # type: ignore[no-untyped-def]
     """Put the derivative of the nodes' forces on the pieces into ``matrix``."""
     w, k, moved, block = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
+    motion = structure.motion
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         face_stiffness(structure, face, slip, bonded, w, k)
-        for column in range(2):
-            if structure.begin[face, column] < 0:
+        for right in range(2):
+            column = structure.begin[face, right]
+            if column < 0:
                 continue
-            moved[:] = 0.0
             for i in range(6):
-                for l in range(6):  # noqa: E741
-                    for j in range(6):
-                        moved[i, j] += k[i, l] * structure.motion[face, column, l, j]
-            for row in range(2):
-                if structure.begin[face, row] < 0:
+                for j in range(6):
+                    value = 0.0
+                    for n in range(6):
+                        value += k[i, n] * motion[face, right, n, j]
+                    moved[i, j] = value
+            for left in range(2):
+                row = structure.begin[face, left]
+                if row < 0:
                     continue
-                block[:] = 0.0
-                for l in range(6):  # noqa: E741
-                    for i in range(6):
-                        for j in range(6):
-                            block[i, j] += structure.motion[face, row, l, i] * moved[l, j]
-                add(
-                    structure,
-                    matrix,
-                    structure.begin[face, row],
-                    structure.begin[face, column],
-                    block,
-                )
+                for i in range(6):
+                    for j in range(6):
+                        value = 0.0
+                        for n in range(6):
+                            value += motion[face, left, n, i] * moved[n, j]
+                        block[i, j] = value
+                add(structure, matrix, row, column, block)
 
 
 @njit(cache=True)
 def add(structure, matrix, row, column, block):  # type: ignore[no-untyped-def]
-    """Add ``block`` to ``matrix`` where its first element is at ``row``, ``column``."""
-    inner = structure.inner
-    for i in range(6):
-        for j in range(6):
-            if row >= inner:
+    """Add ``block``, (6, 6), to ``matrix`` where its first element is at ``row``, ``column``."""
+    inner, width = structure.inner, structure.band
+    if row >= inner:
+        for i in range(6):
+            for j in range(6):
                 matrix.below[row - inner + i, column + j] += block[i, j]
-            elif column >= inner:
+    elif column >= inner:
+        for i in range(6):
+            for j in range(6):
                 matrix.right[row + i, column - inner + j] += block[i, j]
-            else:
-                matrix.band[row + i, structure.band + column + j - row - i] += block[i, j]
+    else:
+        for i in range(6):
+            for j in range(6):
+                matrix.band[row + i, width + column - row - i + j] += block[i, j]
 
 
 # --- linear equations ----------------------------------------------------------------------------
 @njit(cache=True)
-def diagonal(structure, matrix):  # type: ignore[no-untyped-def]
-    """The diagonal of ``matrix``."""
-    inner = structure.inner
-    values = np.empty(inner + structure.outer)
-    for i in range(inner):
-        values[i] = matrix.band[i, structure.band]
+def add_diagonal(structure, matrix, value):  # type: ignore[no-untyped-def]
+    """Add ``value`` to the diagonal of ``matrix``."""
+    for i in range(structure.inner):
+        matrix.band[i, structure.band] += value
     for i in range(structure.outer):
-        values[inner + i] = matrix.below[i, inner + i]
-    return values
+        matrix.below[i, structure.inner + i] += value
 
 
 @njit(cache=True)
-def add_diagonal(structure, matrix, values):  # type: ignore[no-untyped-def]
-    """Add ``values`` to the diagonal of ``matrix``."""
-    inner = structure.inner
-    for i in range(inner):
-        matrix.band[i, structure.band] += values[i]
+def largest(structure, matrix):  # type: ignore[no-untyped-def]
+    """The largest element on the diagonal of ``matrix``."""
+    value = 0.0
+    for i in range(structure.inner):
+        value = max(value, matrix.band[i, structure.band])
     for i in range(structure.outer):
-        matrix.below[i, inner + i] += values[inner + i]
-
-
-@njit(cache=True)
-def subtract(target, source, factor):  # type: ignore[no-untyped-def]
-    """Subtract ``factor`` times ``source`` from ``target``, of the same length."""
-    for i in range(len(target)):
-        target[i] -= factor * source[i]
-
-
-@njit(cache=True)
-def swap(one, other):  # type: ignore[no-untyped-def]
-    """Exchange the elements of two arrays of the same length."""
-    for i in range(len(one)):
-        one[i], other[i] = other[i], one[i]
+        value = max(value, matrix.below[i, structure.inner + i])
+    return value
 
 
 @njit(cache=True)
@@ -275,58 +264,77 @@ def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
     """
     inner, outer, width = structure.inner, structure.outer, structure.band
     band, right, below = matrix.band, matrix.right, matrix.below
+    reach = np.minimum(np.arange(inner) + width, inner - 1)  # last column of each row
     for j in range(inner):
-        last = min(j + width, inner - 1)  # rows with an element in this column
-        reach = min(2 * width, inner - 1 - j) + 1  # of the pivot's row, from the diagonal
+        last = min(j + width, inner - 1)  # row with an element in this column
         pivot = j
         for i in range(j + 1, last + 1):
             if abs(band[i, width + j - i]) > abs(band[pivot, width + j - pivot]):
                 pivot = i
+        if band[pivot, width + j - pivot] == 0.0:
+            return False
         if pivot != j:
-            at = width + j - pivot
-            swap(band[j, width : width + reach], band[pivot, at : at + reach])
-            swap(right[j], right[pivot])
+            shift = pivot - j
+            for c in range(width, width + max(reach[j], reach[pivot]) - j + 1):
+                band[j, c], band[pivot, c - shift] = band[pivot, c - shift], band[j, c]
+            for c in range(outer):
+                right[j, c], right[pivot, c] = right[pivot, c], right[j, c]
             x[j], x[pivot] = x[pivot], x[j]
-        own = band[j, width : width + reach]
-        if own[0] == 0.0:
-            return False
+            reach[j], reach[pivot] = reach[pivot], reach[j]
+        count = reach[j] - j + 1
+        own = band[j, width : width + count]
         for i in range(j + 1, last + 1):
-            at = width + j - i
-            factor = band[i, at] / own[0]
-            if factor != 0.0:
-                subtract(band[i, at : at + reach], own, factor)
-                subtract(right[i], right[j], factor)
-                x[i] -= factor * x[j]
+            row = band[i, width + j - i : width + j - i + count]
+            factor = row[0] / own[0]
+            reach[i] = max(reach[i], reach[j])
+            for c in range(count):
+                row[c] -= factor * own[c]
+            for c in range(outer):
+                right[i, c] -= factor * right[j, c]
+            x[i] -= factor * x[j]
         for i in range(outer):
-            factor = below[i, j] / own[0]
-            if factor != 0.0:
-                subtract(below[i, j : j + reach], own, factor)
-                subtract(below[i, inner:], right[j], factor)
-                x[inner + i] -= factor * x[j]
-    for j in range(outer):
-        pivot = j
-        for i in range(j + 1, outer):
-            if abs(below[i, inner + j]) > abs(below[pivot, inner + j]):
-                pivot = i
-        if pivot != j:
-            swap(below[j, inner:], below[pivot, inner:])
-            x[inner + j], x[inner + pivot] = x[inner + pivot], x[inner + j]
-        if below[j, inner + j] == 0.0:
-            return False
-        for i in range(j + 1, outer):
-            factor = below[i, inner + j] / below[j, inner + j]
-            subtract(below[i, inner + j :], below[j, inner + j :], factor)
-            x[inner + i] -= factor * x[inner + j]
-    for j in range(outer - 1, -1, -1):
-        for c in range(j + 1, outer):
-            x[inner + j] -= below[j, inner + c] * x[inner + c]
-        x[inner + j] /= below[j, inner + j]
+            row = below[i, j : j + count]
+            factor = row[0] / own[0]
+            for c in range(count):
+                row[c] -= factor * own[c]
+            for c in range(outer):
+                below[i, inner + c] -= factor * right[j, c]
+            x[inner + i] -= factor * x[j]
+    if not solve_dense(below[:, inner:], x[inner:]):
+        return False
     for j in range(inner - 1, -1, -1):
         for c in range(outer):
             x[j] -= right[j, c] * x[inner + c]
-        for c in range(1, min(2 * width, inner - 1 - j) + 1):
+        for c in range(1, reach[j] - j + 1):
             x[j] -= band[j, width + c] * x[j + c]
         x[j] /= band[j, width]
+    return True
+
+
+@njit(cache=True)
+def solve_dense(matrix, x):  # type: ignore[no-untyped-def]
+    """`solve_linear` without a band."""
+    size = len(x)
+    for j in range(size):
+        pivot = j
+        for i in range(j + 1, size):
+            if abs(matrix[i, j]) > abs(matrix[pivot, j]):
+                pivot = i
+        if matrix[pivot, j] == 0.0:
+            return False
+        if pivot != j:
+            for c in range(j, size):
+                matrix[j, c], matrix[pivot, c] = matrix[pivot, c], matrix[j, c]
+            x[j], x[pivot] = x[pivot], x[j]
+        for i in range(j + 1, size):
+            factor = matrix[i, j] / matrix[j, j]
+            for c in range(j + 1, size):
+                matrix[i, c] -= factor * matrix[j, c]
+            x[i] -= factor * x[j]
+    for j in range(size - 1, -1, -1):
+        for c in range(j + 1, size):
+            x[j] -= matrix[j, c] * x[c]
+        x[j] /= matrix[j, j]
     return True
 
 
@@ -335,14 +343,17 @@ def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
 def elastic(structure, matrix, target):  # type: ignore[no-untyped-def]
     """Displacements (m) under ``target`` (N) with every node closed and bonded.
 
-    Returns whether there are any, the displacements, and the diagonal of the stiffness (N/m).
+    Returns them and the stiffness (N/m) that is added to the diagonal here and in `newton`. It
+    keeps pieces that nothing holds from flying off and changes no equilibrium.
     """
     nodes = len(structure.place)
     unknowns = np.zeros(len(target))
-    assemble(structure, np.zeros((nodes, 2)), np.ones(nodes, np.bool_), unknowns, matrix)
-    stiffness = diagonal(structure, matrix)
+    tangent_stiffness(structure, np.zeros((nodes, 2)), np.ones(nodes, np.bool_), unknowns, matrix)
+    floor = FLOOR * largest(structure, matrix)
+    add_diagonal(structure, matrix, floor)
     unknowns[:] = target
-    return solve_linear(structure, matrix, unknowns), unknowns, stiffness
+    solve_linear(structure, matrix, unknowns)
+    return unknowns, floor
 
 
 @njit(cache=True)
@@ -351,7 +362,7 @@ def newton(  # type: ignore[no-untyped-def]
 ):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
-    ``slip``, ``bonded``: of the nodes. ``floor``: added to the diagonal of the stiffness (N/m).
+    ``slip``, ``bonded``: of the nodes. ``floor``: see `elastic` (N/m).
     ``allowed``: largest norm of the unbalanced forces (N); ``farthest``: largest step (m). Where a
     whole step would not bring equilibrium closer it is halved, down to ``least_share``. Returns
     whether equilibrium was found, and the displacements.
@@ -361,7 +372,7 @@ def newton(  # type: ignore[no-untyped-def]
     for _ in range(STEPS):
         if size <= allowed:
             return True, unknowns
-        assemble(structure, slip, bonded, unknowns, matrix)
+        tangent_stiffness(structure, slip, bonded, unknowns, matrix)
         add_diagonal(structure, matrix, floor)
         if not solve_linear(structure, matrix, residual):
             break
@@ -397,3 +408,27 @@ def settled(structure, slip, bonded, unknowns):  # type: ignore[no-untyped-def]
                 after[node, 0] += d1 - force[node, 1] / shear
                 after[node, 1] += d2 - force[node, 2] / shear
     return force, after
+
+
+@njit(cache=True)
+def equilibrium(  # type: ignore[no-untyped-def]
+    structure, matrix, target, guess, slip, bonded, floor, allowed, farthest
+):
+    """`newton` and then `settled`: whether there is equilibrium, displacements, forces, slip."""
+    for least_share in LEAST_SHARES:
+        found, unknowns = newton(
+            structure,
+            matrix,
+            target,
+            guess,
+            slip,
+            bonded,
+            floor,
+            allowed,
+            farthest,
+            least_share,
+        )
+        if found:
+            break
+    force, after = settled(structure, slip, bonded, unknowns)
+    return found, unknowns, force, after

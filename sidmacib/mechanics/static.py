@@ -17,7 +17,7 @@ from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import Matrix, Structure, elastic, newton, settled
+from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
 from sidmacib.mechanics.ordering import Ordering, ordering
 from sidmacib.mechanics.springs import Springs
 
@@ -28,9 +28,7 @@ LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is les
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
 TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
-FLOOR = 1e-10  # of the stiffness: keeps pieces that nothing holds for a moment from flying off
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
-LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient
 
 
 @dataclass(frozen=True)
@@ -96,10 +94,9 @@ class Solver:
         self.units = springs.units
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
-        self.rest, self.reach = self._elastic(self.weight), self._elastic(self.load)
-        self.farthest = FARTHEST * float(
-            np.abs(self.rest).max() + loads.scale * np.abs(self.reach).max()
-        )
+        self.rest, self.floor = elastic(self.structure, self.matrix, self.weight)
+        reach, _ = elastic(self.structure, self.matrix, loads.scale * self.load)
+        self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -113,32 +110,20 @@ class Solver:
         target = load * self.load + self.weight
         allowed = RESIDUAL * float(np.abs(target).max())
         begin = self._inside(guess * self.units)
-        for least_share in LEAST_SHARES:
-            found, unknowns = newton(
-                self.structure,
-                self.matrix,
-                target,
-                begin,
-                state.slip,
-                state.bonded,
-                self.floor,
-                allowed,
-                self.farthest,
-                least_share,
-            )
-            if found:
-                force, slip = settled(self.structure, state.slip, state.bonded, unknowns)
-                after = NodeState(slip, state.bonded)
-                return Equilibrium(load, self._outside(unknowns), force, after)
-        raise NoEquilibriumError(f"no equilibrium at {load:g} N")
-
-    def _elastic(self, target: Floats) -> Floats:
-        """Unknowns under ``target`` while every node is closed and bonded."""
-        found, unknowns, stiffness = elastic(self.structure, self.matrix, target)
-        if not (found and np.isfinite(unknowns).all()):
-            raise NoEquilibriumError("no equilibrium: a piece is held by no other")
-        self.floor = FLOOR * stiffness
-        return np.asarray(unknowns)
+        found, unknowns, force, slip = equilibrium(
+            self.structure,
+            self.matrix,
+            target,
+            begin,
+            state.slip,
+            state.bonded,
+            self.floor,
+            allowed,
+            self.farthest,
+        )
+        if not found:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return Equilibrium(load, self._outside(unknowns), force, NodeState(slip, state.bonded))
 
     def _inside(self, values: Floats) -> Floats:
         inside = np.empty_like(values)
