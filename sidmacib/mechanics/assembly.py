@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from sidmacib.validation import require_not_negative, require_positive
 
 GRAVITY = 9.81  # m/s2
+CLOSE = 1e-9  # of a size: what is no further apart is in the same place
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -169,14 +170,15 @@ def shared_face(
 ) -> Face:
     """The rectangle in which the first of ``pair``, indices of pieces, touches the second.
 
-    ValueError if they do not touch across a plane.
+    ValueError if they do not touch across a plane, to 1e-9 of their size.
     """
-    first, second = (pieces[i] for i in pair)
-    low = [max(p, q) for p, q in zip(first.low, second.low, strict=True)]
-    high = [min(p, q) for p, q in zip(first.high, second.high, strict=True)]
-    touching = [k for k in range(3) if math.isclose(first.high[k], second.low[k], abs_tol=1e-12)]
-    sides = [k for k in range(3) if high[k] > low[k] and k not in touching[:1]]
-    if len(touching) == 0 or len(sides) != 2:
+    first, second = pieces[pair[0]], pieces[pair[1]]
+    low = [*map(max, first.low, second.low)]
+    high = [*map(min, first.high, second.high)]
+    near = CLOSE * max(h - l for h, l in zip(first.high, first.low, strict=True))
+    touching = [k for k in range(3) if abs(first.high[k] - second.low[k]) <= near]
+    sides = [k for k in range(3) if high[k] - low[k] > near]
+    if len(touching) != 1 or len(sides) != 2:
         raise ValueError(f"{name}: {first.name} does not touch {second.name} from below")
     axis = touching[0]
     low[axis] = high[axis] = first.high[axis]
@@ -186,16 +188,14 @@ def shared_face(
 
 def contact_nodes(faces: tuple[Face, ...], mesh: float) -> Nodes:
     """Nodes at the centres of equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
-    owner, position, area = [], [], []
-    for number, face in enumerate(faces):
-        axes = [_cell_centres(lo, hi, mesh) for lo, hi in zip(face.low, face.high, strict=True)]
-        grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
-        owner.append(np.full(len(grid), number))
-        position.append(grid)
-        area.append(np.full(len(grid), face.area / len(grid)))
-    return Nodes(np.concatenate(owner), np.concatenate(position), np.concatenate(area))
-
-
-def _cell_centres(low: float, high: float, mesh: float) -> Floats:
-    count = max(1, math.ceil((high - low) / mesh - 1e-9))
-    return low + (np.arange(count) + 0.5) * (high - low) / count
+    low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
+    cells = np.maximum(1, np.ceil((high - low) / mesh - CLOSE)).astype(np.int64)
+    count = cells.prod(axis=1)
+    face = np.repeat(np.arange(len(faces)), count)
+    number = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)  # in its own face
+    cells, low, high = cells[face], low[face], high[face]
+    # The last axis runs fastest.
+    cell = np.stack([number // cells[:, 1] // cells[:, 2], number // cells[:, 2], number], axis=1)
+    position = low + (cell % cells + 0.5) * (high - low) / cells
+    area = np.array([face.area for face in faces]) / count
+    return Nodes(face, position, area[face])

@@ -18,10 +18,15 @@ def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
     return np.asarray(columns.reshape(-1, 6).T)
 
 
+def face_axes(assembly: Assembly) -> Floats:
+    """Unit vectors of each face, (F, 3, 3): its normal, then its two tangents."""
+    axis = np.array([face.axis for face in assembly.faces])
+    return np.eye(3)[(axis[:, None] + np.arange(3)) % 3]
+
+
 def face_frames(assembly: Assembly) -> Floats:
     """Unit vectors at each node, (N, 3, 3): the face's normal, then its two tangents."""
-    frames = np.array([np.roll(np.eye(3), -face.axis, axis=0) for face in assembly.faces])
-    return np.asarray(frames[assembly.nodes.face])
+    return np.asarray(face_axes(assembly)[assembly.nodes.face])
 
 
 def equilibrium_matrix(assembly: Assembly) -> Floats:
@@ -48,4 +53,4 @@ def equilibrium_matrix(assembly: Assembly) -> Floats:
 def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
     free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
-    return np.concatenate([np.arange(6 * i, 6 * i + 6) for i in free])
+    return (6 * np.array(free)[:, None] + np.arange(6)).ravel()

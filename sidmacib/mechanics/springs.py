@@ -1,99 +1,108 @@
-"""The joint's contact nodes as springs between rigid pieces, in matrices of the pieces' size.
+"""Contact nodes as springs between pieces, in terms of the pieces' displacements.
 
-The unknowns are the six displacements of every free piece, so the matrices stay small however fine
-the mesh.
+The unknowns are the displacements of the free pieces, so that there are few of them however fine
+the mesh. Lengths are measured by the assembly's own: a rotation counts as the displacement (m) that
+it makes at this distance, a moment as the force (N) that makes it at this distance. All unknowns
+are then in m, all forces in N and all stiffnesses in N/m.
+
+Pieces are rigid: their displacements are three of the centroid and three rotations, and the nodes
+of a face move like a rigid body. A piece that deforms has more unknowns, a longer slice of all of
+them, and moves the nodes of its faces by more than six components: it enters through
+``Springs.unknowns`` and ``Springs.motion``.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.mechanics.contact_law import Flags, NodeLaw
-from sidmacib.mechanics.equilibrium import face_frames, wrenches
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers
+from sidmacib.mechanics.contact_law import NodeLaw
+from sidmacib.mechanics.equilibrium import face_axes
+
+RIGID = 6  # unknowns of a rigid piece
 
 
 @dataclass(frozen=True)
 class Springs:
-    """Rigid pieces and the nodes between them.
+    """Pieces and the nodes between them.
 
-    The nodes of a face move like a rigid body: delta = ``motion`` w, (N, 3, 6), with six components
-    w = ``faces`` u, (F, 6, 6 P), of the face's two pieces. ``starts``: index of each face's first
-    node.
+    The motion of a face, w, is the displacement of the piece below relative to the piece above, at
+    the face's middle: three translations along the face's normal and tangents and three rotations
+    about them. A node at ``place`` (p, q) of its face moves by delta = (w0 + q w4 - p w5,
+    w1 - q w3, w2 + p w3).
+
+    ``start``: each face's first node, and the number of nodes, (F + 1,). ``place``: along the
+    tangents, from the face's middle, over ``length``, (N, 2). ``piece``: numbers among the free
+    pieces of those below and above, -1 for a fixed one, (F, 2). ``motion``: what each of the two
+    contributes to w per unit of its unknowns, (F, 2, 6, 6). ``unknowns``: where those of each free
+    piece begin, and their number, (P + 1,). ``length`` in m.
     """
 
     law: NodeLaw
+    start: Integers
+    place: Floats
+    piece: Integers
     motion: Floats
-    faces: Floats
-    starts: NDArray[np.int64]
+    unknowns: Integers
+    length: float
 
     @classmethod
     def of(cls, assembly: Assembly) -> "Springs":
         """The springs of ``assembly``."""
-        nodes, frames = assembly.nodes, face_frames(assembly)
-        origins = np.array([(np.array(f.low) + np.array(f.high)) / 2 for f in assembly.faces])
-        free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
-        faces = np.zeros((len(assembly.faces), 6, 6 * len(free)))
-        for number, face in enumerate(assembly.faces):
-            for piece, sign in ((face.below, 1.0), (face.above, -1.0)):
-                if piece in free:
-                    column = 6 * free.index(piece)
-                    arm = origins[number] - assembly.pieces[piece].centre
-                    faces[number, :, column : column + 6] = sign * np.eye(6)
-                    # A turn moves the origin of the face by turn x arm.
-                    faces[number, :3, column + 3 : column + 6] = -sign * np.cross(arm, np.eye(3)).T
+        nodes, faces = assembly.nodes, assembly.faces
+        corners = np.array([(face.low, face.high) for face in faces])
+        middle = (corners[:, 0] + corners[:, 1]) / 2
+        axes = face_axes(assembly)
+        arms = (nodes.position - middle[nodes.face]) / assembly.length
+        tangents = axes[nodes.face, 1:]
+        number = np.cumsum([not piece.fixed for piece in assembly.pieces]) - 1
+        number[[piece.fixed for piece in assembly.pieces]] = -1
+        ends = np.array([(face.below, face.above) for face in faces])
+        boxes = np.array([(piece.low, piece.high) for piece in assembly.pieces])
+        centres = (boxes[:, 0] + boxes[:, 1]) / 2
+        levers = (middle[:, None] - centres[ends]) / assembly.length
+        motion = np.zeros((len(faces), 2, 6, RIGID))
+        motion[:, :, :3, :3] = motion[:, :, 3:, 3:] = axes[:, None]
+        # A rotation moves the middle of the face by rotation x lever.
+        motion[:, :, :3, 3:] = np.cross(levers[:, :, None], axes[:, None])
+        motion[:, 1] *= -1.0
         return cls(
             NodeLaw.of(assembly),
-            # Row by row, force and moment of a unit force about the face's origin.
-            wrenches(nodes.position - origins[nodes.face], frames, np.zeros(3))
-            .T.reshape(-1, 3, 6)
-            .copy(),
-            faces,
-            np.flatnonzero(np.diff(nodes.face, prepend=-1)),
+            np.searchsorted(nodes.face, np.arange(len(faces) + 1)),
+            (tangents * arms[:, None]).sum(axis=2),
+            number[ends],
+            motion,
+            RIGID * np.arange(number.max() + 2),
+            assembly.length,
         )
-
-    def part(self, own: Flags) -> "Springs":
-        """The same joint with only its ``own`` nodes, (N,), and the faces that have any."""
-        owner = np.repeat(np.arange(len(self.faces)), self._counts())[own]
-        present, starts = np.unique(owner, return_index=True)
-        return replace(
-            self,
-            law=self.law.part(own),
-            motion=self.motion[own],
-            faces=self.faces[present],
-            starts=starts,
-        )
-
-    def node_displacements(self, displacement: Floats) -> Floats:
-        """Relative displacement at each node, below minus above, in the frame of its face."""
-        per_face = np.repeat(self.faces @ displacement, self._counts(), axis=0)
-        return np.asarray((self.motion @ per_face[:, :, None])[:, :, 0])
-
-    def piece_forces(self, force: Floats) -> Floats:
-        """Forces on the free pieces that balance node forces, (6 P,)."""
-        per_node = (force[:, None, :] @ self.motion)[:, 0]
-        per_face = np.add.reduceat(per_node, self.starts)
-        return np.asarray(np.einsum("fk,fkp->p", per_face, self.faces))
-
-    def stiffness(self, tangent: Floats) -> Floats:
-        """Derivative of `piece_forces` by the displacements, (6 P, 6 P)."""
-        forces = (tangent @ self.motion).reshape(-1, 6)
-        motions = self.motion.reshape(-1, 6)
-        per_face = np.empty_like(self.faces[:, :, :6])
-        for number, (start, count) in enumerate(zip(self.starts, self._counts(), strict=True)):
-            rows = slice(3 * start, 3 * (start + count))
-            per_face[number] = motions[rows].T @ forces[rows]
-        size = self.faces.shape[2]
-        return self.faces.reshape(-1, size).T @ (per_face @ self.faces).reshape(-1, size)
 
     def elastic_stiffness(self) -> Floats:
-        """Stiffness with every node closed and bonded."""
-        tangent = np.zeros((len(self.motion), 3, 3))
-        tangent[:, 0, 0] = self.law.normal_stiffness
-        tangent[:, 1, 1] = tangent[:, 2, 2] = self.law.shear_stiffness
-        return self.stiffness(tangent)
+        """Stiffness (N/m) by all unknowns, (U, U), with every node closed and bonded."""
+        p, q = self.place.T
+        normal, shear, zero = self.law.normal_stiffness, self.law.shear_stiffness, np.zeros(len(p))
+        one = zero + 1.0
+        rows = np.array(  # of the nodes' displacements by the motion of their face
+            [
+                [one, zero, zero, zero, q, -p],
+                [zero, one, zero, -q, zero, zero],
+                [zero, zero, one, p, zero, zero],
+            ]
+        )
+        per_node = np.einsum("in,ikn,iln->nkl", np.array([normal, shear, shear]), rows, rows)
+        per_face = np.add.reduceat(per_node, self.start[:-1])
+        blocks = np.einsum("fsij,fik,ftkl->fsjtl", self.motion, per_face, self.motion)
+        # Fixed pieces have unknowns behind all others, which are left out.
+        free = int(self.unknowns[-1])
+        begin = np.append(self.unknowns[:-1], free)[self.piece]
+        where = begin[:, :, None] + np.arange(RIGID)
+        stiffness = np.zeros((free + RIGID, free + RIGID))
+        np.add.at(stiffness, (where[:, :, :, None, None], where[:, None, None, :, :]), blocks)
+        return stiffness[:free, :free]
 
-    def _counts(self) -> NDArray[np.int64]:
-        """Number of nodes of each face, (F,)."""
-        return np.diff(self.starts, append=len(self.motion))
+    @property
+    def units(self) -> Floats:
+        """Displacements (m) and rotations (rad) of the free pieces times this are unknowns, (U,).
+
+        Forces (N) and moments (N m) over this are in N.
+        """
+        return np.tile([1.0] * 3 + [self.length] * 3, len(self.unknowns) - 1)

@@ -1,40 +1,39 @@
-"""Static brittle model of an assembly: equilibrium of rigid pieces on springs that can fail.
+"""Static brittle model of an assembly: equilibrium of pieces on springs that can fail.
 
-The unknowns are the six displacements of every free piece. A node's force follows from the relative
+The unknowns are the displacements of every free piece. A node's force follows from the relative
 displacement of its two pieces by `sidmacib.mechanics.contact_law`, so Newton's method needs
-matrices of the size of the pieces, however fine the mesh. The load rises in increments, which gives friction its
-history. When the first node fails, all of its strength goes at once (those that fail together go
-together) and a new equilibrium is sought at the same load; where none exists is the peak.
+matrices of the size of the pieces, however fine the mesh. The load rises in increments, which gives
+friction its history. When the first node fails, all of its strength goes at once (those that fail
+together go together) and a new equilibrium is sought at the same load; where none exists is the
+peak.
 """
 
 from dataclasses import dataclass, replace
+from enum import StrEnum
 
 import numpy as np
 
-from sidmacib.errors import NoEquilibriumError
+from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
-from sidmacib.mechanics.contact_law import (
-    Flags,
-    NodeState,
-    Response,
-    advanced,
-    respond,
-    tangent,
-    utilisation,
-)
+from sidmacib.mechanics.contact_law import Flags, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
+from sidmacib.mechanics.ordering import Ordering, ordering
 from sidmacib.mechanics.springs import Springs
 
-INCREMENT = 0.1  # load increment over the loads' scale
-LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
+INCREMENT = 0.1  # largest load increment over the loads' scale,
+GROWTH = 0.01  # or over the load where that is more
+LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends,
+LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
+MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
+TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
-NEWTON_STEPS = 60
-LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient
+FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """An equilibrium of the joint.
+    """An equilibrium of the assembly.
 
     ``load``: along the direction of loading, in N. ``displacement``: of the free pieces, (6 F,), in
     m and rad. ``force``: (N, 3) in N, what the piece below each node exerts on the piece above in
@@ -47,16 +46,24 @@ class Equilibrium:
     state: NodeState
 
 
+class Mode(StrEnum):
+    """Why the load cannot rise beyond the peak."""
+
+    FAILURE = "failure"  # bonds fail, and no equilibrium follows
+    MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
+
+
 @dataclass(frozen=True)
 class StaticSolution:
-    """The path of the joint to its peak.
+    """The path of the assembly to its peak.
 
-    ``first_failure_load`` in N: where the first node fails. ``path``: the equilibria on the way;
-    the last is the peak.
+    ``first_failure_load`` in N: where the first node fails, or that of the peak if none does.
+    ``path``: the equilibria on the way; the last is the peak. ``mode``: why it is.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
+    mode: Mode
 
     @property
     def peak(self) -> Equilibrium:
@@ -70,111 +77,93 @@ class StaticSolution:
 
 
 class Solver:
-    """Newton's method on ``assembly`` under ``loads``."""
+    """Newton's method on ``assembly`` under ``loads``.
+
+    Inside, unknowns and forces are measured as in `sidmacib.mechanics.springs` and in the order of
+    `sidmacib.mechanics.ordering`.
+    """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        rows = free_rows(assembly)
-        self.load, self.weight = loads.variable.ravel()[rows], loads.permanent.ravel()[rows]
-        self.springs = Springs.of(assembly)
-        self.law = self.springs.law
-        self.elastic = self.springs.elastic_stiffness()
-        # Keeps pieces that nothing holds for a moment from flying off.
-        self.floor = 1e-10 * np.diag(np.diag(self.elastic))
-        self._split(NodeState.initial(self.law).bonded)
+        springs = Springs.of(assembly)
+        order, rows = ordering(springs), free_rows(assembly)
+        self.law = springs.law
+        self.structure, self.matrix = _structure(springs, order), _matrix(order)
+        size = np.diff(springs.unknowns)
+        self.place = np.arange(springs.unknowns[-1])
+        self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
+        self.units = springs.units
+        self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
+        self.load = self._inside(loads.variable.ravel()[rows] / self.units)
+        self.rest, self.floor = elastic(self.structure, self.matrix, self.weight)
+        reach, _ = elastic(self.structure, self.matrix, loads.scale * self.load)
+        self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
     def start(self) -> Equilibrium:
-        """Equilibrium under self-weight alone."""
-        guess = np.asarray(np.linalg.solve(self.elastic, self.weight), dtype=float)
-        return self.solve(0.0, guess, NodeState.initial(self.law))
+        """Equilibrium under the permanent loads alone."""
+        return self.solve(0.0, self._outside(self.rest), NodeState.initial(self.law))
 
     def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
 
         Raises `NoEquilibriumError` where Newton's method ends nowhere.
         """
-        if self.bonded is not state.bonded:
-            self._split(state.bonded)
-        for least_share in LEAST_SHARES:
-            displacement = self._newton(load, guess, state, least_share)
-            if displacement is not None:
-                return self._equilibrium(load, displacement, state)
-        raise NoEquilibriumError(f"no equilibrium at {load:g} N")
-
-    def _newton(
-        self, load: float, guess: Floats, state: NodeState, least_share: float
-    ) -> Floats | None:
-        """Displacements at equilibrium, None if not found.
-
-        Where a whole step would not bring equilibrium closer it is halved, down to ``least_share``.
-        """
         target = load * self.load + self.weight
         allowed = RESIDUAL * float(np.abs(target).max())
-        loose, own = self.loose, state.part(~state.bonded)
+        begin = self._inside(guess * self.units)
+        found, unknowns, force, slip = equilibrium(
+            self.structure,
+            self.matrix,
+            target,
+            begin,
+            state.slip,
+            state.bonded,
+            self.floor,
+            allowed,
+            self.farthest,
+        )
+        if not found:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return Equilibrium(load, self._outside(unknowns), force, NodeState(slip, state.bonded))
 
-        def at(displacement: Floats) -> tuple[Floats, Response, Floats, float]:
-            response = respond(loose.law, own, loose.node_displacements(displacement))
-            inside = self.bonds @ displacement + loose.piece_forces(response.force)
-            residual = target - inside
-            return displacement, response, residual, float(np.linalg.norm(residual))
+    def _inside(self, values: Floats) -> Floats:
+        inside = np.empty_like(values)
+        inside[self.place] = values
+        return inside
 
-        now = at(guess)
-        for _ in range(NEWTON_STEPS):
-            displacement, response, residual, size = now
-            if size <= allowed:
-                return displacement
-            stiffness = self.bonds + loose.stiffness(tangent(loose.law, response)) + self.floor
-            step = np.linalg.solve(stiffness, residual)
-            if not np.abs(step).max() < 1.0:
-                break
-            whole = now = at(displacement + step)
-            share = 1.0
-            while now[3] > size and share > least_share:
-                share /= 2
-                now = at(displacement + share * step)
-            if now[3] > size:
-                now = whole
-        return None
-
-    def _split(self, bonded: Flags) -> None:
-        """Take bonded nodes, which are linear, together; Newton's steps look at the others only."""
-        self.bonded = bonded
-        self.bonds = self.springs.part(bonded).elastic_stiffness()
-        self.loose = self.springs.part(~bonded)
-
-    def _equilibrium(self, load: float, displacement: Floats, state: NodeState) -> Equilibrium:
-        delta = self.springs.node_displacements(displacement)
-        force = respond(self.law, state, delta).force
-        return Equilibrium(load, displacement, force, advanced(self.law, state, delta, force))
+    def _outside(self, unknowns: Floats) -> Floats:
+        return np.asarray(unknowns[self.place] / self.units)
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """Raise ``loads`` from 0 to the peak of ``assembly``.
 
-    Raises `NoEquilibriumError` if it does not stand under its permanent loads, ValueError if its
-    failure is not brittle.
+    Raises `NoEquilibriumError` if it does not stand under its permanent loads, `UnboundedError` if
+    it carries any load, ValueError if its failure is not brittle.
     """
     if assembly.failure is not Failure.BRITTLE:
-        raise ValueError(f"failure: got {assembly.failure}, allowed is {Failure.BRITTLE}")
+        raise ValueError(f"failure: {assembly.failure} is not known here, only {Failure.BRITTLE}")
     solver = Solver(assembly, loads)
     path = [solver.start()]
     first_failure: float | None = None
     while True:
-        path, failing = _raised(solver, path, INCREMENT * loads.scale)
+        path, failing = _raised(solver, path, loads.scale)
         first_failure = path[-1].load if first_failure is None else first_failure
         if not failing.any():
+            mode = Mode.MECHANISM
             break
         try:
             path.append(_redistributed(solver, path[-1], failing))
         except NoEquilibriumError:
+            mode = Mode.FAILURE
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
-    return StaticSolution(first_failure, tuple(path[: peak + 1]))
+    return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
 
 
 def _raised(
-    solver: Solver, path: list[Equilibrium], largest: float
+    solver: Solver, path: list[Equilibrium], scale: float
 ) -> tuple[list[Equilibrium], Flags]:
-    """Raise the load by at most ``largest`` (N) at a time until nodes are about to fail.
+    """Raise the load until nodes are about to fail, in increments that suit loads of ``scale`` (N).
 
     Returns the path to there and which nodes fail: none where the load cannot rise any more. Where
     no equilibrium is found the increment is halved, and doubled again where one is: Newton's method
@@ -184,34 +173,39 @@ def _raised(
     def used(point: Equilibrium) -> Floats:
         return utilisation(solver.law, point.state, point.force)
 
-    path, increment = list(path), largest
+    def least(load: float) -> float:
+        return LEAST_INCREMENT * max(load, LEAST_LOAD * scale)
+
+    path, increment = list(path), INCREMENT * scale
+    own = used(path[-1])
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
-    while True:
-        low = path[-1]
-        own = used(low)
-        most = own.max()
+    over = own
+    while path[-1].load <= MOST_LOAD * scale:
+        low, most = path[-1], own.max()
         if most >= 1.0 - LEAST_INCREMENT:
-            return path, own >= most * (1.0 - 1e-5)
-        if above and above.load - low.load <= LEAST_INCREMENT * above.load:
-            return path, used(above) >= 1.0
-        if increment <= LEAST_INCREMENT * (low.load + increment):
+            return path, own >= most * (1.0 - TOGETHER)
+        if above and above.load - low.load <= least(above.load):
+            return path, over >= 1.0
+        if increment <= least(low.load + increment):
             return path, np.zeros(len(low.force), bool)
         load = low.load + increment
         if above:  # where the utilisation, all but linear, comes just below 1
-            over = used(above).max()
-            share = (1.0 - most) / (over - most) if np.isfinite(over) else 0.5
+            share = (1.0 - most) / (over.max() - most) if np.isfinite(over.max()) else 0.5
             near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
-            load = min(load, max(near, low.load + LEAST_INCREMENT * above.load / 2))
+            load = min(load, max(near, low.load + least(above.load) / 2))
         try:
             point = solver.solve(load, _guess(load, path, above), low.state)
         except NoEquilibriumError:
             increment = (load - low.load) / 2
             continue
-        if used(point).max() > 1.0:
-            above = point
+        reached = used(point)
+        if reached.max() > 1.0:
+            above, over = point, reached
         else:
             path.append(point)
-            increment = min(2 * increment, largest)
+            own = reached
+            increment = min(2 * increment, max(INCREMENT * scale, GROWTH * load))
+    raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
 
 
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
@@ -235,3 +229,28 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
         after = solver.solve(point.load, point.displacement, state)
         failing = utilisation(solver.law, state, after.force) > 1.0
     return after
+
+
+def _structure(springs: Springs, order: Ordering) -> Structure:
+    law = springs.law
+    return Structure(
+        law.normal_stiffness,
+        law.shear_stiffness,
+        law.friction,
+        springs.start,
+        springs.place,
+        springs.motion,
+        np.where(springs.piece < 0, -1, order.begin[springs.piece]),
+        order.inner,
+        order.outer,
+        order.band,
+    )
+
+
+def _matrix(order: Ordering) -> Matrix:
+    inner, outer = order.inner, order.outer
+    return Matrix(
+        np.empty((inner, 3 * order.band + 1)),
+        np.empty((inner, outer)),
+        np.empty((outer, inner + outer)),
+    )
