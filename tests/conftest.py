@@ -1,15 +1,14 @@
 """What several tests need."""
 
-import json
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import settings
 
-from analysis.reading import CaseResult, read_case
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import (
@@ -21,11 +20,14 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
+from sidmacib.pieces import lock_faces
 from workflow.case import Case
 from workflow.engines import ENGINES
-from workflow.execute import execute
 from workflow.engines.numerics import Numerics
-from workflow.render import DATA_FILE, assembly_data, script, write_case
+from workflow.engines.run import run_engine
+from workflow.results.files import RECORD, RESULT, read_records
+from workflow.results.record import CaseRecord
+from workflow.steps import engine as engine_step
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
@@ -80,15 +82,49 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
     """Search the peak of a block on the ground; returns the folder of the results."""
 
     def run(name: str, assembly: Assembly, loads: Loads) -> Path:
-        engine, folder = ENGINES[name], tmp_path / "block"
-        folder.mkdir()
-        text = script(engine, "block", assembly, loads, Numerics(tolerance=5e-4))
-        (folder / engine.script).write_text(text)
-        (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-        execute(engine, folder, 120)
+        folder = tmp_path / "block"
+        run_engine(ENGINES[name], assembly, loads, Numerics(tolerance=5e-4), "block", folder, 120)
         return folder
 
     return run
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """What an engine found for a case: its record and its own tables."""
+
+    case: Case
+    record: CaseRecord
+    nodes: pd.DataFrame
+    history: pd.DataFrame
+
+    @property
+    def peak_load(self) -> float:
+        assert self.record.load_N is not None
+        return self.record.load_N
+
+    @property
+    def shear(self) -> float:
+        assert self.record.shear_N is not None
+        return self.record.shear_N
+
+    @property
+    def failed_load(self) -> float:
+        assert self.record.failed_load_N is not None
+        return self.record.failed_load_N
+
+    @property
+    def first_failure_load(self) -> float | None:
+        return self.record.first_failure_load_N
+
+    @property
+    def unbalanced_share(self) -> float:
+        assert self.record.unbalanced_share is not None
+        return self.record.unbalanced_share
+
+    @property
+    def weights(self) -> pd.DataFrame:
+        return pd.DataFrame([asdict(each) for each in self.record.weights])
 
 
 def a_case(
@@ -109,11 +145,20 @@ def a_case(
 @pytest.fixture
 def run(tmp_path: Path) -> Callable[[Case], CaseResult]:
     folders = iter(range(100))
-    return lambda case: read_case(run_case(case, tmp_path / str(next(folders))))
+    return lambda case: read_case(run_case(case, tmp_path / str(next(folders))), case)
 
 
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it."""
-    write_case(case, folder)
-    execute(ENGINES[case.model], folder, 300)
+    folder.mkdir(parents=True, exist_ok=True)
+    arguments = {"case": case.to_json(), "time_limit": 300.0}
+    fault = engine_step.run(arguments, (), (folder / RECORD, folder / RESULT))
+    assert fault is None, fault
     return folder
+
+
+def read_case(folder: Path, case: Case) -> CaseResult:
+    (record,) = read_records([folder / RECORD])
+    nodes = pd.read_csv(folder / "nodes.csv")
+    nodes["lock"] = nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int)
+    return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
