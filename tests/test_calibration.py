@@ -7,17 +7,22 @@ import pandas as pd
 import pytest
 
 from analysis.calibration import (
-    Misfit,
+    GeometryMisfit,
     TwoParts,
     best_rows,
-    confirmation,
+    engine_study,
     geometries,
-    misfit_map,
+    geometry_study,
+    misfit_table,
 )
+from analysis.collect import cases_table, weights_table
 from analysis.figures.calibration import calibration
-from analysis.reading import read_published
+from analysis.published import read_published
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.study import Study
+from workflow.schema import Study
+from workflow.solvers.static import solve
+from workflow.steps.solve import solved
 
 PUBLISHED = read_published()
 
@@ -31,7 +36,11 @@ def study() -> Study:
 
 @pytest.fixture(scope="module")
 def table(study: Study) -> pd.DataFrame:
-    return misfit_map(study, PUBLISHED)
+    chosen = {f"g{n}": g for n, g in enumerate(geometries(study, PUBLISHED))}
+    config = geometry_study(study, PUBLISHED.samples(study), chosen, "there")
+    own = read_study(config)
+    records = [solved(case, solve)[0] for case in cases_of(own).values()]
+    return misfit_table(own, cases_table(records, records), weights_table(records), PUBLISHED)
 
 
 def test_every_geometry_has_the_published_area_and_the_studys_own_is_last(study: Study) -> None:
@@ -47,14 +56,14 @@ def test_published_values_themselves_have_no_misfit_in_their_order() -> None:
     peaks = {3: 240.76, 5: 408.26}
     printed = {3: [0.99, 0.77, 0], 5: [0.99, 0.57, 0.68, 0.68, 0]}
     swapped = {3: [0.77, 0.99, 0], 5: [0.57, 0.99, 0.68, 0.68, 0]}
-    assert Misfit.of(peaks, printed, PUBLISHED, 0.02).printed == 0.0
-    assert Misfit.of(peaks, swapped, PUBLISHED, 0.02).swapped == 0.0
-    assert Misfit.of(peaks, printed, PUBLISHED, 0.02).swapped > 5.0
+    assert GeometryMisfit.of(peaks, printed, PUBLISHED, 0.02).printed == 0.0
+    assert GeometryMisfit.of(peaks, swapped, PUBLISHED, 0.02).swapped == 0.0
+    assert GeometryMisfit.of(peaks, printed, PUBLISHED, 0.02).swapped > 5.0
 
 
 def test_peaks_count_in_percent_and_weights_in_steps_of_two_hundredths() -> None:
     weights = {3: [0.77, 0.99, 0.02]}
-    found = Misfit.of({3: 1.01 * 240.76}, weights, PUBLISHED, 0.02).swapped
+    found = GeometryMisfit.of({3: 1.01 * 240.76}, weights, PUBLISHED, 0.02).swapped
     assert found == pytest.approx(math.sqrt((1 + 1) / 4))
 
 
@@ -85,7 +94,8 @@ def test_two_straight_parts_are_found_where_they_meet() -> None:
 
 def test_the_confirmation_is_a_study_of_the_chosen_geometries(study: Study) -> None:
     chosen = list(geometries(study, PUBLISHED))[:2]
-    own = read_study(confirmation(study, PUBLISHED.samples(study), chosen, "there"))
+    ranked = {f"rank{rank}": geometry for rank, geometry in enumerate(chosen)}
+    own = read_study(engine_study(study, PUBLISHED.samples(study), ranked, "there"))
     assert list(own.samples) == ["rank0_n3", "rank0_n5", "rank1_n3", "rank1_n5"]
     assert own.joint("rank1_n5").h == pytest.approx(chosen[1].h)
     assert own.results == "there"

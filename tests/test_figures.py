@@ -3,7 +3,6 @@
 import numpy as np
 import pandas as pd
 import pytest
-import yaml
 from conftest import ROOT
 
 from analysis.figures.catalogue import figures_of
@@ -11,11 +10,14 @@ from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
 from sidmacib.joint import Joint
-from workflow.configuration import read_study
+from sidmacib.pieces import assemble, lock_faces
+from workflow.configuration import read_study, read_study_file
+from workflow.models import detailed
 
 
 def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
-    figures = figures_of(read_study(yaml.safe_load((ROOT / "config.yaml").read_text())))
+    study = read_study_file(ROOT / "config.yaml")
+    figures = figures_of(study, detailed(study.model_names))
     kinds = ("options", "shear_stress", "torsion_stress", "revised", "models")
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in ("n3", "n5")}
     of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
@@ -24,7 +26,8 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
 
 
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
-    figures = figures_of(read_study({"samples": {"n3": {"locks": 3}}}))
+    study = read_study({"samples": {"n3": {"locks": 3}}})
+    figures = figures_of(study, detailed(study.model_names))
     assert figures["shear_stress-n3"].case.name == "n3-mesh0.005-e0a"
     assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
 
@@ -37,7 +40,8 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
 @pytest.fixture
 def face_and_nodes():
     model = assemble(Joint(3), 0.005)
-    number, face = next((i, f) for i, f in enumerate(model.faces) if f.lock == 1)
+    own = lock_faces(Joint(3))
+    number, face = next((i, f) for i, f in enumerate(model.faces) if own.get(f.name) == 1)
     positions = model.nodes.position[model.nodes.face == number]
     return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
 

@@ -1,0 +1,170 @@
+"""Jobs, their receipts, and what has to be done again."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from workflow.case import Case
+from workflow.cases import cases_of
+from workflow.configuration import read_study
+from workflow.job import run_job
+from workflow.jobs import BATCH, Job, batches
+from workflow.lock import LockedError, lock
+from workflow.plan import plan_of, prepared
+from workflow.receipts import STALE, fault, read_receipt
+from workflow.schema import Study
+
+SMALL = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.03],
+    "eccentricities": [0, 0.5],
+    "dem": {"engines": []},
+    "models": ["static"],
+}
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Study:
+    return read_study({**SMALL, "results": str(tmp_path)})
+
+
+@pytest.fixture
+def done(study: Study, tmp_path: Path) -> Job:
+    """The batch of the study, done."""
+    job = plan_of(study).jobs["static/batch"]
+    run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    return job
+
+
+def reason(job: Job, results: Path) -> str | None:
+    return fault(read_receipt(results / job.receipt), job.name, job.digest(), results)
+
+
+def test_what_was_made_holds(done: Job, tmp_path: Path) -> None:
+    assert reason(done, tmp_path) is None
+
+
+def test_moving_the_results_changes_nothing(done: Job, tmp_path: Path) -> None:
+    moved = tmp_path.with_name("moved")
+    shutil.copytree(tmp_path, moved)
+    assert reason(done, moved) is None
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_an_output_that_is_deleted_edited_or_cut_is_noticed(
+    done: Job, tmp_path: Path, number: int
+) -> None:
+    path = tmp_path / done.outputs[number]
+    whole = path.read_bytes()
+    path.unlink()
+    assert reason(done, tmp_path) == f"{done.outputs[number]} is gone"
+    for content in (whole[:-1], whole + b"\n", b""):
+        path.write_bytes(content)
+        assert reason(done, tmp_path) == f"{done.outputs[number]} was changed"
+    path.write_bytes(whole)
+    assert reason(done, tmp_path) is None
+
+
+def test_a_receipt_that_is_lost_garbled_or_anothers_does_not_count(
+    done: Job, tmp_path: Path
+) -> None:
+    path = tmp_path / done.receipt
+    text = path.read_text()
+    for garbled in ("", "{", "[]", "null", '{"job": 1}', text.replace("static/", "limit/")):
+        path.write_text(garbled)
+        assert reason(done, tmp_path) in ("never made", "made by another job")
+    path.unlink()
+    assert reason(done, tmp_path) == "never made"
+
+
+def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path: Path) -> None:
+    receipt = read_receipt(tmp_path / done.receipt)
+    for other in (
+        replace(done, arguments={**done.arguments, "cases": []}),
+        replace(done, step="workflow.steps.decks"),
+        replace(done, versions={"yade": "2"}),
+        replace(done, files=("config.yaml",)),
+    ):
+        assert fault(receipt, done.name, other.digest(), tmp_path) == STALE
+    same = replace(done, settings={"time_limit": 1.0})
+    assert fault(receipt, done.name, same.digest(), tmp_path) is None
+
+
+def test_what_was_changed_by_hand_is_taken_away_before_a_run(
+    done: Job, study: Study, tmp_path: Path
+) -> None:
+    (tmp_path / done.outputs[1]).write_text("mine")
+    prepared(plan_of(study).jobs.values(), tmp_path)
+    assert not any((tmp_path / name).exists() for name in done.outputs)
+
+
+def test_results_that_hold_are_left_alone(done: Job, study: Study, tmp_path: Path) -> None:
+    before = {name: (tmp_path / name).stat().st_mtime_ns for name in done.outputs}
+    plans = prepared(plan_of(study).jobs.values(), tmp_path)
+    assert {name: (tmp_path / name).stat().st_mtime_ns for name in done.outputs} == before
+    again = prepared(plan_of(study).jobs.values(), tmp_path)
+    assert plans == again
+
+
+def test_figures_of_the_configuration_are_no_part_of_what_a_case_depends_on(study: Study) -> None:
+    other = read_study({**SMALL, "results": study.results, "figures": {"eccentricity": 0.4}})
+    one, two = (plan_of(each).jobs for each in (study, other))
+    assert one["static/batch"].digest() == two["static/batch"].digest()
+    assert one["figures"].digest() != two["figures"].digest()
+
+
+def test_every_case_is_in_one_batch_and_batches_have_the_size_that_is_asked_for() -> None:
+    config = {**SMALL, "eccentricities": [round(0.001 * n, 3) for n in range(3000)]}
+    cases = list(cases_of(read_study(config)).values())
+    found = batches(cases)
+    assert sorted(c.name for b in found.values() for c in b) == sorted(c.name for c in cases)
+    assert max(map(len, found.values())) <= BATCH
+    assert len(found) == 16
+
+
+def test_a_case_that_is_added_stays_out_of_the_other_batches() -> None:
+    ratios = [round(0.001 * n, 3) for n in range(1000)]
+    one, two = (
+        batches(list(cases_of(read_study({**SMALL, "eccentricities": own})).values()))
+        for own in (ratios, [*ratios, 7.0])
+    )
+    changed = [name for name in two if two[name] != one.get(name)]
+    assert len(changed) == 1
+
+
+def test_engines_cases_are_held_against_the_static_model_even_if_no_one_asked() -> None:
+    config = {**SMALL, "models": ["limit"], "dem": {"engines": ["yade"]}, "eccentricities": [0]}
+    plan = plan_of(read_study(config))
+    assert plan.jobs["static/batch"].finds == (("static", "n3-mesh0.03-e0a"),)
+    assert {case.model for case in plan.cases.values()} == {"yade", "limit"}
+
+
+def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(
+    tmp_path: Path,
+) -> None:
+    first = lock(tmp_path)
+    with pytest.raises(LockedError, match=r"another run is at work here \(process \d+\)"):
+        lock(tmp_path)
+    first.close()
+    lock(tmp_path).close()
+
+
+def test_a_job_without_a_result_leaves_no_receipt_and_is_tried_again(
+    study: Study, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    job = plan_of(study).jobs["static/batch"]
+    cases = [Case.from_json(text) for text in job.arguments["cases"]]
+    bad = replace(cases[0], joint=replace(cases[0].joint, density=1e-300), mesh=0.049)
+    broken = replace(bad, mesh=1.0)  # longer than a lock: there is no such assembly
+    arguments = {**job.arguments, "cases": [broken.to_json(), cases[1].to_json()]}
+    plan = replace(job, arguments=arguments).plan("digest", tmp_path)
+    run_job(json.loads(json.dumps(plan)))
+    assert "mesh" in capsys.readouterr().err
+    assert not (tmp_path / job.receipt).exists()
+    records = (tmp_path / job.outputs[0]).read_text().splitlines()
+    assert len(records) == 2
+    assert json.loads(records[0])["error"].startswith("static: ")
+    assert json.loads(records[1])["error"] is None

@@ -1,0 +1,223 @@
+"""What a model returns is held against its case before it counts."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.pieces import assemble
+from workflow.case import Case
+from workflow.outcome import Outcome, State
+from workflow.results.files import (
+    HISTORY,
+    NODE_COLUMNS,
+    NODES,
+    RESULT,
+    force_to_stress,
+    read_outcome,
+    stress_to_force,
+)
+from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+from workflow.solvers import limit, static
+from workflow.steps.solve import solved
+
+JOINT = Joint(3)
+
+
+def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> Case:
+    loading = Loading(Direction(ratio))
+    return Case("n3-case", model, "reference", "n3", joint, 0.03, loading, None)
+
+
+def parts(case: Case) -> tuple[Assembly, Outcome]:
+    assembly = assemble(case.joint, case.mesh)
+    return assembly, static.solve(assembly, lateral_load(case.joint, assembly, case.loading))
+
+
+def write_engine_files(folder: Path, case: Case) -> Assembly:
+    """What an engine would write if it found what the static model finds."""
+    assembly, found = parts(case)
+    peak = found.path[-1]
+    assert peak.force is not None
+    stress = force_to_stress(assembly.nodes, face_frames(assembly), peak.force)
+    lines = [",".join(NODE_COLUMNS)]
+    for number, place, area, values in zip(
+        assembly.nodes.face, assembly.nodes.position, assembly.nodes.area, stress, strict=True
+    ):
+        face = assembly.faces[number]
+        numbers = ",".join(repr(float(v)) for v in (*place, area, *values))
+        lines.append(f"{face.name},{face.kind},{numbers},1")
+    (folder / NODES).write_text("\n".join(lines) + "\n")
+    rows = [f"{s.load!r},{s.displacement!r},equilibrium" for s in found.path]
+    (folder / HISTORY).write_text("\n".join(["load_N,displacement_m,stage", *rows]) + "\n")
+    loads = {"peak_load_N": peak.load, "failed_load_N": found.failed_load, "mode": "bonds"}
+    loads["first_failure_load_N"] = found.first_failure_load
+    (folder / RESULT).write_text(json.dumps(loads))
+    return assembly
+
+
+def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
+    case = case_of(0.5)
+    assembly = write_engine_files(tmp_path, case)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    record = record_of(case, assembly, loads, read_outcome(tmp_path, assembly), {"yade": "1"})
+    expected = solved(case, static.solve)[0]
+    assert record.load_N == expected.load_N
+    assert record.mode == "bonds"
+    assert [w.weight for w in record.weights] == pytest.approx([w.weight for w in expected.weights])
+    assert record.unbalanced_share < 1e-9
+    assert record.torque_Nm == pytest.approx(record.shear_N * 0.5 * case.joint.a)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "message"),
+    [
+        (RESULT, '"peak_load_N": ', '"peak_load_N": Infinity, "x": ', "peak load inf N"),
+        (RESULT, '"peak_load_N": ', '"peak_load_N": NaN, "x": ', "peak load nan N"),
+        (RESULT, '"peak_load_N": ', '"peak_load_N": -1, "x": ', "peak load -1 N"),
+        (RESULT, '"failed_load_N": ', '"failed_load_N": 1.0, "x": ', "failed load 1 N"),
+        (RESULT, '"first_failure_load_N": ', '"first_failure_load_N": 1e9, "x": ', "first fail"),
+        (RESULT, "{", "", "result.json: unreadable"),
+        (RESULT, '"peak_load_N"', '"peak"', "result.json: unreadable"),
+        (NODES, "shear_y_Pa", "shear_w_Pa", "nodes.csv, line 1: no column shear_y_Pa"),
+        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: not node 1"),
+        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: not 3 columns"),
+        (HISTORY, "load_N", "load", "history.csv, line 1: no column load_N"),
+    ],
+)
+def test_results_that_cannot_be_are_refused_with_file_and_line(
+    tmp_path: Path, name: str, old: str, new: str, message: str
+) -> None:
+    case = case_of()
+    assembly = write_engine_files(tmp_path, case)
+    text = (tmp_path / name).read_text()
+    assert old in text
+    (tmp_path / name).write_text(text.replace(old, new, 1))
+    with pytest.raises(ResultError, match=message):
+        found = read_outcome(tmp_path, assembly)
+        record_of(case, assembly, lateral_load(case.joint, assembly, case.loading), found, {})
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
+@pytest.mark.parametrize("column", range(2, len(NODE_COLUMNS)))
+def test_a_node_with_a_number_that_is_none_is_named(
+    tmp_path: Path, column: int, value: str
+) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    lines = (tmp_path / NODES).read_text().splitlines()
+    cells = lines[4].split(",")
+    lines[4] = ",".join([*cells[:column], value, *cells[column + 1 :]])
+    (tmp_path / NODES).write_text("\n".join(lines))
+    with pytest.raises(ResultError, match=f"nodes.csv, line 5: {NODE_COLUMNS[column]} is"):
+        read_outcome(tmp_path, assembly)
+
+
+@pytest.mark.parametrize("keep", [1, 0.5, -1])
+def test_a_table_that_is_cut_short_is_refused(tmp_path: Path, keep: float) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    lines = (tmp_path / NODES).read_text().splitlines()
+    kept = lines[: int(keep * len(lines)) if keep == 0.5 else int(keep)]
+    (tmp_path / NODES).write_text("\n".join(kept))
+    with pytest.raises(ResultError, match=rf"{len(kept) - 1} nodes, the case has"):
+        read_outcome(tmp_path, assembly)
+
+
+def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
+    write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
+    assembly = assemble(JOINT, 0.03)
+    with pytest.raises(ResultError, match=r"nodes.csv"):
+        read_outcome(tmp_path, assembly)
+
+
+def test_a_missing_file_is_named(tmp_path: Path) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    (tmp_path / NODES).unlink()
+    with pytest.raises(ResultError, match=r"nodes.csv: No such file"):
+        read_outcome(tmp_path, assembly)
+
+
+def test_an_outcome_may_lack_stresses_and_displacements() -> None:
+    case = case_of()
+    assembly = assemble(case.joint, case.mesh)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    record = record_of(case, assembly, loads, Outcome((State(100.0),), 100.0), {})
+    assert record.load_N == 100.0
+    assert record.weights == ()
+    assert record.unbalanced_share is None
+
+
+def test_stresses_and_forces_are_the_same_thing() -> None:
+    assembly = assemble(JOINT, 0.03)
+    frames = face_frames(assembly)
+    force = np.random.default_rng(1).normal(size=(len(assembly.nodes.area), 3))
+    stress = force_to_stress(assembly.nodes, frames, force)
+    assert stress_to_force(assembly.nodes, frames, stress) == pytest.approx(force)
+
+
+def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
+    case = case_of()
+    assembly = assemble(case.joint, case.mesh)
+    area = assembly.nodes.area * np.linspace(0.5, 1.5, len(assembly.nodes.area))
+    assembly = replace(assembly, nodes=replace(assembly.nodes, area=area))
+    stress = np.zeros((len(area), 4))
+    stress[:, 2] = np.linspace(-1.0, 1.0, len(area)) * case.joint.inner.cohesion
+    force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    outcome = Outcome((State(100.0, None, force, np.ones(len(area), bool)),), 100.0)
+    record = record_of(case, assembly, loads, outcome, {})
+    for each in record.weights:
+        name = next(f.name for f in assembly.faces if _is_inner_of(f.name, each.lock))
+        own = [assembly.faces[n].name == name for n in assembly.nodes.face]
+        resultant = float(np.sum(stress[own, 2] * area[own]))
+        assert each.shear_y_N == pytest.approx(resultant)
+        assert each.weight == pytest.approx(abs(resultant) / case.joint.T0)
+        mean = float(np.sum(np.abs(stress[own, 2]) * area[own]))
+        assert each.mean_shear_ratio == pytest.approx(mean / case.joint.T0)
+
+
+def _is_inner_of(name: str, lock: int) -> bool:
+    return name in (f"inner-lower-lock{lock}", f"inner-lock{lock}-column{lock}")
+
+
+@pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
+def test_a_record_reads_as_it_was_written(ratio: float) -> None:
+    record = solved(case_of(ratio), static.solve)[0]
+    assert CaseRecord.from_json(record.to_json()) == record
+
+
+def test_a_failed_case_has_a_record_with_its_reason_on_one_line() -> None:
+    record = failed_record(case_of(), "out of\n time ")
+    assert record.error == "out of time"
+    assert record.load_N is None
+    assert CaseRecord.from_json(record.to_json()) == record
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"name": 3}', "NaN"])
+def test_what_is_no_record_is_refused(text: str) -> None:
+    with pytest.raises(ResultError, match="not a case's record"):
+        CaseRecord.from_json(text)
+
+
+@pytest.mark.parametrize("solver", [static, limit])
+def test_stresses_of_every_model_balance_every_piece(solver) -> None:
+    for ratio in (0.0, 0.5, math.inf):
+        record = solved(case_of(ratio), solver.solve)[0]
+        assert record.unbalanced_share < 1e-6
+
+
+def test_lower_locks_of_the_limit_model_are_used_up_whatever_their_number() -> None:
+    record = solved(case_of(joint=Joint(5)), limit.solve)[0]
+    assert [w.weight for w in record.weights if w.block == "lower"] == pytest.approx([1.0, 1.0])
+
+
+def test_the_first_failure_is_told_where_a_model_knows_failure() -> None:
+    of_static = solved(case_of(), static.solve)[0]
+    assert 0 < of_static.first_failure_load_N <= of_static.load_N <= of_static.failed_load_N
+    assert solved(case_of(), limit.solve)[0].first_failure_load_N is None
