@@ -17,7 +17,7 @@ from analysis.calibration import (
 from analysis.figures.calibration import calibration
 from analysis.reading import read_published
 from workflow.configuration import read_study
-from workflow.study import Study
+from workflow.schema import Study
 
 PUBLISHED = read_published()
 

@@ -30,7 +30,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 def returned(case: Case, load: float) -> str:
     """What 3DEC would print if it found what the static model finds."""
-    model, outcome = solve_case(case.model_copy(update={"model": "static"}))
+    model, outcome = solve_case(replace(case, model="static"))
     nodes = node_table(model, outcome.path[-1])
     faces = {face.name: face for face in model.faces}
     lines = [
@@ -120,7 +120,7 @@ def test_every_line_is_a_command_or_fish(case: Case) -> None:
 
 
 def test_what_comes_back_reads_like_any_other_model(case: Case, tmp_path: Path) -> None:
-    static = solve_case(case.model_copy(update={"model": "static"}))[1]
+    static = solve_case(replace(case, model="static"))[1]
     load = static.path[-1].load
     convert(case, returned(case, load), tmp_path)
     result = read_case(tmp_path)
@@ -138,7 +138,7 @@ def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
 
 
 def test_results_of_the_same_case_on_another_joint_are_refused(case: Case) -> None:
-    taller = case.model_copy(update={"joint": replace(case.joint, h=0.02)})
+    taller = replace(case, joint=replace(case.joint, h=0.02))
     with pytest.raises(ValueError, match=r"got results of n3-mesh0.03-.*, allowed are: n3-mesh0.0"):
         read_returned(returned(case, 100.0), taller)
 

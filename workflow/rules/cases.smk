@@ -32,7 +32,7 @@ for engine in ENGINES.values():
                 "sidmacib/vibration.py",
                 "workflow/cases.py",
                 "workflow/render.py",
-                "workflow/schema/study.py",
+                "workflow/study.py",
                 f"templates/{engine.template}",
                 "templates/joint.py.j2",
                 "templates/results.py.j2",

@@ -22,7 +22,7 @@ rule figure:
             "analysis/figures/stress_maps.py",
             "analysis/models.py",
             "analysis/published.yaml",
-            "workflow/solvers/__init__.py",
+            "workflow/solvers.py",
         ),
         tables=[
             rules.capacity.output[0],
