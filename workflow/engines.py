@@ -27,7 +27,7 @@ class Engine:
     brittle_only: bool = False
     one_stiffness: bool = False
     shares_out: bool = False
-    ignores: frozenset[str] = frozenset()
+    ignores: tuple[str, ...] = ()
 
     def missing(self) -> str | None:
         """What to install, in one line; None if the program is there."""
@@ -58,7 +58,7 @@ ENGINES = {
             brittle_only=True,
             one_stiffness=True,
             shares_out=True,
-            ignores=frozenset({"damping"}),
+            ignores=("damping",),
         ),
     )
 }

@@ -91,7 +91,7 @@ def _of_engine(engine: Engine) -> Model:
         Ability.RANKS: not engine.shares_out,
     }
     can = frozenset(ability for ability in Ability if not lacks.get(ability, False))
-    return Model(engine.name, Obtained.ENGINE, can, ignores=engine.ignores)
+    return Model(engine.name, Obtained.ENGINE, can, ignores=frozenset(engine.ignores))
 
 
 _OF_THE_PIECES = {Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES}
