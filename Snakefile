@@ -9,18 +9,18 @@ from pathlib import Path
 CHECKOUT = str(workflow.basedir)
 sys.path.insert(0, CHECKOUT)
 
-from workflow.configuration import ConfigError, read_study
+from workflow.configuration import ConfigError, load_configuration, read_study
 from workflow.lock import LockedError, lock
 from workflow.plan import plan_of, prepared
 
-# A study of one's own is not mixed with this one.
-if not workflow.config_settings.configfiles:
-
-    configfile: workflow.source_path("config.yaml")
-
-
+# A study of one's own is not mixed with this one. Snakemake has read the files too; ours is the reader
+# that lets nothing pass in silence.
+CONFIG = workflow.config_settings.config or {}
+FILES = [Path(path) for path in workflow.config_settings.configfiles]
 try:
-    STUDY = read_study(config)
+    for path in reversed(FILES or [Path(CHECKOUT, "config.yaml")]):
+        CONFIG = load_configuration(path, CONFIG)
+    STUDY = read_study(CONFIG)
     PLAN = plan_of(STUDY)
 except ConfigError as error:
     sys.exit(f"Error in the configuration: {error}")

@@ -252,7 +252,9 @@ def check(study: Study, published: Published) -> dict[str, int]:
     samples = published.samples(study)
     mesh = study.calibration.mesh
     if not samples:
-        raise ConfigError("samples: none of them is published, so there is nothing to calibrate with")
+        raise ConfigError(
+            "samples: none of them is published, so there is nothing to calibrate with"
+        )
     if any(published.dem_pure_shear(n, mesh) is None for n in samples.values()):
         raise ConfigError(f"calibration.mesh: {mesh:g} m is not published, 0.02 and 0.005 m are")
     shortest = min(min(g.a, g.b) for g in geometries(study, published))

@@ -20,9 +20,7 @@ SHARED = ("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity
 
 def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
     """One row per lock of every case whose model tells stresses."""
-    rows = [
-        _columns(record) | asdict(weight) for record in records for weight in record.weights
-    ]
+    rows = [_columns(record) | asdict(weight) for record in records for weight in record.weights]
     return pd.DataFrame(rows, columns=list(WEIGHTS.columns))
 
 

@@ -5,7 +5,6 @@ relative difference of the loads: positive where SiDMACIB promises more than the
 (unsafe), negative where it promises less (safe).
 """
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -23,6 +22,7 @@ from sidmacib.programme import Sidmacib, capacities
 from workflow.case import REFERENCE, case_name
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
 from workflow.schema import Study
+
 
 @dataclass(frozen=True)
 class LoadErrors:

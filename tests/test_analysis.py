@@ -3,6 +3,8 @@
 import math
 
 import numpy as np
+from dataclasses import replace
+
 import pandas as pd
 import pytest
 
@@ -19,7 +21,7 @@ from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import active
 from workflow.cases import Case, cases_of
 from workflow.configuration import read_study
-from workflow.study import Study
+from workflow.schema import Study
 
 
 def result_with(case: Case, shear_x: float, shear_y: float, peak: float = 100.0) -> CaseResult:
@@ -164,7 +166,7 @@ def test_a_direction_without_a_reference_is_an_error(study, results) -> None:
 def test_two_references_are_each_fitted_with_their_own_weights(study, results) -> None:
     others = [
         CaseResult(
-            r.case.model_copy(update={"model": "static"}),
+            r.replace(case, model="static"),
             *(r.peak_load, r.failed_load, None, r.nodes.assign(shear_y_Pa=-2e4), r.history),
         )
         for r in results

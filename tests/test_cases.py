@@ -22,7 +22,7 @@ from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
 from workflow.models import detailed
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 

@@ -16,7 +16,7 @@ from sidmacib.pieces import assemble
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
-from workflow.numerics import Numerics
+from workflow.engines.numerics import Numerics
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection, SampleSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection

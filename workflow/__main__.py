@@ -80,7 +80,7 @@ def main() -> None:
         else:
             fault = {"study": study, "decks": decks}[arguments.what](arguments.config, results)
     except ConfigError as error:
-        sys.exit("\n".join(f"{arguments.config}: {line}" for line in error.args))
+        sys.exit(str(error))
     if fault:
         sys.exit(fault)
 

@@ -1,21 +1,18 @@
 """The cases of a study: one model, one joint, one mesh, one direction of loading each."""
 
-import argparse
 import difflib
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 from sidmacib.joint import Direction
 from sidmacib.loading import Loading
 from workflow.case import REFERENCE, Case, case_name
-from workflow.configuration import ConfigError, read_study_file
+from workflow.configuration import ConfigError
 from workflow.consistency import needs
 from workflow.engines import ENGINES
-from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
 from workflow.engines.numerics import Numerics
+from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
@@ -112,11 +109,6 @@ def _near(name: str, names: set[str]) -> str:
     return f"it must be one of the study's, such as {', '.join(close)}"
 
 
-def case_folder(results: str, model: str, case: str) -> str:
-    """Where the results of a case are."""
-    return f"{results}/cases/{model}/{case}"
-
-
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
     """The case ``name``, of the first installed model if none is named; raises `ConfigError`."""
     cases = cases_of(study)
@@ -130,23 +122,3 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
         names = {own for of, own in cases if of == model}
         raise ConfigError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
     return cases[model, name]
-
-
-def main() -> None:
-    """Command line: prints the folder of a case of a study."""
-    parser = argparse.ArgumentParser(description="Print the folder of a case.")
-    parser.add_argument("config", type=Path)
-    parser.add_argument("case")
-    parser.add_argument("--model", help="the first that is installed if not given")
-    parser.add_argument("--results")
-    arguments = parser.parse_args()
-    try:
-        study = read_study_file(arguments.config, arguments.results)
-        case = find_case(study, arguments.case, arguments.model)
-    except ConfigError as error:
-        sys.exit(str(error))
-    print(case_folder(study.results, case.model, case.name))
-
-
-if __name__ == "__main__":
-    main()

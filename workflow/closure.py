@@ -38,7 +38,7 @@ def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
 
 def source(module: str) -> Path | None:
     """The file of a module of this project; None for any other module."""
-    if module.split(".")[0] not in PACKAGES:
+    if module.split(".", maxsplit=1)[0] not in PACKAGES:
         return None
     path = ROOT.joinpath(*module.split("."))
     candidates = (path / "__init__.py", path.with_suffix(".py"))

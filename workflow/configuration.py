@@ -1,6 +1,5 @@
 """Read a study's configuration: from a mapping or a YAML file, every fault in one line."""
 
-import argparse
 import sys
 from collections.abc import Mapping
 from functools import cache
@@ -174,24 +173,3 @@ def _named(path: Path) -> str:
     """The file's name in a message."""
     text = str(path)
     return text if len(text) <= 100 and text.isprintable() else shown(text)
-
-
-def main() -> None:
-    """Command line: a study's configuration; prints the folder of results, or the engines."""
-    parser = argparse.ArgumentParser(description="Print what a study writes to, or runs with.")
-    parser.add_argument("what", choices=["folder", "engines"])
-    parser.add_argument("config", type=Path)
-    parser.add_argument("--results", help="another folder than the configuration's")
-    arguments = parser.parse_args()
-    try:
-        study = read_study_file(arguments.config, arguments.results)
-    except ConfigError as error:
-        sys.exit(str(error))
-    if arguments.what == "folder":
-        print(study.results)
-    else:
-        print(", ".join(installed_engines(study)))
-
-
-if __name__ == "__main__":
-    main()

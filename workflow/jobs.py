@@ -4,7 +4,7 @@ Snakemake orders and runs them; what each one depends on is worked out here, so 
 compared with the receipt of what was made before.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any

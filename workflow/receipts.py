@@ -1,4 +1,4 @@
-"""What a job has made, and from what: a receipt beside the results, held against them at each start.
+"""What a job has made, and from what: receipts, held against the results at each start.
 
 A receipt names the job's outputs with their contents' digests, and a digest of all that the job
 depends on: its arguments, the code that it runs, the versions of the programs that it starts.
@@ -12,7 +12,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
-
 
 STALE = "made from something else"
 

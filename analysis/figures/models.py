@@ -7,10 +7,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.collect import SHARES
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point
 from analysis.figures.material import Material
-from analysis.collect import SHARES
 
 
 def models(material: Material) -> Figure:

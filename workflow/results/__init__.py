@@ -1,1 +1,1 @@
-"""One home for results: their columns, units, keys and checks, and how they are read and written."""
+"""One home for results: their columns, units, keys and checks, reading and writing."""

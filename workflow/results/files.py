@@ -3,7 +3,6 @@
 import csv
 import json
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -160,5 +159,3 @@ def read_records(paths: list[Path]) -> list[CaseRecord]:
             except ResultError as error:
                 raise ResultError(f"{path}, line {number}: {error}") from None
     return records
-
-

@@ -1,7 +1,8 @@
 """What a model found for a case, checked: the one form in which every result goes on.
 
 Engines, models solved in this process and programs run elsewhere all end in an `Outcome`.
-`record_of` holds it against its case and turns it into a `CaseRecord`; nothing else reaches a table.
+`record_of` holds it against its case and turns it into a `CaseRecord`; nothing else reaches a
+table.
 """
 
 import dataclasses

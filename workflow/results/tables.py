@@ -21,8 +21,11 @@ class TableError(ValueError):
 
 @dataclass(frozen=True)
 class Table:
-    """``columns`` in their order; ``key``: no two rows agree in all of them; ``more``: other
-    columns may follow. ``digits``: significant ones of its numbers."""
+    """The form of a table.
+
+    ``columns``: in their order; ``key``: no two rows agree in all of them; ``more``: other columns
+    may follow; ``digits``: significant ones of its numbers.
+    """
 
     name: str
     columns: tuple[str, ...]
@@ -109,7 +112,7 @@ VALIDATION = Table(
 
 
 def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:
-    """Write ``rows`` to ``path`` (CSV) and beside it as Parquet; `TableError` if they do not fit."""
+    """Write ``rows`` as CSV and beside it as Parquet; `TableError` if they do not fit."""
     checked = _checked(table, rows)
     path.parent.mkdir(parents=True, exist_ok=True)
     checked.to_csv(path, index=False, float_format=f"%.{table.digits}g")
@@ -131,7 +134,8 @@ def _require(table: Table, rows: pd.DataFrame) -> None:
     unknown = [column for column in rows if column not in table.columns and not table.more]
     if missing or unknown:
         raise TableError(
-            f"{table.name}: " + "; ".join(
+            f"{table.name}: "
+            + "; ".join(
                 f"{words} {', '.join(names)}"
                 for words, names in (("no column", missing), ("unknown column", unknown))
                 if names

@@ -11,6 +11,7 @@ def solve(assembly: Assembly, loads: Loads) -> Outcome:
     solution = static_peak(assembly, loads)
     along = loads.variable.ravel()[free_rows(assembly)]
     path = tuple(
-        State(p.load, float(along @ p.displacement), p.force, p.state.bonded) for p in solution.path
+        State(float(p.load), float(along @ p.displacement), p.force, p.state.bonded)
+        for p in solution.path
     )
     return Outcome(path, solution.failed_load, solution.first_failure_load)

@@ -30,9 +30,7 @@ def run(
     try:
         assembly = assemble(case.joint, case.mesh)
         loads = lateral_load(case.joint, assembly, case.loading)
-        run_engine(
-            engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"]
-        )
+        run_engine(engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"])
         found = read_outcome(folder, assembly)
         versions = {engine.name: engine.version()}
         write_record(record_of(case, assembly, loads, found, versions), record)

@@ -68,18 +68,19 @@ def node_table(case: Case, assembly: Assembly, found: Outcome) -> pa.Table:
         "face": _named([face.name for face in assembly.faces], nodes.face),
         "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
     }
-    columns |= {
-        name: column for name, column in zip(NODE_COLUMNS[2:], values.T, strict=False)
-    }
+    columns |= dict(zip(NODE_COLUMNS[2:], values.T, strict=False))
     return pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})
 
 
 def history_table(case: Case, found: Outcome) -> pa.Table:
     """Load and displacement of each equilibrium on the way, one row each."""
-    moved = [state.displacement for state in found.path]
-    loads = [state.load for state in found.path]
-    columns = dict(zip(HISTORY_COLUMNS, (pa.array(loads), pa.array(moved, pa.float64())), strict=True))
-    return pa.table({"case": _repeated(case.name, len(loads)), **columns})
+    load, moved = HISTORY_COLUMNS
+    columns = {
+        "case": _repeated(case.name, len(found.path)),
+        load: pa.array([state.load for state in found.path]),
+        moved: pa.array([state.displacement for state in found.path], pa.float64()),
+    }
+    return pa.table(columns)
 
 
 def _repeated(text: str, count: int) -> pa.Array:

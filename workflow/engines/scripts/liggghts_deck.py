@@ -253,8 +253,7 @@ class Deck:
                     constant = f"+({always[number][k]!r})" if always[number][k] else ""
                     terms[k] = f"v_{name}_{'xyz'[k]}"
                     yield (
-                        f"variable {name}_{'xyz'[k]} equal "
-                        f"v_load*({raised[number][k]!r}){constant}"
+                        f"variable {name}_{'xyz'[k]} equal v_load*({raised[number][k]!r}){constant}"
                     )
                 yield f"fix {name} {name} addforce {' '.join(terms)}"
         if groups > GROUPS:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .assembly import Assembly, Material, Search, Vector, dot, length, plus
+from .assembly import Material, Vector, dot, length, plus
 from .flatness import Motion, check_flat
 from .liggghts_deck import Deck
 from .liggghts_process import LiggghtsProcess
