@@ -1,4 +1,4 @@
-"""Hold SiDMACIB against brittle models of the joint: which option and which reduction fit best.
+"""Compare SiDMACIB with the detailed models: which option and which reduction fit best.
 
 Both capacities are loads along the same direction of the (V, M) plane, so their error is the
 relative difference of the loads: positive where SiDMACIB promises more than the joint carries
@@ -33,9 +33,9 @@ class LoadErrors:
     largest_safe_error: float
 
 
-def misfit(model: Floats, reference: Floats) -> LoadErrors:
-    """Errors of loads (N) against reference loads in the same directions, both of shape (N,)."""
-    error = model / reference - 1.0
+def misfit(promised: Floats, carried: Floats) -> LoadErrors:
+    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
+    error = promised / carried - 1.0
     return LoadErrors(
         float(np.sqrt(np.mean(error**2))),
         float(max(error.max(), 0.0)),
@@ -44,35 +44,37 @@ def misfit(model: Floats, reference: Floats) -> LoadErrors:
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
-    """Misfit of every SiDMACIB variant, best first, for each reference, sample and mesh.
+    """Misfit of every SiDMACIB variant, best first, for each detailed model, sample and mesh.
 
-    References are the models that SiDMACIB's weights were read from, in the table's order.
+    The detailed models are those that SiDMACIB's weights were read from, in the table's order.
     """
     limit = capacity[capacity["model"] == "sidmacib"]
     rows = []
-    references = dict(_reference_curves(capacity))
-    for model, reference in references.items():
+    detailed = dict(_detailed_curves(capacity))
+    for model, curves in detailed.items():
         own = limit[limit["weights_from"] == model]
-        both = own.merge(reference[["case", "load_N"]], on="case", suffixes=("", "_reference"))
+        both = own.merge(curves[["case", "load_N"]], on="case", suffixes=("", "_carried"))
         if len(both) != len(own):
-            raise ValueError(f"{model}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
-        both = both.dropna(subset=["load_N_reference"])  # a case without a result
+            raise ValueError(
+                f"{model}: {len(own)} loads of SiDMACIB, but {len(both)} to compare them with"
+            )
+        both = both.dropna(subset=["load_N_carried"])  # a case without a result
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
-            found = misfit(curve["load_N"].to_numpy(), curve["load_N_reference"].to_numpy())
+            found = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
             named = dict(zip(names, values, strict=True))
             rows.append({"model": model, **named, **vars(found), "directions": len(curve)})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)
-    table["model"] = pd.Categorical(table["model"], list(references))  # the leading one first
+    table["model"] = pd.Categorical(table["model"], list(detailed))  # the leading one first
     groups = ["model", "sample", "mesh_m"]
     table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
     table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
     return table.astype({"model": str})
 
 
-def _reference_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+def _detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     used = capacity["weights_from"].dropna().unique()
     own = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
     for model, rows in own.groupby("model", sort=False):
@@ -88,7 +90,7 @@ def best_pair(
     ``eccentricity_over_a`` and ``load_N``.
     """
     directions = [Direction(e) for e in curve["eccentricity_over_a"]]
-    reference = curve["load_N"].to_numpy()
+    carried = curve["load_N"].to_numpy()
 
     def loads(unknowns: Floats) -> Floats:
         option = ContactOption.pair(float(unknowns[0]))
@@ -96,9 +98,9 @@ def best_pair(
         model = Sidmacib(joint, option, strength, friction, overload)
         return np.array([point.load for point in capacities(model, directions)])
 
-    start = [0.25, min(1.0, float(reference.max()) / (joint.locks * joint.T0))]
+    start = [0.25, min(1.0, float(carried.max()) / (joint.locks * joint.T0))]
     found = least_squares(
-        lambda unknowns: loads(unknowns) / reference - 1.0,
+        lambda unknowns: loads(unknowns) / carried - 1.0,
         start,
         bounds=([0.0, 0.0], [0.5, 1.0]),
         diff_step=1e-3,
@@ -110,27 +112,26 @@ def best_pair(
         "distance_m": distance * joint.a,
         "strength_per_lock_N": factor * joint.T0,
         "locks_that_count": factor * joint.locks,
-        **vars(misfit(loads(found.x), reference)),
+        **vars(misfit(loads(found.x), carried)),
     }
 
 
 def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
-    """`best_pair` for each reference, sample and mesh, without and with friction."""
+    """`best_pair` for each detailed model, sample and mesh, without and with friction."""
     rows: list[dict[str, Any]] = []
-    for model, reference in _reference_curves(capacity):
-        for (sample, mesh), curve in reference.groupby(["sample", "mesh_m"], sort=False):
+    for model, curves in _detailed_curves(capacity):
+        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
             ratios = {
                 case_name(str(sample), mesh, ratio): ratio
                 for mesh, ratio in product(study.meshes, study.eccentricities)
             }
-            curve = curve.dropna(subset=["load_N"]).assign(
-                eccentricity_over_a=lambda rows: rows["case"].map(ratios)
-            )
-            if len(curve) < 3:  # two unknowns would fit two directions whatever they are
+            whole = curve.dropna(subset=["load_N"])
+            whole = whole.assign(eccentricity_over_a=whole["case"].map(ratios))
+            if len(whole) < 3:  # two unknowns fit any two loads
                 continue
             for friction in (False, True):
-                best = best_pair(joint, study.sidmacib.overload, friction, curve)
+                best = best_pair(joint, study.sidmacib.overload, friction, whole)
                 names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
                 rows.append({**names, "friction": friction, **best})
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))

@@ -159,7 +159,7 @@ def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, result
 
 def test_a_direction_without_a_reference_is_an_error(study, results) -> None:
     capacity = capacity_of(study, results, tabulate(results))
-    with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, .* to hold against"):
+    with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, but .* to compare"):
         fit_table(capacity.drop(index=0))
 
 
