@@ -9,7 +9,8 @@ def describe(record: CaseRecord) -> str:
         return f"{record.name} ({record.model}): no result: {record.error}"
     first = record.first_failure_load_N
     lines = [
-        f"{record.name} ({record.model}): V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
+        f"{record.name} ({record.model}): "
+        f"V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
         f"  load along the path: {record.load_N:.2f} N stands, {record.failed_load_N:.2f} N fails"
         + ("" if first is None else f"; first failure at {first:.2f} N"),
     ]

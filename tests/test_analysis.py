@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.capacity import capacity_table, envelope_rows, pure_shear_weights, sidmacib_rows
+from analysis.capacity import capacity_table, envelope_rows, sidmacib_rows
 from analysis.collect import (
     cases_table,
     displacements_at,
@@ -17,8 +17,10 @@ from analysis.collect import (
     weight_sums,
     weights_table,
 )
-from analysis.fit import best_pair, best_table, fit_table, misfit, winner
+from analysis.fit import fit_table, misfit, winner
+from analysis.free_fit import best_pair, best_table
 from analysis.published import read_published
+from analysis.pure_shear import pure_shear_weights
 from analysis.summary import summary
 from analysis.validation import validation_table
 from sidmacib.contact_points import ContactOption

@@ -214,7 +214,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
         ),
         Job(
             name="fit",
-            step="analysis.fit",
+            step="analysis.free_fit",
             message="Fit SiDMACIB against the models of the joint's pieces",
             inputs=("tables/capacity.csv",),
             outputs=("tables/fit.csv", "tables/best_fit.csv"),
