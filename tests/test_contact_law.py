@@ -108,7 +108,9 @@ def test_broken_nodes_are_not_used(joint: Joint) -> None:
 def test_without_a_strength_any_force_against_it_is_too_much(name: str) -> None:
     law, state = bonds(Joint(3, inner=replace(INNER, **{name: 0.0})))
     none = np.zeros((len(law.friction), 3))
-    pulled = none - [1e-9, 0, 0] if name == "tensile_strength" else none + [0, 1e-9, 0]
+    pulled, pressed = none.copy(), none.copy()
+    pulled[:] = (-1e-9, 0, 0) if name == "tensile_strength" else (0, 1e-9, 0)
+    pressed[:] = (1.0, 0, 0)
     assert (utilisation(law, state, none) == 0.0).all()
     assert np.isinf(utilisation(law, state, pulled)).all()
-    assert (utilisation(law, state, none + [1.0, 0, 0]) == 0.0).all()  # pressed
+    assert (utilisation(law, state, pressed) == 0.0).all()

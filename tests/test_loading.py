@@ -37,7 +37,7 @@ def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, l
     joint = Joint(locks)
     model = assemble(joint, 0.03)
     permanent = lateral_load(joint, model, loading).permanent
-    volume = [math.prod(h - l for h, l in zip(p.high, p.low, strict=True)) for p in model.pieces]
+    volume = [math.prod(np.subtract(piece.high, piece.low)) for piece in model.pieces]
     assert permanent[:, 2] == pytest.approx(-9.81 * 1400.0 * np.array(volume))
     assert (np.delete(permanent, 2, axis=1) == 0.0).all()
 
