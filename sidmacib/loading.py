@@ -38,7 +38,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
 
     The paper (section 3) applies a pressure that is uniform in z and linear in x to the lateral
     face of the upper block: its resultant is V at mid-length and the torque M about z. Each loaded
-    piece takes both in proportion to its height.
+    piece takes both in proportion to its height. The scale is the strength of a lock, or the
+    weight of the free pieces where they have no cohesion.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -49,7 +50,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     variable = np.zeros((len(assembly.pieces), 6))
     variable[loaded, 1] = sign * direction.shear * part
     variable[loaded, 5] = direction.torque * joint.a * part
-    return Loads(self_weight(assembly.pieces), variable, joint.T0)
+    weight = sum(piece.weight for piece in assembly.pieces if not piece.fixed)
+    return Loads(self_weight(assembly.pieces), variable, joint.T0 or weight)
 
 
 def pressed(
