@@ -89,7 +89,9 @@ def zonogon(sides: np.ndarray) -> np.ndarray:
     """Vertices, from the lowest on the left, of all sums of ``sides`` (K, 2) times -1 to 1."""
     sides = sides * np.where(sides[:, :1] < 0, -1.0, 1.0)
     around = sides[np.argsort(sides[:, 1] / sides[:, 0])]
-    return -sides.sum(axis=0) + 2 * np.cumsum(np.vstack([np.zeros(2), around, -around[:-1]]), axis=0)
+    return -sides.sum(axis=0) + 2 * np.cumsum(
+        np.vstack([np.zeros(2), around, -around[:-1]]), axis=0
+    )
 
 
 @settings(max_examples=20)

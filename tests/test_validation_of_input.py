@@ -110,7 +110,7 @@ def test_whole_numbers_and_numpys_are_numbers() -> None:
     inner = replace(INNER, cohesion=80_000, tensile_strength=np.float32(4e5))
     joint = Joint(np.int64(3), a=1, b=np.float64(0.5), density=0, inner=inner)
     model = Sidmacib(joint, OPTIONS["option1"], strength=(1, np.float64(0.5), 0), overload=1000)
-    assert model.joint.T0 == pytest.approx(40_000.0)
+    assert pytest.approx(40_000.0) == model.joint.T0
     assert Direction(1).shear == pytest.approx(0.5**0.5)
 
 
