@@ -8,6 +8,7 @@ import pytest
 
 from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.joint import DRY, INNER, Direction, Joint
+from sidmacib.loading import Loading
 from sidmacib.programme import Sidmacib
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
@@ -63,6 +64,19 @@ def test_anything_else_of_a_joint_is_of_its_kind(name: str, value: object, allow
 def test_an_eccentricity_is_a_number(value: object) -> None:
     with pytest.raises(ValueError, match=r"^eccentricity: .* must be a number"):
         Direction(value)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"direction": 0.5}, "direction: 0.5 is not possible; it must be a Direction"),
+        ({"direction": Direction(0.5), "push": "+y"}, "push: .* must be Push: PLUS_Y, MINUS_Y"),
+        ({"direction": Direction(0.5), "share": None}, "share: .* must be LoadShare: FACE, BODY"),
+    ],
+)
+def test_anything_of_a_loading_is_of_its_kind(given: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        Loading(**given)
 
 
 @pytest.mark.parametrize("value", [-1000.0, *NO_NUMBERS])
