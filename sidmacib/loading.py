@@ -8,6 +8,7 @@ import numpy as np
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, Nodes, self_weight
 from sidmacib.pieces import lock_name, upper_bodies
+from sidmacib.validation import refused, require_member
 
 
 class LoadShare(StrEnum):
@@ -31,6 +32,12 @@ class Loading:
     direction: Direction
     share: LoadShare = LoadShare.FACE
     push: Push = Push.PLUS_Y
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.direction, Direction):
+            raise refused("direction", self.direction, "a Direction")
+        require_member(LoadShare, share=self.share)
+        require_member(Push, push=self.push)
 
 
 def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:

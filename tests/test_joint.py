@@ -22,17 +22,11 @@ def test_odd_locks_are_upper_and_even_locks_lower() -> None:
 @given(st.floats(-100, 100))
 def test_direction_keeps_its_eccentricity(eccentricity: float) -> None:
     direction = Direction(eccentricity)
-    assert direction.torque == pytest.approx(eccentricity * direction.shear)
+    assert direction.torque / direction.shear == pytest.approx(eccentricity)
     assert math.hypot(direction.shear, direction.torque) == pytest.approx(1.0)
-    assert direction.shear > 0.0
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_pure_torsion_has_no_shear(sign: float) -> None:
     direction = Direction(sign * math.inf)
     assert (direction.shear, direction.torque) == (0.0, sign)
-
-
-def test_an_eccentricity_that_is_no_number_is_refused() -> None:
-    with pytest.raises(ValueError, match="eccentricity: .*nan"):
-        Direction(math.nan)

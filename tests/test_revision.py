@@ -1,5 +1,7 @@
 """Reductions: how much of each lock counts."""
 
+import math
+
 import pytest
 
 from sidmacib.contact_points import OPTIONS
@@ -29,14 +31,20 @@ def test_upper_locks_count_only_when_all_lower_ones_do() -> None:
 
 
 def test_half_of_an_even_number_is_refused() -> None:
-    with pytest.raises(ValueError, match="locks: got 4"):
+    with pytest.raises(ValueError, match=r"^locks: 4 is even; "):
         half_rule(Joint(4), ())
 
 
 def test_which_locks_count_does_not_change_the_capacity() -> None:
-    joint, direction = Joint(5), Direction(0.9, 0.03)
+    joint, direction = Joint(5), Direction(0.5)
     loads = [
         capacity(Sidmacib(joint, OPTIONS["option4"], strength), direction).load
         for strength in [(0, 1, 0, 1, 0), (1, 1, 0, 0, 0), (0, 0, 1, 0, 1)]
     ]
     assert loads == pytest.approx([loads[0]] * 3)
+
+
+@pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])
+def test_the_sum_of_weights_counts_rounded_down_and_at_most_all_locks(sum_: float) -> None:
+    strength = REDUCTIONS["floor_of_sum"](Joint(5), (sum_ / 5,) * 5)
+    assert sum(strength) == min(math.floor(sum_ + 1e-12), 5)

@@ -74,10 +74,9 @@ class Piece:
     fixed: bool = False
 
     def __post_init__(self) -> None:
-        for low, high in zip(self.low, self.high, strict=True):
-            size = high - low
-            _require(0.0 < size < math.inf, self.name, f"an edge of {size} m", "more than 0 m")
-        _require(0.0 <= self.mass < math.inf, self.name, f"{self.mass} kg", "0 or more")
+        edges = zip("xyz", self.low, self.high, strict=True)
+        require_positive(**{f"{self.name}, edge {k} (m)": high - low for k, low, high in edges})
+        require_not_negative(**{f"{self.name}, mass (kg)": self.mass})
 
     @property
     def centre(self) -> Floats:
@@ -164,9 +163,7 @@ class Assembly:
     failure: Failure = Failure.BRITTLE
 
     def __post_init__(self) -> None:
-        _require(
-            0.0 < self.length < math.inf, "length", f"{self.length} m", "more than 0 and finite"
-        )
+        require_positive(length=self.length)
 
 
 @dataclass(frozen=True)
@@ -186,12 +183,7 @@ class Loads:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):
             if not np.isfinite(forces).all():
                 raise ValueError(f"{name} loads: they must be finite")
-        _require(0.0 < self.scale < math.inf, "scale", f"{self.scale} N", "more than 0 and finite")
-
-
-def _require(fulfilled: bool, name: str, value: object, allowed: str) -> None:
-    if not fulfilled:
-        raise ValueError(f"{name}: {value} is not possible; it must be {allowed}")
+        require_positive(scale=self.scale)
 
 
 def self_weight(pieces: tuple[Piece, ...]) -> Floats:
