@@ -15,6 +15,10 @@ class Motion:
     displacement: Vector
     rotation: Vector
 
+
+STILL = Motion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
 def check_flat(assembly, motions, radii, nodes, load):
     import sys
     worst=(0,0,0,0,0); eta=0.0; worst2=(0,)
