@@ -8,11 +8,12 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
+from analysis.pure_shear import pure_shear_weights
 from sidmacib.joint import Direction
 from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS
-from workflow.case import REFERENCE, case_name
+from workflow.case import case_name
 from workflow.models import detailed
 from workflow.results.tables import (
     CAPACITY,
@@ -23,21 +24,6 @@ from workflow.results.tables import (
     write_table,
 )
 from workflow.schema import Study
-
-
-def pure_shear_weights(
-    study: Study, weights: pd.DataFrame, sample: str
-) -> dict[tuple[str, float], list[float]]:
-    """Weights of a sample's locks by model and mesh, in the reference variant.
-
-    They are read at the smallest eccentricity of the study: pure shear, as in the paper.
-    """
-    least = {case_name(sample, mesh, min(study.eccentricities)): mesh for mesh in study.meshes}
-    rows = weights[(weights["variant"] == REFERENCE) & weights["case"].isin(least)]
-    return {
-        (str(model), least[str(case)]): group.sort_values("lock")["weight"].tolist()
-        for (model, case), group in rows.groupby(["model", "case"], sort=False)
-    }
 
 
 def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any]]:

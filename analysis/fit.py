@@ -5,23 +5,15 @@ relative difference of the loads: positive where SiDMACIB promises more than the
 (unsafe), negative where it promises less (safe).
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import least_squares
 
-from sidmacib.contact_points import ContactOption
-from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.programme import Sidmacib, capacities
-from workflow.case import REFERENCE, case_name
-from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
-from workflow.schema import Study
+from workflow.case import REFERENCE
+from workflow.results.tables import FIT
 
 
 @dataclass(frozen=True)
@@ -50,7 +42,7 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     """
     limit = capacity[capacity["model"] == "sidmacib"]
     rows = []
-    detailed = dict(_detailed_curves(capacity))
+    detailed = dict(detailed_curves(capacity))
     for model, curves in detailed.items():
         own = limit[limit["weights_from"] == model]
         both = own.merge(curves[["case", "load_N"]], on="case", suffixes=("", "_carried"))
@@ -74,67 +66,12 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     return table.astype({"model": str})
 
 
-def _detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The models that SiDMACIB's weights were read from, with their capacities."""
     used = capacity["weights_from"].dropna().unique()
     own = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
     for model, rows in own.groupby("model", sort=False):
         yield str(model), rows
-
-
-def best_pair(
-    joint: Joint, overload: float, friction: bool, curve: pd.DataFrame
-) -> dict[str, float]:
-    """Contact-point distance d and strength per lock that fit a curve of loads best.
-
-    Two points per lock at +-d, every lock of the same strength. ``curve`` has columns
-    ``eccentricity_over_a`` and ``load_N``.
-    """
-    directions = [Direction(e) for e in curve["eccentricity_over_a"]]
-    carried = curve["load_N"].to_numpy()
-
-    def loads(unknowns: Floats) -> Floats:
-        option = ContactOption.pair(float(unknowns[0]))
-        strength = (float(unknowns[1]),) * joint.locks
-        model = Sidmacib(joint, option, strength, friction, overload)
-        return np.array([point.load for point in capacities(model, directions)])
-
-    start = [0.25, min(1.0, float(carried.max()) / (joint.locks * joint.T0))]
-    found = least_squares(
-        lambda unknowns: loads(unknowns) / carried - 1.0,
-        start,
-        bounds=([0.0, 0.0], [0.5, 1.0]),
-        diff_step=1e-3,
-        xtol=1e-6,
-    )
-    distance, factor = (float(value) for value in found.x)
-    return {
-        "distance_over_a": distance,
-        "distance_m": distance * joint.a,
-        "strength_per_lock_N": factor * joint.T0,
-        "locks_that_count": factor * joint.locks,
-        **vars(misfit(loads(found.x), carried)),
-    }
-
-
-def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
-    """`best_pair` for each detailed model, sample and mesh, without and with friction."""
-    rows: list[dict[str, Any]] = []
-    for model, curves in _detailed_curves(capacity):
-        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
-            joint = study.joint(str(sample))
-            ratios = {
-                case_name(str(sample), mesh, ratio): ratio
-                for mesh, ratio in product(study.meshes, study.eccentricities)
-            }
-            whole = curve.dropna(subset=["load_N"])
-            whole = whole.assign(eccentricity_over_a=whole["case"].map(ratios))
-            if len(whole) < 3:  # two unknowns fit any two loads
-                continue
-            for friction in (False, True):
-                best = best_pair(joint, study.sidmacib.overload, friction, whole)
-                names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
-                rows.append({**names, "friction": friction, **best})
-    return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
 def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:
@@ -143,11 +80,3 @@ def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.
     for column, value in chosen.items():
         rows = rows[rows[column] == value]
     return rows.sort_values("misfit", kind="stable").iloc[0]
-
-
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
-    """Write the fits of all options and reductions, and the free fit."""
-    study = Study.model_validate_json(arguments["study"])
-    capacity = read_table(CAPACITY, inputs[0])
-    write_table(FIT, fit_table(capacity), outputs[0])
-    write_table(BEST_FIT, best_table(study, capacity), outputs[1])

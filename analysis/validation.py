@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.capacity import pure_shear_weights
 from analysis.fit import winner
 from analysis.published import Published, read_published
+from analysis.pure_shear import pure_shear_weights
 from workflow.case import REFERENCE, case_name
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
 from workflow.schema import Study

@@ -8,6 +8,7 @@ import numpy as np
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, Nodes, self_weight
 from sidmacib.pieces import lock_name, upper_bodies
+from sidmacib.validation import refused, require_member
 
 
 class LoadShare(StrEnum):
@@ -32,13 +33,20 @@ class Loading:
     share: LoadShare = LoadShare.FACE
     push: Push = Push.PLUS_Y
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.direction, Direction):
+            raise refused("direction", self.direction, "a Direction")
+        require_member(LoadShare, share=self.share)
+        require_member(Push, push=self.push)
+
 
 def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     """Self-weight, and 1 N of load along the direction of ``loading`` on the pieces of ``joint``.
 
     The paper (section 3) applies a pressure that is uniform in z and linear in x to the lateral
     face of the upper block: its resultant is V at mid-length and the torque M about z. Each loaded
-    piece takes both in proportion to its height.
+    piece takes both in proportion to its height. The scale is the strength of a lock, or the
+    weight of the free pieces where they have no cohesion.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -49,7 +57,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     variable = np.zeros((len(assembly.pieces), 6))
     variable[loaded, 1] = sign * direction.shear * part
     variable[loaded, 5] = direction.torque * joint.a * part
-    return Loads(self_weight(assembly.pieces), variable, joint.T0)
+    weight = sum(piece.weight for piece in assembly.pieces if not piece.fixed)
+    return Loads(self_weight(assembly.pieces), variable, joint.T0 or weight)
 
 
 def pressed(

@@ -22,10 +22,11 @@ def assemble(joint: Joint, mesh: float) -> Assembly:
     The nodes are the centres of equal cells. ValueError if the mesh is not positive, or not less
     than the shorter side of the locks' horizontal faces: one row of nodes would be a hinge.
     """
-    if not 0 < mesh < min(joint.a, joint.b):
+    most = min(joint.a, joint.b)
+    if not 0 < mesh < most:
         raise ValueError(
-            f"mesh: got {mesh} m, allowed is more than 0 and less than {min(joint.a, joint.b)} m, "
-            "the shorter side of an inner face"
+            f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
+            f"than 0 and less than {most} m, the shorter side of a lock's horizontal face"
         )
     pieces = rigid_pieces(joint)
     faces = tuple(_faces(joint, pieces))

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.programme import Sidmacib, SupportFunction
 
 LEAST_SIZE = 1e-9  # what is smaller is a point
+MOST_PROGRAMMES = 1000  # a polygon that asks for more is none
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,8 @@ def polygon(support: Callable[[Floats], Floats], tolerance: float = 1e-7) -> Env
     if there is none the chord is an edge, otherwise the point splits it. A point found on an
     edge's interior proves that edge as well, so no question is asked twice, and there are at most
     as many as vertices and edges. Lengths below ``tolerance`` times the polygon's distance from
-    the origin, which should be about 1, are taken for nothing.
+    the origin, which should be about 1, are taken for nothing. Raises
+    `sidmacib.errors.SolverError` if answers contradict each other so much that it comes to no end.
     """
     asked = _Asked(support)
     first, last = asked.furthest(-1.0, 0.0), asked.furthest(1.0, 0.0)
@@ -76,6 +79,8 @@ class _Asked:
         self.size = LEAST_SIZE
 
     def furthest(self, x: float, y: float) -> Floats:
+        if len(self.proofs) == MOST_PROGRAMMES:
+            raise SolverError(f"envelope: more than {MOST_PROGRAMMES} programmes; give up")
         normal = np.array([x, y])
         point = self.support(normal)
         self.proofs.append((normal, float(normal @ point)))

@@ -1,4 +1,4 @@
-"""An assembly that is no joint: dry blocks on top of each other, tilted until they slide or fall."""
+"""An assembly that is no joint: a stack of dry blocks, tilted until they slide or fall."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ def tilted_stack(
     density: float = 2000.0,
     stiffness: float = 1e10,
 ) -> tuple[Assembly, Loads]:
-    """``blocks`` equal blocks on a fixed one, each ``width`` (x) by ``depth`` (y) by ``height`` (z).
+    """Equal blocks on a fixed one, each ``width`` (x) by ``depth`` (y) by ``height`` (z).
 
     Lengths in m, ``density`` in kg/m3, ``stiffness`` in Pa/m. Tilting by an angle makes the weight
     act sideways too, by its tangent k: the load is k times the weight of all blocks. The tilt

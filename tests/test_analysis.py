@@ -1,48 +1,69 @@
-"""From stresses to weights, fits and tables, on results made up for the purpose."""
+"""From the cases' records to fits and tables, on results made up for the purpose."""
 
 import math
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
-from dataclasses import replace
-
 import pandas as pd
 import pytest
 
-from analysis.balance import unbalanced_share
-from analysis.capacity import pure_shear_weights, sidmacib_rows
-from analysis.fit import best_pair, best_table, fit_table, misfit, winner
-from analysis.reading import CaseResult, read_published
+from analysis.capacity import capacity_table, envelope_rows, sidmacib_rows
+from analysis.collect import (
+    cases_table,
+    displacements_at,
+    friction_share,
+    models_table,
+    weight_sums,
+    weights_table,
+)
+from analysis.fit import fit_table, misfit, winner
+from analysis.free_fit import best_pair, best_table
+from analysis.published import read_published
+from analysis.pure_shear import pure_shear_weights
 from analysis.summary import summary
 from analysis.validation import validation_table
-from analysis.weights import case_columns, lock_weights, tabulate, weight_sums
 from sidmacib.contact_points import ContactOption
-from sidmacib.joint import Direction
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import active
-from workflow.cases import Case, cases_of
+from sidmacib.weights import LockWeight
+from workflow.case import Case
+from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.results.record import CaseRecord, failed_record
+from workflow.results.tables import (
+    CAPACITY,
+    CASES,
+    WEIGHTS,
+    TableError,
+    read_table,
+    write_table,
+)
 from workflow.schema import Study
 
 
-def result_with(case: Case, shear_x: float, shear_y: float, peak: float = 100.0) -> CaseResult:
-    """A result with the same shear stress (Pa) on all nodes."""
-    model = assemble(case.joint, case.mesh)
-    faces = [model.faces[face] for face in model.nodes.face]
-    nodes = pd.DataFrame(
-        {
-            "face": [face.name for face in faces],
-            "kind": [str(face.kind) for face in faces],
-            "lock": [face.lock for face in faces],
-            **dict(zip(("x_m", "y_m", "z_m"), model.nodes.position.T, strict=True)),
-            "area_m2": model.nodes.area,
-            "normal_Pa": 0.0,
-            "shear_x_Pa": shear_x,
-            "shear_y_Pa": shear_y,
-            "shear_z_Pa": 0.0,
-            "bonded": 1,
-        }
+def record_with(case: Case, weight: float, peak: float = 100.0) -> CaseRecord:
+    """A record with the same uniform stress along -y on all inner faces."""
+    joint = case.joint
+    weights = tuple(
+        LockWeight(
+            lock,
+            "upper" if joint.is_upper(lock) else "lower",
+            *(weight, weight, weight),
+            *(0.0, -weight * joint.T0),
+        )
+        for lock in range(1, joint.locks + 1)
     )
-    return CaseResult(case, peak, 1.001 * peak, None, nodes, pd.DataFrame())
+    return replace(
+        failed_record(case, "made up"),
+        error=None,
+        load_N=peak,
+        shear_N=peak * case.direction.shear,
+        torque_Nm=peak * case.direction.torque * joint.a,
+        failed_load_N=1.001 * peak,
+        unbalanced_share=0.0,
+        weights=weights,
+    )
 
 
 @pytest.fixture
@@ -53,70 +74,104 @@ def study() -> Study:
 
 
 @pytest.fixture
-def results(study: Study) -> list[CaseResult]:
+def results(study: Study) -> list[CaseRecord]:
     """A joint of which one lock carries load, on contact points at 0.3 a, 96 % of T0."""
     joint = study.joint("n3")
     cases = [case for case in cases_of(study).values() if case.model == "yade"]
     model = Sidmacib(joint, ContactOption.pair(0.3), (0.96, 0.0, 0.0), friction=False)
     points = capacities(model, [case.direction for case in cases])
-    return [
-        result_with(case, 0.0, -0.5 * joint.inner.cohesion, point.load)
-        for case, point in zip(cases, points, strict=True)
-    ]
+    return [record_with(c, 0.5, point.load) for c, point in zip(cases, points, strict=True)]
 
 
-def capacity_of(study: Study, results: list[CaseResult], weights: pd.DataFrame) -> pd.DataFrame:
-    rows = [
-        case_columns(r)
-        | {
-            "shear_N": r.shear,
-            "torque_Nm": r.torque,
-            "load_N": r.peak_load,
-            "failed_load_N": r.failed_load,
-            "unbalanced_share": 0.0,
-        }
-        for r in results
-    ]
-    return pd.DataFrame([*rows, *sidmacib_rows(study, weights)])
+def capacity_of(study: Study, results: list[CaseRecord]) -> pd.DataFrame:
+    return capacity_table(study, cases_table(results, results), weights_table(results))
 
 
 # --- weights -------------------------------------------------------------------------------------
-def test_a_uniform_stress_gives_equal_weights_of_all_three_kinds(results) -> None:
-    weights = lock_weights(results[0])
-    for column in ("weight", "mean_shear_ratio", "max_shear_ratio"):
-        assert weights[column].tolist() == pytest.approx([0.5] * 3)
-    assert weights["block"].tolist() == ["upper", "lower", "upper"]
-    assert weights["shear_y_N"].tolist() == pytest.approx([-120.0] * 3)
-
-
-def test_a_pure_torque_has_no_resultant_but_a_mean_and_a_largest_value(results) -> None:
-    result = results[0]
-    nodes = result.nodes.copy()
-    for lock in (1, 2, 3):
-        own = nodes["lock"] == lock
-        y = nodes.loc[own, "y_m"] - (lock - 0.5) * 0.05
-        nodes.loc[own, "shear_x_Pa"] = -1e6 * y
-        nodes.loc[own, "shear_y_Pa"] = 1e6 * nodes.loc[own, "x_m"]
-    weights = lock_weights(CaseResult(result.case, 1.0, 1.1, None, nodes, result.history))
-    assert weights["weight"].max() < 1e-12
-    assert (weights["mean_shear_ratio"] > 0.1).all()
-    assert (weights["max_shear_ratio"] > weights["mean_shear_ratio"]).all()
-
-
 def test_sums_are_of_all_locks_rounded_down_and_of_the_lower_locks(results) -> None:
-    (row,) = weight_sums(lock_weights(results[0])).itertuples()
+    (row,) = weight_sums(weights_table(results[:1])).itertuples()
     assert (row.weight_sum, row.weight_sum_floor) == (pytest.approx(1.5), 1)
     assert row.lower_weight_sum == pytest.approx(0.5)
 
 
-def test_weights_for_reductions_are_those_in_pure_shear(results) -> None:
-    weights = tabulate(results)
+def test_weights_for_reductions_are_those_in_pure_shear(study, results) -> None:
+    weights = weights_table(results)
     weights.loc[weights["eccentricity_m"] > 0, "weight"] = 9.0
-    assert pure_shear_weights(weights, "n3") == {("yade", 0.02): pytest.approx([0.5] * 3)}
+    found = pure_shear_weights(study, weights, "n3")
+    assert found == {("yade", 0.02): pytest.approx([0.5] * 3)}
 
 
-def test_stresses_that_do_not_balance_the_load_are_noticed(results) -> None:
-    assert unbalanced_share(results[0]) > 0.1
+def test_friction_is_what_the_lower_locks_do_not_carry(results) -> None:
+    assert friction_share(results[0]) == pytest.approx(1.0 - 120.0 / results[0].shear_N)
+    assert math.isnan(friction_share(results[-1]))
+
+
+def test_displacements_are_read_between_the_loads_on_the_path(results) -> None:
+    record = replace(results[0], path=((0.0, 0.0), (100.0, 2e-6), (200.0, 6e-6)))
+    assert displacements_at(record, [50.0, 150.0]) == pytest.approx([1e-6, 4e-6])
+    rigid = replace(results[0], path=((100.0, None),))
+    assert math.isnan(displacements_at(rigid, [50.0])[0])
+
+
+def test_models_stand_beside_each_other_case_by_case(results) -> None:
+    others = [replace(r, model="static") for r in results]
+    table = models_table([*results, *others])
+    assert table["model"].tolist() == ["yade", "static"] * 3
+    assert table["case"].tolist() == [r.case for r in results for _ in range(2)]
+
+
+# --- cases ---------------------------------------------------------------------------------------
+def test_every_engines_case_is_held_against_the_static_model_on_the_same_nodes(results) -> None:
+    witness = [replace(r, model="static", load_N=r.load_N * 1.02) for r in results[:1]]
+    table = cases_table(results, witness)
+    assert table["difference_to_static"].iloc[0] == pytest.approx(1 / 1.02 - 1)
+    assert table["difference_to_static"].iloc[1:].isna().all()
+
+
+def test_a_case_of_another_joint_is_no_witness(results) -> None:
+    witness = [replace(r, model="static", physics="other") for r in results]
+    assert cases_table(results, witness)["difference_to_static"].isna().all()
+
+
+def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
+    study, results, tmp_path: Path
+) -> None:
+    case = next(c for c in cases_of(study).values() if c.name == results[1].name)
+    holed = [results[0], failed_record(case, "yade: out of time after 1 s"), results[2]]
+    cases = cases_table(holed, holed)
+    write_table(CASES, cases, tmp_path / "cases.csv")
+    assert read_table(CASES, tmp_path / "cases.csv")["error"].notna().tolist() == [0, 1, 0]
+    capacity = capacity_of(study, holed)
+    write_table(CAPACITY, capacity, tmp_path / "capacity.csv")
+    (row,) = capacity[capacity["error"].notna()].itertuples()
+    assert (row.case, row.error) == (holed[1].case, "yade: out of time after 1 s")
+    assert math.isnan(row.load_N)
+    fit = fit_table(capacity)
+    assert set(fit["directions"]) == {2}
+    text = summary("there", tables_of(study, capacity, weights_table(holed), cases))
+    assert text.startswith("WITHOUT A RESULT: 1 of 3 cases\n  n3-mesh0.02-e0.5a (yade): yade: out")
+
+
+def tables_of(
+    study: Study, capacity: pd.DataFrame, weights: pd.DataFrame, cases: pd.DataFrame
+) -> dict[str, pd.DataFrame]:
+    fit = fit_table(capacity)
+    return {
+        "validation": validation_table(study, capacity, weights, fit, read_published()),
+        "fit": fit,
+        "best_fit": best_table(study, capacity),
+        "capacity": capacity,
+        "cases": cases,
+    }
+
+
+def test_models_that_disagree_are_named_in_the_summary(study, results) -> None:
+    witness = [replace(r, model="static", load_N=r.load_N * 1.02) for r in results[:1]]
+    cases = cases_table(results, witness)
+    tables = tables_of(study, capacity_of(study, results), weights_table(results), cases)
+    text = summary("there", tables)
+    assert "1 cases, at most 1.96 %; 1 of them differ by more than 1 %" in text
+    assert "n3-mesh0.02-e0a (yade): -1.96 %" in text
 
 
 # --- fit -----------------------------------------------------------------------------------------
@@ -135,8 +190,8 @@ def test_equal_curves_have_no_error() -> None:
 def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, results) -> None:
     curve = pd.DataFrame(
         {
-            "eccentricity_m": [r.case.loading.eccentricity for r in results],
-            "load_N": [r.peak_load for r in results],
+            "eccentricity_over_a": [r.eccentricity_over_a for r in results],
+            "load_N": [r.load_N for r in results],
         }
     )
     best = best_pair(study.joint("n3"), 1000.0, False, curve)
@@ -146,9 +201,9 @@ def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, res
 
 
 def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, results) -> None:
-    fit = fit_table(capacity_of(study, results, tabulate(results)))
+    fit = fit_table(capacity_of(study, results))
     assert len(fit) == 4 * 2 * 5  # options, friction, reductions
-    capacity = capacity_of(study, results, tabulate(results))
+    capacity = capacity_of(study, results)
     assert set(capacity["eccentricity_m"]) == {0.0, 0.5 * 0.06, math.inf}
     first = fit[fit["rank"] == 1].iloc[0]
     assert first["misfit"] == fit["misfit"].min()
@@ -157,22 +212,19 @@ def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, result
     assert best["option"] in ("option2", "option3")
 
 
-def test_a_direction_without_a_reference_is_an_error(study, results) -> None:
-    capacity = capacity_of(study, results, tabulate(results))
+def test_a_direction_that_the_detailed_model_lacks_is_an_error(study, results) -> None:
+    capacity = capacity_of(study, results)
     with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, but .* to compare"):
         fit_table(capacity.drop(index=0))
 
 
 def test_two_references_are_each_fitted_with_their_own_weights(study, results) -> None:
     others = [
-        CaseResult(
-            r.replace(case, model="static"),
-            *(r.peak_load, r.failed_load, None, r.nodes.assign(shear_y_Pa=-2e4), r.history),
-        )
+        replace(r, model="static", weights=tuple(replace(w, weight=0.25) for w in r.weights))
         for r in results
     ]
-    alone = fit_table(capacity_of(study, results, tabulate(results)))
-    both = fit_table(capacity_of(study, results + others, tabulate(results + others)))
+    alone = fit_table(capacity_of(study, results))
+    both = fit_table(capacity_of(study, results + others))
     columns = ["option", "friction", "reduction", "misfit"]
     pd.testing.assert_frame_equal(
         both.loc[both["model"] == "yade", columns].reset_index(drop=True),
@@ -185,8 +237,8 @@ def test_a_curve_that_is_the_model_itself_is_won_without_misfit(study) -> None:
     cases = [case for case in cases_of(study).values() if case.model == "yade"]
     model = Sidmacib(joint, ContactOption.pair(0.25), active(joint, 1), friction=False)
     points = capacities(model, [case.direction for case in cases])
-    results = [result_with(c, 0, -4e4, p.load) for c, p in zip(cases, points, strict=True)]
-    best = winner(fit_table(capacity_of(study, results, tabulate(results))), "n3", 0.02)
+    results = [record_with(c, 0.5, p.load) for c, p in zip(cases, points, strict=True)]
+    best = winner(fit_table(capacity_of(study, results)), "n3", 0.02)
     assert (best["option"], best["friction"], best["misfit"]) == (
         "option4",
         False,
@@ -196,8 +248,7 @@ def test_a_curve_that_is_the_model_itself_is_won_without_misfit(study) -> None:
 
 # --- tables --------------------------------------------------------------------------------------
 def test_validation_holds_published_and_computed_side_by_side(study, results) -> None:
-    weights = tabulate(results)
-    capacity = capacity_of(study, results, weights)
+    weights, capacity = weights_table(results), capacity_of(study, results)
     table = validation_table(study, capacity, weights, fit_table(capacity), read_published())
     assert table.columns[:6].tolist() == [
         *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference")
@@ -205,11 +256,65 @@ def test_validation_holds_published_and_computed_side_by_side(study, results) ->
     rows = table.set_index("quantity")
     assert rows.loc["dem_pure_shear_N", "published"] == 240.76
     assert rows.loc["dem_pure_shear_N", "relative_difference"] == pytest.approx(230.4 / 240.76 - 1)
-    assert rows.loc["sidmacib_pure_shear_option1_frictionless_N", "relative_difference"] == 0
+    assert rows.loc["sidmacib_pure_shear_option1_frictionless_N", "computed"] == pytest.approx(720)
     assert rows.loc["weight_lock1", "published"] == 0.99
     assert rows.loc["weight_lock1_swapped", "published"] == 0.77
     assert math.isnan(rows.loc["weight_lock3", "relative_difference"])
     assert rows.loc["weight_lock3", "absolute_difference"] == pytest.approx(0.5)
+
+
+def test_a_mesh_that_no_decimal_says_exactly_joins_all_the_same() -> None:
+    mesh = 0.05 / 3
+    study = read_study(
+        {"samples": {"n3": {"locks": 3}}, "meshes": [mesh], "eccentricities": [0, 1 / 3, "torsion"]}
+    )
+    cases = [case for case in cases_of(study).values() if case.model == "yade"]
+    records = [record_with(case, 0.5, 100.0 + n) for n, case in enumerate(cases)]
+    capacity = capacity_of(study, records)
+    assert len(fit_table(capacity)) == 4 * 2 * 5
+    assert pure_shear_weights(study, weights_table(records), "n3") == {
+        ("yade", mesh): pytest.approx([0.5] * 3)
+    }
+
+
+def test_envelopes_hold_every_option_with_and_without_friction(study) -> None:
+    rows = pd.DataFrame(envelope_rows(study))
+    assert set(rows["option"]) == set(study.sidmacib.options)
+    frictionless = rows[~rows["friction"] & (rows["option"] == "option4")]
+    assert frictionless["torque_Nm"].max() == pytest.approx(0.25 * 0.06 * 720)
+
+
+def test_a_table_reads_as_it_was_written(results, tmp_path: Path) -> None:
+    path = tmp_path / "weights.csv"
+    weights = weights_table(results)
+    write_table(WEIGHTS, weights, path)
+    pd.testing.assert_frame_equal(read_table(WEIGHTS, path), weights, rtol=1e-9)
+    printed = pd.read_csv(path)
+    assert printed.columns.tolist() == list(WEIGHTS.columns)
+    assert printed["eccentricity_m"].max() == math.inf
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t.drop(columns="weight"), "weights: no column weight"),
+        (lambda t: t.assign(mass=1.0), "weights: unknown column mass"),
+        (lambda t: pd.concat([t, t[:1]]), "weights: more than one row for"),
+        (lambda t: t.assign(weight=math.inf), "weights: weight is infinite"),
+    ],
+)
+def test_a_table_that_is_not_as_it_should_be_is_not_written(
+    results, tmp_path: Path, change, message: str
+) -> None:
+    with pytest.raises(TableError, match=message):
+        write_table(WEIGHTS, change(weights_table(results)), tmp_path / "weights.csv")
+    assert not list(tmp_path.iterdir())
+
+
+def test_numbers_have_as_many_digits_as_are_known(results, tmp_path: Path) -> None:
+    table = weights_table(results).assign(weight=1 / 3)
+    write_table(WEIGHTS, table, tmp_path / "weights.csv")
+    assert set(read_table(WEIGHTS, tmp_path / "weights.csv")["weight"]) == {0.3333333333}
 
 
 @pytest.mark.parametrize(
@@ -233,27 +338,24 @@ def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
 
 
 def test_the_summary_tells_the_findings_and_where_everything_is(study, results) -> None:
-    weights = tabulate(results)
-    capacity = capacity_of(study, results, weights)
-    fit = fit_table(capacity)
-    text = summary(
-        "there",
-        {
-            "validation": validation_table(study, capacity, weights, fit, read_published()),
-            "fit": fit,
-            "best_fit": best_table(study, capacity),
-            "capacity": capacity,
-        },
-    )
+    cases = cases_table(results, results)
+    tables = tables_of(study, capacity_of(study, results), weights_table(results), cases)
+    text = summary("there", tables)
     assert "Tables:  there/tables" in text
     assert "Assumed: a, b, h and H" in text
     assert "-4.3 %" in text  # 230.4 N against 240.76 N
 
 
 def test_torsion_alone_has_an_infinite_eccentricity_in_the_tables(study, results) -> None:
-    weights = tabulate(results)
+    weights = weights_table(results)
     assert weights["eccentricity_m"].max() == math.inf
     rows = pd.DataFrame(sidmacib_rows(study, weights))
     torsion = rows[rows["eccentricity_m"] == math.inf]
     assert (torsion["shear_N"] == 0).all()
-    assert Direction.at_eccentricity(math.inf, 0.06).shear == 0
+
+
+@pytest.mark.parametrize("factor", [0.9, 1.1])
+def test_only_a_model_that_promises_more_is_unsafe(factor: float) -> None:
+    found = misfit(np.full(3, 100.0 * factor), np.full(3, 100.0))
+    assert found.largest_unsafe_error == pytest.approx(max(factor - 1.0, 0.0))
+    assert found.largest_safe_error == pytest.approx(max(1.0 - factor, 0.0))

@@ -90,9 +90,7 @@ def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -
 def test_engines_do_not_depend_on_each_others_scripts_and_templates() -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0]})
     jobs = plan_of(study).jobs
-    yade, liggghts = (
-        jobs[f"{name}/n3-mesh0.03-e0a"] for name in ("yade", "liggghts")
-    )
+    yade, liggghts = (jobs[f"{name}/n3-mesh0.03-e0a"] for name in ("yade", "liggghts"))
     assert "templates/yade.py.j2" in yade.files
     assert "templates/liggghts.py.j2" not in yade.files
     assert not any("liggghts" in name for name in yade.modules)
@@ -137,7 +135,8 @@ def _assert_covered(job, results: Path) -> None:
     data = {
         str(Path(name).relative_to(ROOT))
         for name in files.split()
-        if not name.endswith((".py", ".pyc", ".nbi", ".nbc")) and "/.venv/" not in name
+        if not name.endswith((".py", ".pyc", ".nbi", ".nbc"))
+        and "/.venv/" not in name
         and "__pycache__" not in name
     }
     assert data <= set(job.files)

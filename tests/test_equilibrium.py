@@ -1,5 +1,9 @@
 """Equilibrium matrices and the scales derived from them."""
 
+import subprocess
+import sys
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import block_on_ground, load_on_block
@@ -8,9 +12,17 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    Face,
+    FaceMaterial,
+    Kind,
+    Piece,
+    contact_nodes,
+)
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, wrenches
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
+from sidmacib.pieces import assemble
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
@@ -56,6 +68,50 @@ def test_a_block_on_springs_vibrates_at_the_analytic_frequency(joint: Joint) -> 
     stiffness = joint.dry.normal_stiffness * joint.a * joint.b
     frequencies = natural_frequencies(model)
     assert np.min(np.abs(frequencies / np.sqrt(stiffness / block.mass) - 1)) < 1e-9
+
+
+def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
+    # A cube's inertia is m l^2 / 6 about any axis; a face in its middle plane decouples the modes.
+    side, stiffness, density = 0.2, 1e9, 2000.0
+    half = side / 2
+    mass = density * side**3
+    pieces = (
+        Piece("ground", (-half, -half, -side), (half, half, 0.0), mass, fixed=True),
+        Piece("cube", (-half, -half, -half), (half, half, half), mass),
+    )
+    material = FaceMaterial(stiffness, stiffness, 0.0, 0.0, 0.0)
+    face = Face("middle", Kind.DRY, material, 0, 1, 2, (-half, -half, 0.0), (half, half, 0.0))
+    cube = Assembly(pieces, (face,), contact_nodes((face,), side / 40), side)
+    around = np.sqrt(stiffness * side**4 / 12 / (mass * side**2 / 6))  # second moment of area
+    twist = np.sqrt(2.0) * around  # polar moment
+    straight = np.sqrt(stiffness * side**2 / mass)
+    expected = sorted([around, around, twist, straight, straight, straight])
+    assert natural_frequencies(cube) == pytest.approx(expected, rel=1e-3)  # finite cells
+
+
+def test_inertia_is_that_of_a_cuboid() -> None:
+    # By points all over it: the integral of m (x^2 + y^2) / volume, and so on.
+    piece = Piece("block", (0.0, 1.0, -2.0), (0.3, 1.5, -1.2), mass=7.0)
+    axes = [
+        low + (np.arange(60) + 0.5) / 60 * d for low, d in zip(piece.low, piece.size, strict=True)
+    ]
+    squares = [np.mean((axis - axis.mean()) ** 2) for axis in axes]
+    expected = [7.0 * (sum(squares) - square) for square in squares]
+    assert piece.inertia == pytest.approx(expected, rel=1e-3)
+
+
+def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: Joint) -> None:
+    model = assemble(joint, 0.03)
+    other = replace(model, length=37.0 * model.length)
+    assert natural_frequencies(other) == pytest.approx(natural_frequencies(model), rel=1e-9)
+
+
+def test_a_programme_that_only_needs_frequencies_imports_no_solver() -> None:
+    modules = "assembly", "equilibrium", "springs", "vibration", "contact_law"
+    code = "import sys, sidmacib.pieces, sidmacib.loading\n"
+    code += "".join(f"import sidmacib.mechanics.{name}\n" for name in modules)
+    code += "assert not {'numba', 'scipy', 'cvxpy'} & set(sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_compliance_of_a_block_under_torque_is_that_of_its_polar_moment(joint: Joint) -> None:

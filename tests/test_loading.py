@@ -1,18 +1,21 @@
 """The lateral load."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint import INNER, Direction, Joint
+from sidmacib.loading import Loading, LoadShare, Push, lateral_load, pressed
+from sidmacib.mechanics.assembly import Kind
+from sidmacib.pieces import assemble
 
 loadings = st.builds(
     Loading,
-    eccentricity=st.one_of(st.floats(0, 1), st.just(math.inf)),
+    st.builds(Direction, st.one_of(st.floats(-10, 10), st.just(math.inf))),
     share=st.sampled_from(LoadShare),
     push=st.sampled_from(Push),
 )
@@ -20,40 +23,71 @@ loadings = st.builds(
 
 @given(loadings, st.integers(2, 6))
 def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks: int) -> None:
-    model = assemble(Joint(locks), 0.03)
-    loads = lateral_load(joint, model, loading)
-    direction = Direction.at_eccentricity(loading.eccentricity, model.joint.a)
+    joint = Joint(locks)
+    loads = lateral_load(joint, assemble(joint, 0.03), loading)
     sign = 1 if loading.push is Push.PLUS_Y else -1
-    assert sum(load.force for load in loads) == pytest.approx([0, sign * direction.shear, 0])
+    direction = loading.direction
     # All centroids lie at x = 0, so the forces add nothing to the torque about z.
-    assert sum(load.moment for load in loads) == pytest.approx([0, 0, direction.torque])
+    expected = [0, sign * direction.shear, 0, 0, 0, direction.torque * joint.a]
+    assert loads.variable.sum(axis=0) == pytest.approx(expected)
+
+
+@given(loadings, st.integers(2, 6))
+def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, locks: int) -> None:
+    joint = Joint(locks)
+    model = assemble(joint, 0.03)
+    permanent = lateral_load(joint, model, loading).permanent
+    volume = [math.prod(np.subtract(piece.high, piece.low)) for piece in model.pieces]
+    assert permanent[:, 2] == pytest.approx(-9.81 * 1400.0 * np.array(volume))
+    assert (np.delete(permanent, 2, axis=1) == 0.0).all()
+
+
+def loaded(joint: Joint, loading: Loading) -> dict[str, float]:
+    """Force in y on each loaded piece, per newton of load."""
+    model = assemble(joint, 0.03)
+    force = lateral_load(joint, model, loading).variable[:, 1]
+    return {p.name: float(f) for p, f in zip(model.pieces, force, strict=True) if f}
 
 
 def test_the_first_lock_takes_the_share_of_its_height(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
-    loads = {
-        model.pieces[p.piece].name: p for p in lateral_load(joint, model, Loading(Direction(0.0)))
-    }
-    assert set(loads) == {"lock1", "column1"}
-    assert loads["lock1"].force[1] == pytest.approx(joint.h / (joint.h + joint.H))
+    found = loaded(joint, Loading(Direction(0.0)))
+    share = joint.h / (joint.h + joint.H)
+    assert found == pytest.approx({"lock1": share, "column1": 1.0 - share})
 
 
 @pytest.mark.parametrize(
-    ("locks", "push", "loaded"),
+    ("locks", "push", "names"),
     [
         (3, Push.MINUS_Y, {"lock3", "column3"}),
         (4, Push.MINUS_Y, {"column4"}),  # lock 4 belongs to the lower block
         (4, Push.PLUS_Y, {"lock1", "column1"}),
     ],
 )
-def test_the_load_acts_on_the_upper_block_only(locks: int, push: Push, loaded: set[str]) -> None:
-    model = assemble(Joint(locks), 0.03)
-    loads = lateral_load(joint, model, Loading(Direction(0.0), push=push))
-    assert {model.pieces[load.piece].name for load in loads} == loaded
-    assert np.sign(sum(load.force[1] for load in loads)) == (1 if push is Push.PLUS_Y else -1)
+def test_the_load_acts_on_the_upper_block_only(locks: int, push: Push, names: set[str]) -> None:
+    found = loaded(Joint(locks), Loading(Direction(0.0), push=push))
+    assert set(found) == names
+    assert np.sign(sum(found.values())) == (1 if push is Push.PLUS_Y else -1)
 
 
 def test_a_load_on_the_body_spares_the_lock(joint: Joint) -> None:
+    assert set(loaded(joint, Loading(Direction(0.0), LoadShare.BODY))) == {"column1"}
+
+
+def test_a_joint_without_cohesion_has_its_weight_for_a_scale(joint: Joint) -> None:
+    weak = replace(joint, inner=replace(INNER, cohesion=0.0))
+    found = lateral_load(weak, assemble(weak, 0.03), Loading(Direction(0.0)))
+    assert found.scale == pytest.approx(9.81 * 1400.0 * 0.06 * 0.15 * 0.035)
+
+
+def test_a_force_takes_the_place_of_the_plate(joint: Joint) -> None:
     model = assemble(joint, 0.03)
-    loads = lateral_load(joint, model, Loading(Direction(0.0), LoadShare.BODY))
-    assert [model.pieces[load.piece].name for load in loads] == ["column1"]
+    loads = lateral_load(joint, model, Loading(Direction(0.0)))
+    other, more = pressed(joint, model, loads, 900.0)
+    assert all(face.kind is not Kind.PLATE for face in other.faces)
+    assert np.bincount(other.nodes.face, other.nodes.area) == pytest.approx(
+        [face.area for face in other.faces]
+    )
+    added = more.permanent - loads.permanent
+    columns = [i for i, piece in enumerate(model.pieces) if piece.name.startswith("column")]
+    assert added[columns, 2] == pytest.approx(-300.0)
+    assert added.sum(axis=0) == pytest.approx([0, 0, -900.0, 0, 0, 0])

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics import optimisation
-from sidmacib.mechanics.optimisation import _answer, _Answer, _projected, solve
+from sidmacib.mechanics.optimisation import _Answer, _answer, _projected, solve
 
 DIMS = SimpleNamespace(zero=2, nonneg=3, soc=[3, 3, 4, 1, 3])
 values = arrays(float, 2 + 3 + sum(DIMS.soc), elements=st.floats(-10, 10))
@@ -76,7 +76,7 @@ def test_a_right_point_is_taken_whatever_the_solver_calls_it(
 def test_constraints_that_contradict_each_other_are_infeasible(cone: bool) -> None:
     x = cp.Variable(2)
     smaller = cp.norm(x) <= 1 if cone else cp.sum(x) <= 1
-    with pytest.raises(InfeasibleError, match="^here: no forces balance"):
+    with pytest.raises(InfeasibleError, match=r"^here: no forces balance"):
         solve(cp.Problem(cp.Maximize(x[0]), [smaller, x >= 2]), "here")
 
 
@@ -84,7 +84,7 @@ def test_constraints_that_contradict_each_other_are_infeasible(cone: bool) -> No
 def test_an_aim_without_limit_is_unbounded(cone: bool) -> None:
     x = cp.Variable(2)
     wider = cp.norm(x[:1]) <= x[1] if cone else x[0] <= x[1]
-    with pytest.raises(UnboundedError, match="^here: the load can grow without limit"):
+    with pytest.raises(UnboundedError, match=r"^here: the load can grow without limit"):
         solve(cp.Problem(cp.Maximize(x[0]), [wider, x[0] >= -1]), "here")
 
 

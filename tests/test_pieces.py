@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.mechanics.assembly import Block, Kind
+from sidmacib.mechanics.assembly import GRAVITY, Face, FaceMaterial, Kind, Piece, shared_face
+from sidmacib.pieces import assemble, lock_faces, upper_block
 
 joints = st.builds(
     Joint,
@@ -29,7 +30,8 @@ def test_node_areas_add_up_to_the_area_of_their_face(joint: Joint, mesh: float) 
 @given(joints)
 def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
     model = assemble(joint, 0.99 * min(joint.a, joint.b))
-    inner = {face.lock: face for face in model.faces if face.lock}
+    locks = lock_faces(joint)
+    inner = {locks[face.name]: face for face in model.faces if face.name in locks}
     assert sorted(inner) == list(range(1, joint.locks + 1))
     for lock, face in inner.items():
         assert face.kind is Kind.INNER
@@ -59,10 +61,11 @@ def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
 
 def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint) -> None:
     model = assemble(joint, 0.02)
+    upper = set(upper_block(joint))
     for face in model.faces:
-        blocks = {model.pieces[face.below].block, model.pieces[face.above].block}
-        assert len(blocks) == (1 if face.kind is Kind.INNER else 2)
-        assert (Block.PLATE in blocks) == (face.kind is Kind.PLATE)
+        ends = [model.pieces[face.below].name, model.pieces[face.above].name]
+        assert len({name in upper for name in ends}) == (1 if face.kind is Kind.INNER else 2)
+        assert ("plate" in ends) == (face.kind is Kind.PLATE)
 
 
 def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None:
@@ -74,5 +77,50 @@ def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None
 
 @pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])
 def test_a_mesh_that_does_not_fit_an_inner_face_is_refused(joint: Joint, mesh: float) -> None:
-    with pytest.raises(ValueError, match=f"mesh: got {mesh} m, allowed is .* 0.05 m"):
+    with pytest.raises(ValueError, match=rf"mesh: {mesh} m is .* 0.05 m"):
         assemble(joint, mesh)
+
+
+@given(joints)
+def test_the_pieces_weigh_what_their_volume_weighs(joint: Joint) -> None:
+    for piece in assemble(joint, 0.99 * min(joint.a, joint.b)).pieces:
+        edges = [high - low for low, high in zip(piece.low, piece.high, strict=True)]
+        volume = edges[0] * edges[1] * edges[2]
+        assert piece.weight == pytest.approx(joint.density * volume * GRAVITY)
+
+
+SMOOTH = FaceMaterial(1e10, 1e10, 0.0, 0.0, 0.0)
+
+
+def boxes(size: float, gap: float) -> tuple[Piece, Piece]:
+    """Two cubes, one above the other, ``gap`` apart."""
+    return (
+        Piece("lower", (0.0, 0.0, 0.0), (size, size, size), 1.0),
+        Piece("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 2 * size + gap), 1.0),
+    )
+
+
+def face(pieces: tuple[Piece, ...]) -> Face:
+    return shared_face("face", Kind.DRY, SMOOTH, pieces, (0, 1))
+
+
+@given(st.floats(-6, 6))
+def test_pieces_share_the_rectangle_in_which_they_touch(exponent: float) -> None:
+    size = 10.0**exponent
+    found = face(boxes(size, 1e-12 * size))
+    assert found.axis == 2
+    assert found.area == pytest.approx(size**2 / 2)
+
+
+@given(st.floats(-6, 6), st.sampled_from([-1e-3, 1e-6, 1.0]))
+def test_pieces_apart_share_no_face_whatever_their_size(exponent: float, gap: float) -> None:
+    size = 10.0**exponent
+    with pytest.raises(ValueError, match="face: lower does not touch upper from below"):
+        face(boxes(size, gap * size))
+
+
+def test_pieces_that_meet_along_an_edge_share_no_face() -> None:
+    lower = Piece("lower", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0)
+    upper = Piece("upper", (1.0, 0.0, 1.0), (2.0, 1.0, 2.0), 1.0)
+    with pytest.raises(ValueError, match="does not touch"):
+        face((lower, upper))

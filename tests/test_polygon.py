@@ -1,6 +1,7 @@
 """The exact V-M envelope."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,11 +9,13 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
+from test_programme import scaled, upper_block_weight
 
-from sidmacib.contact_points import OPTIONS
+from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.joint import Direction, Joint
 from sidmacib.polygon import envelope, polygon
-from sidmacib.programme import InfeasibleError, Sidmacib, capacity
+from sidmacib.programme import Sidmacib, capacity
 
 
 def support_of(points: np.ndarray):
@@ -71,8 +74,8 @@ def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
     found = envelope(model)
     edges = list(zip(found.vertices, np.roll(found.vertices, -1, axis=0), strict=True))
     assert found.programmes <= len(found.vertices) + len(edges)
-    for eccentricity in (0.0, 0.005, 0.05, math.inf):
-        point = capacity(model, Direction.at_eccentricity(eccentricity, joint.a))
+    for eccentricity in (0.0, 0.1, 0.8, math.inf):
+        point = capacity(model, Direction(eccentricity))
         at = np.array([point.shear, point.torque]) / [joint.T0, joint.T0 * joint.a]
         distances = [
             np.cross(np.append((end - start) / s, 0), np.append(at - start / s, 0))[2]
@@ -82,6 +85,106 @@ def test_every_capacity_lies_on_the_envelope(locks: int) -> None:
         assert min(distances) == pytest.approx(0.0, abs=1e-6)
 
 
-def test_an_empty_set_has_no_envelope(joint: Joint) -> None:
-    with pytest.raises(InfeasibleError, match="outward normal"):
-        envelope(Sidmacib(joint, OPTIONS["option1"], overload=-2000.0))
+def zonogon(sides: np.ndarray) -> np.ndarray:
+    """Vertices, from the lowest on the left, of all sums of ``sides`` (K, 2) times -1 to 1."""
+    sides = sides * np.where(sides[:, :1] < 0, -1.0, 1.0)
+    around = sides[np.argsort(sides[:, 1] / sides[:, 0])]
+    return -sides.sum(axis=0) + 2 * np.cumsum(
+        np.vstack([np.zeros(2), around, -around[:-1]]), axis=0
+    )
+
+
+@settings(max_examples=20)
+@given(
+    st.lists(st.integers(1, 50), min_size=2, max_size=6, unique=True),
+    st.integers(2, 5),
+)
+def test_without_friction_every_contact_point_adds_two_edges(
+    distances: list[int], locks: int
+) -> None:
+    """V is the sum of the forces across, M of the forces times x: a zonogon, known by hand."""
+    joint, positions = Joint(locks), [sign * x for x in distances for sign in (-1, 1)]
+    count = len(positions)
+    option = ContactOption(tuple(x / 100 for x in positions), (1 / count,) * count)
+    strength = locks * joint.T0 / count
+    expected = zonogon(strength * np.array([(1.0, x / 100 * joint.a) for x in positions]))
+    found = envelope(Sidmacib(joint, option, friction=False)).vertices
+    assert found.shape == expected.shape
+    scale = [joint.T0, joint.T0 * joint.a]
+    assert found / scale == pytest.approx(expected / scale, abs=1e-6)
+
+
+@settings(max_examples=20)
+@given(
+    st.floats(-6, 6).map(lambda power: 10**power),
+    st.floats(-6, 6).map(lambda power: 10**power),
+    st.sampled_from([2, 3, 5]),
+)
+def test_the_envelope_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitude(
+    length: float, stress: float, locks: int
+) -> None:
+    joint, factor = Joint(locks), stress * length**2
+    one = envelope(Sidmacib(joint, OPTIONS["option2"]))
+    model = Sidmacib(
+        scaled(joint, length, stress), OPTIONS["option2"], overload=factor * Sidmacib.overload
+    )
+    other = envelope(model).vertices / [factor, factor * length]
+    assert other == pytest.approx(one.vertices, rel=1e-9, abs=1e-9 * joint.T0 * joint.a)
+
+
+@pytest.mark.parametrize("locks", [3, 7])
+def test_friction_alone_is_a_segment_of_pure_torque(locks: int) -> None:
+    joint = Joint(locks)
+    model = Sidmacib(joint, OPTIONS["option4"], strength=(0.0,) * locks)
+    torque = 0.3 * (1000.0 + upper_block_weight(joint)) / 2 * (locks - 1) * joint.b
+    expected = np.array([(0.0, -torque), (0.0, torque)])
+    assert envelope(model).vertices == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("strength", [4e6, 1e7])
+def test_locks_much_stronger_than_what_presses_them_are_pushed_to_rocking(strength: float) -> None:
+    joint = Joint(3)
+    cohesion = strength / (joint.a * joint.b)
+    strong = Joint(3, inner=replace(joint.inner, cohesion=cohesion))
+    model = Sidmacib(strong, OPTIONS["option4"])
+    found = envelope(model).vertices
+    rocking = capacity(model, Direction(0.0)).load
+    assert np.abs(found[:, 0]).max() == pytest.approx(rocking, rel=1e-6)
+    assert np.abs(found[:, 1]).max() == pytest.approx(3 * strength * joint.a / 4, rel=1e-4)
+
+
+def test_strengths_beyond_what_numbers_hold_give_an_answer_or_an_error() -> None:
+    joint = Joint(3)
+    model = Sidmacib(replace(joint, inner=replace(joint.inner, cohesion=1e14)), OPTIONS["option4"])
+    with pytest.raises(SolverError, match=r"^outward normal .*: no verdict that holds"):
+        envelope(model)
+
+
+def around_a_circle(noise: float):
+    random = np.random.default_rng(1)
+    exact = support_of(
+        np.array([(math.cos(t), math.sin(t)) for t in np.linspace(0, 2 * math.pi, 51)])
+    )
+    return lambda normal: exact(normal) + noise * random.uniform(-1, 1, 2)
+
+
+def test_answers_that_are_a_little_off_give_the_same_vertices() -> None:
+    assert len(polygon(around_a_circle(1e-9)).vertices) == 50
+
+
+def test_answers_that_contradict_each_other_are_an_error() -> None:
+    with pytest.raises(SolverError, match="more than 1000 programmes"):
+        polygon(around_a_circle(1e-3))
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_the_tolerance_is_relative_to_the_polygons_size(size: float) -> None:
+    corners = size * np.array([(-1, 0), (0, -1), (1, 0), (1e-5, 1), (-1e-5, 1)])
+    assert len(polygon(support_of(corners)).vertices) == 5
+    assert len(polygon(support_of(corners), tolerance=1e-3).vertices) == 4
+
+
+def test_points_on_one_side_of_the_weight_have_no_envelope(joint: Joint) -> None:
+    model = Sidmacib(joint, ContactOption((0.1, 0.4), (0.5, 0.5)))
+    with pytest.raises(InfeasibleError, match=r"^outward normal \(V, M\) = .*: no forces balance"):
+        envelope(model)

@@ -1,5 +1,7 @@
 """Reductions: how much of each lock counts."""
 
+import math
+
 import pytest
 
 from sidmacib.contact_points import OPTIONS
@@ -40,3 +42,9 @@ def test_which_locks_count_does_not_change_the_capacity() -> None:
         for strength in [(0, 1, 0, 1, 0), (1, 1, 0, 0, 0), (0, 0, 1, 0, 1)]
     ]
     assert loads == pytest.approx([loads[0]] * 3)
+
+
+@pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])
+def test_the_sum_of_weights_counts_rounded_down_and_at_most_all_locks(sum_: float) -> None:
+    strength = REDUCTIONS["floor_of_sum"](Joint(5), (sum_ / 5,) * 5)
+    assert sum(strength) == min(math.floor(sum_ + 1e-12), 5)

@@ -1,36 +1,147 @@
-"""The joint's nodes as springs between its pieces."""
+"""The assembly's nodes as springs between its pieces."""
 
 import numpy as np
 import pytest
+from stack import tilted_stack
 
-from sidmacib.joint import Joint
-from sidmacib.mechanics.contact_law import NodeLaw
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.newton import settled, solve_linear, tangent_stiffness, unbalanced
+from sidmacib.mechanics.ordering import ordering
 from sidmacib.mechanics.springs import Springs
+from sidmacib.mechanics.static import Solver
+from sidmacib.pieces import assemble
+
+ASSEMBLIES = {
+    "columns": assemble(Joint(4), 0.03),
+    "monolithic": assemble(Joint(5, upper_body=UpperBody.MONOLITHIC), 0.03),
+    "stack": tilted_stack(3)[0],
+}
 
 
-@pytest.fixture
-def springs(joint: Joint) -> Springs:
-    return Springs.of(assemble(joint, 0.03))
+@pytest.fixture(params=ASSEMBLIES)
+def model(request: pytest.FixtureRequest) -> Assembly:
+    return ASSEMBLIES[request.param]
 
 
-def test_the_stiffness_is_that_of_the_equilibrium_matrix(joint: Joint, springs: Springs) -> None:
-    model = assemble(joint, 0.03)
-    balance, law = equilibrium_matrix(model)[free_rows(model)], NodeLaw.of(model)
+def solver(model: Assembly) -> Solver:
+    none = np.zeros((len(model.pieces), 6))
+    return Solver(model, Loads(none, none + 1.0, 1.0))
+
+
+def dense(solver: Solver) -> np.ndarray:
+    """The solver's matrix, with rows and columns in its own order."""
+    inner, outer, band = solver.structure.inner, solver.structure.outer, solver.structure.band
+    full = np.zeros((inner + outer, inner + outer))
+    for i in range(inner):
+        first, last = max(i - band, 0), min(i + band, inner - 1)
+        full[i, first : last + 1] = solver.matrix.band[i, band + first - i : band + last - i + 1]
+    full[:inner, inner:], full[inner:] = solver.matrix.right, solver.matrix.below
+    return full
+
+
+def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
+    """Displacements (m) under which nodes stick, slide and open, and half of the bonds broken."""
+    random, law = np.random.default_rng(seed), NodeLaw.of(model)
+    slip = 1e-7 * random.normal(size=(len(law.friction), 2))
+    bonded = law.cohesive & (random.random(len(slip)) < 0.5)
+    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, bonded)
+
+
+def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
+    balance, law, springs = equilibrium_matrix(model), NodeLaw.of(model), Springs.of(model)
+    balance = balance[free_rows(model)] / springs.units[:, None]
     stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
     expected = (balance * stiffness.ravel()) @ balance.T
     assert springs.elastic_stiffness() == pytest.approx(expected, rel=1e-9, abs=1e-6)
 
 
-def test_parts_of_the_nodes_add_up_to_all(springs: Springs) -> None:
-    own = springs.law.cohesive
-    parts = springs.part(own).elastic_stiffness() + springs.part(~own).elastic_stiffness()
-    assert parts == pytest.approx(springs.elastic_stiffness(), rel=1e-12, abs=1e-6)
+def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
+    own = solver(model)
+    unknowns, state = some_state(model)
+    tangent_stiffness(own.structure, state.slip, np.ones_like(state.bonded), unknowns, own.matrix)
+    expected = Springs.of(model).elastic_stiffness()
+    assert dense(own)[np.ix_(own.place, own.place)] == pytest.approx(expected, rel=1e-9, abs=1e-5)
 
 
-def test_forces_do_the_work_of_the_displacements(springs: Springs) -> None:
-    random = np.random.default_rng(1)
-    displacement = random.normal(size=springs.faces.shape[2])
-    force = random.normal(size=(len(springs.motion), 3))
-    inside = springs.piece_forces(force) @ displacement
-    assert inside == pytest.approx(np.sum(force * springs.node_displacements(displacement)))
+def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
+    own = solver(model)
+    unknowns, state = some_state(model)
+    residual = np.empty_like(unknowns)
+    unbalanced(own.structure, state.slip, state.bonded, unknowns, 0.0 * unknowns, residual)
+    force, _ = settled(own.structure, state.slip, state.bonded, unknowns)
+    inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / own.units
+    assert -residual[own.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
+
+
+def test_nodes_move_with_their_pieces(model: Assembly) -> None:
+    own = solver(model)
+    unknowns, state = some_state(model)
+    bonded = np.ones_like(state.bonded)
+    force, _ = settled(own.structure, 0.0 * state.slip, bonded, unknowns)
+    displacement = unknowns[own.place] / own.units
+    delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
+    law = NodeLaw.of(model)
+    assert force[:, 0] == pytest.approx(law.normal_stiffness * delta[:, 0], rel=1e-9, abs=1e-9)
+    expected = law.shear_stiffness[:, None] * delta[:, 1:]
+    assert force[:, 1:] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
+    own = solver(model)
+    unknowns, state = some_state(model)
+    tangent_stiffness(own.structure, state.slip, state.bonded, unknowns, own.matrix)
+    direction = np.random.default_rng(2).normal(size=len(unknowns))
+    after, before = np.empty_like(unknowns), np.empty_like(unknowns)
+    for sign, residual in ((1, after), (-1, before)):
+        moved = unknowns + sign * 1e-12 * direction
+        unbalanced(own.structure, state.slip, state.bonded, moved, 0.0 * moved, residual)
+    expected = dense(own) @ direction
+    found = (before - after) / 2e-12
+    assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
+
+
+def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
+    own = solver(model)
+    unknowns, state = some_state(model)
+    force, slip = settled(own.structure, state.slip, state.bonded, unknowns)
+    again, same = settled(own.structure, slip, state.bonded, unknowns)
+    assert again == pytest.approx(force, rel=1e-9, abs=1e-9)
+    assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
+    assert (slip[state.bonded] == state.slip[state.bonded]).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
+    own, random = solver(model), np.random.default_rng(seed)
+    own.matrix.band[:] = random.normal(size=own.matrix.band.shape)
+    own.matrix.band[:, 2 * own.structure.band + 1 :] = 0.0  # filled by elimination
+    own.matrix.right[:] = random.normal(size=own.matrix.right.shape)
+    own.matrix.below[:] = random.normal(size=own.matrix.below.shape)
+    own.matrix.band[::3, own.structure.band] = 0.0  # small pivots, unless rows are exchanged
+    full, right = dense(own), random.normal(size=len(own.place))
+    solution = right.copy()
+    assert solve_linear(own.structure, own.matrix, solution)
+    assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
+
+
+@pytest.mark.parametrize("locks", [7, 31])
+def test_a_body_in_one_piece_goes_into_the_border(locks: int) -> None:
+    joint = Joint(locks, upper_body=UpperBody.MONOLITHIC)
+    order = ordering(Springs.of(assemble(joint, 0.03)))
+    assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
+
+
+def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
+    few, many = (ordering(Springs.of(assemble(Joint(n), 0.03))) for n in (7, 31))
+    assert few.band == many.band
+    assert many.outer == 0
+
+
+def test_the_direction_of_forces_is_that_of_the_loads(joint: Joint) -> None:
+    model = assemble(joint, 0.03)
+    own = Solver(model, lateral_load(joint, model, Loading(Direction(0.0))))
+    assert own.load[own.place].reshape(-1, 6).sum(axis=0) == pytest.approx([0, 1, 0, 0, 0, 0])

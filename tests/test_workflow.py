@@ -1,9 +1,13 @@
-"""The workflow as a user runs it: whole studies, small ones."""
+"""The workflow as a user runs it, with small studies."""
 
+import json
 import os
 import re
+import shutil
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -18,30 +22,46 @@ from workflow.threedec import decks
 SMALL = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
+    "models": ["static"],
     "dem": {"engines": ["yade"]},
     "eccentricities": [0, 0.5, "torsion"],
     "variants": {"soft": {"failure": "ductile", "eccentricities": [0]}},
 }
+SOLVED = {**SMALL, "dem": {"engines": []}, "variants": {}, "eccentricities": [0, 0.5]}
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
+TABLES = {"collect", "capacity", "fit", "validation", "figures", "summary", "complete"}
+WORDS = {
+    "Collect": "collect",
+    "Solve SiDMACIB": "capacity",
+    "Fit SiDMACIB": "fit",
+    "Compare with": "validation",
+    "Draw": "figures",
+    "Sum up": "summary",
+    "See whether": "complete",
+}
 
 
 class Workspace:
     """A folder with a configuration, in which snakemake is run."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.configure()
+    def __init__(self, folder: Path, checkout: Path = ROOT) -> None:
+        self.folder, self.checkout = folder, checkout
+        folder.mkdir(parents=True, exist_ok=True)
+        self.configure(SMALL)
 
-    def configure(self, **change: object) -> None:
-        (self.folder / "study.yaml").write_text(yaml.safe_dump({**SMALL, **change}))
+    def configure(self, config: dict[str, object]) -> None:
+        (self.folder / "study.yaml").write_text(yaml.safe_dump(config))
+
+    def command(self, *arguments: str) -> list[str]:
+        return [
+            *(sys.executable, "-m", "snakemake", "--snakefile", str(self.checkout / "Snakefile")),
+            *("--directory", str(self.folder), "--configfile", "study.yaml"),
+            *("--profile", str(self.checkout / "profiles/default"), *arguments),
+        ]
 
     def snakemake(self, *arguments: str, **environment: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [
-                *(sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile")),
-                *("--directory", str(self.folder), "--configfile", "study.yaml"),
-                *("--profile", str(ROOT / "profiles/default"), *arguments),
-            ],
+            self.command(*arguments),
             check=False,
             cwd=self.folder,
             env={**os.environ, **environment},
@@ -51,12 +71,16 @@ class Workspace:
         )
 
     def planned(self) -> set[str]:
-        """Jobs that a run would do: rule names, cases for the engine's own rule."""
-        found = self.snakemake("--dry-run", "--printshellcmds").stdout
-        jobs = set(re.findall(r"\b(?:Run yade on|Render|Draw) ([\w.-]+)", found))
-        words = {"Read the locks' weights": "weights", "Solve SiDMACIB": "capacity"}
-        words |= {"Fit SiDMACIB": "fit", "Compare with": "validation", "Sum up": "summary"}
-        return jobs | {name for text, name in words.items() if text in found}
+        """Jobs that a run would do: cases and batches by name, and what comes after them."""
+        found = self.snakemake("--dry-run")
+        assert found.returncode == 0, found.stderr
+        text = found.stdout + found.stderr
+        jobs = set(re.findall(r"\b(?:yade|liggghts|static|limit|3dec): ([\w.-]+)", text))
+        return jobs | {name for words, name in WORDS.items() if words in text}
+
+    @property
+    def results(self) -> Path:
+        return self.folder / "results"
 
 
 @pytest.fixture
@@ -64,37 +88,169 @@ def workspace(tmp_path: Path) -> Workspace:
     return Workspace(tmp_path)
 
 
-def test_a_dry_run_plans_every_case_table_and_figure(workspace: Workspace) -> None:
-    planned = workspace.planned()
-    assert planned >= CASES | {"weights", "capacity", "fit", "validation", "summary"}
-    assert planned >= {"options-n3", "revised-n3", "meshes", "side_by_side"}
+@pytest.fixture(scope="module")
+def solved_once(tmp_path_factory: pytest.TempPathFactory) -> Workspace:
+    """A study without engines that was run."""
+    workspace = Workspace(tmp_path_factory.mktemp("solved"))
+    workspace.configure(SOLVED)
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    return workspace
+
+
+@pytest.fixture
+def solved(solved_once: Workspace, tmp_path: Path) -> Workspace:
+    """A copy of a study without engines that was run."""
+    folder = tmp_path / "copy"
+    shutil.copytree(solved_once.folder, folder)
+    copy = Workspace(folder)
+    copy.configure(SOLVED)
+    return copy
+
+
+# --- planning ------------------------------------------------------------------------------------
+def test_a_dry_run_plans_every_case_and_table(workspace: Workspace) -> None:
+    assert workspace.planned() == CASES | {"batch"} | TABLES
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"geomtry": {"a": 0.06}}, "geomtry: unknown key; the keys here are results, samples"),
-        ({"geometry": {"a": -0.06}}, "geometry.a: -0.06 is not allowed; it must be greater than 0 (m)"),
-        ({"overrides": {"n3-mesh0.3": {}}}, "overrides: 'n3-mesh0.3' is no case; it must be one of the study's"),
+        ({"geomtry": {"a": 0.06}}, "geomtry: "),
+        ({"geometry": {"a": -0.06}}, "geometry.a: -0.06 is not allowed"),
+        ({"overrides": {"n3-mesh0.3": {}}}, "overrides: "),
     ],
 )
 def test_a_typo_is_rejected_before_anything_runs(
     workspace: Workspace, change: dict[str, object], message: str
 ) -> None:
-    workspace.configure(**change)
+    workspace.configure({**SMALL, **change})
     found = workspace.snakemake()
     assert found.returncode != 0
     assert message in found.stdout + found.stderr
     assert "Traceback" not in found.stderr
-    assert not (workspace.folder / "results").exists()
+    assert not workspace.results.exists()
 
 
+def test_a_key_that_stands_twice_is_rejected_by_snakemake_too(workspace: Workspace) -> None:
+    text = (workspace.folder / "study.yaml").read_text()
+    (workspace.folder / "study.yaml").write_text(text + "meshes: [0.02]\n")
+    found = workspace.snakemake()
+    assert found.returncode != 0
+    assert "meshes" in found.stdout + found.stderr
+    assert not workspace.results.exists()
+
+
+# --- a study without engines ---------------------------------------------------------------------
+def test_a_study_without_engines_has_the_static_model_in_their_place(solved: Workspace) -> None:
+    assert {path.name for path in (solved.results / "cases").iterdir()} == {"static"}
+    assert set(pd.read_csv(solved.results / "tables/fit.csv")["model"]) == {"static"}
+    assert "SiDMACIB against static" in (solved.results / "summary.txt").read_text()
+    assert (solved.results / "figures/shear_stress-n3.png").stat().st_size > 5000
+    assert solved.planned() == set()
+
+
+def test_moving_the_results_or_touching_them_runs_nothing(solved: Workspace) -> None:
+    folder = solved.folder.with_name("moved")
+    solved.folder.rename(folder)
+    moved = Workspace(folder)
+    moved.configure(SOLVED)
+    for path in moved.results.rglob("*.csv"):
+        path.touch()
+    assert moved.planned() == set()
+
+
+def test_results_that_are_deleted_edited_or_cut_are_made_again(solved: Workspace) -> None:
+    paths = ("cases/static/batch/nodes.parquet", "tables/fit.csv", "figures/meshes.png")
+    before = {name: (solved.results / name).read_bytes() for name in paths}
+    (solved.results / paths[0]).unlink()
+    (solved.results / paths[1]).write_bytes(before[paths[1]] + b"more\n")
+    (solved.results / paths[2]).write_bytes(before[paths[2]][:100])
+    assert solved.planned() >= {"batch", "fit", "figures"}
+    assert solved.snakemake().returncode == 0
+    assert {name: (solved.results / name).read_bytes() for name in paths} == before
+    assert solved.planned() == set()
+
+
+def test_another_case_runs_its_batch_and_going_back_runs_nothing_but_that(
+    solved: Workspace,
+) -> None:
+    solved.configure({**SOLVED, "eccentricities": [0, 0.7]})
+    assert solved.planned() == {"batch"} | TABLES
+    solved.configure(SOLVED)
+    assert solved.planned() == set()
+
+
+def test_a_change_to_what_figures_show_draws_them_and_no_more(solved: Workspace) -> None:
+    solved.configure({**SOLVED, "figures": {"eccentricity": 0.4}})
+    assert solved.planned() == {"figures"}
+
+
+def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
+    solved: Workspace,
+) -> None:
+    name = "n3-mesh0.03-e0.5a"
+    found = solved.snakemake(f"results/cases/static/{name}/result.json")
+    assert found.returncode == 0, found.stderr
+    folder = solved.results / f"cases/static/{name}"
+    result = json.loads((folder / "result.json").read_text())
+    capacity = pd.read_csv(solved.results / "tables/capacity.csv")
+    row = capacity[(capacity["model"] == "static") & (capacity["case"] == name)].iloc[0]
+    assert result["peak_load_N"] == pytest.approx(row["load_N"], rel=1e-9)
+    assert len(pd.read_csv(folder / "nodes.csv")) > 20
+    assert pd.read_csv(folder / "history.csv")["load_N"].is_monotonic_increasing
+
+
+def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
+    checkout = tmp_path / "checkout"
+    for name in ("sidmacib", "workflow", "analysis", "templates", "profiles"):
+        shutil.copytree(ROOT / name, checkout / name)
+    for name in ("Snakefile", "config.yaml"):
+        shutil.copy(ROOT / name, checkout)
+    edited = checkout / "analysis/summary.py"
+    edited.write_text(edited.read_text().replace("Published against computed", "MINE"))
+    workspace = Workspace(tmp_path / "work", checkout)
+    workspace.configure(SOLVED)
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    assert "MINE" in (workspace.results / "summary.txt").read_text()
+    # An edit runs what executes it, and what depends on that, again.
+    law = checkout / "sidmacib/revision.py"
+    law.write_text(law.read_text() + "\n# a comment\n")
+    assert workspace.planned() == set()
+    law.write_text(law.read_text() + "\nADDED = 1\n")
+    assert workspace.planned() == TABLES - {"collect"}
+
+
+def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Workspace) -> None:
+    config = {**SOLVED, "models": ["static", "limit"], "eccentricities": [0]}
+    workspace.configure(config)
+    case = decks(read_study(config))["n3-mesh0.03-e0a"]
+    folder = workspace.results / "decks/3dec/n3-mesh0.03-e0a"
+    folder.mkdir(parents=True)
+    (folder / "results.txt").write_text(returned(case, 245.5))
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    capacity = pd.read_csv(workspace.results / "tables/capacity.csv")
+    assert capacity.loc[capacity["model"] == "3dec", "shear_N"].tolist() == [245.5]
+    assert "static, limit, 3dec" in (workspace.results / "summary.txt").read_text()
+    # What came back is wrong now: it is named, and everything else is there.
+    (folder / "results.txt").write_text(returned(case, float("inf")))
+    found = workspace.snakemake()
+    assert found.returncode != 0
+    text = (workspace.results / "summary.txt").read_text()
+    assert text.startswith(
+        "WITHOUT A RESULT: 1 of 3 cases\n  n3-mesh0.03-e0a (3dec): 3dec: results"
+    )
+
+
+# --- with an engine ------------------------------------------------------------------------------
 @pytest.mark.engine
 def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     # Everything runs, once.
     found = workspace.snakemake()
     assert found.returncode == 0, found.stderr
-    results = workspace.folder / "results"
+    results = workspace.results
     columns = pd.read_csv(results / "tables/capacity.csv").columns
     assert columns[:7].tolist() == [
         *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm")
@@ -105,7 +261,14 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
         *("weight", "mean_shear_ratio", "max_shear_ratio"),
     ]
     # The static model leaves the ductile variant to the others.
-    assert len(weights) == 3 * (len(CASES) + len(CASES - {"n3-mesh0.03-e0a-soft"}) + len(CASES))
+    assert len(weights) == 3 * (len(CASES) + len(CASES - {"n3-mesh0.03-e0a-soft"}))
+    cases = pd.read_csv(results / "tables/cases.csv").set_index(["model", "name"])
+    assert cases["error"].isna().all()
+    held = cases.loc["yade", "difference_to_static"]
+    assert held.notna().sum() == 3
+    assert held.abs().max() < 0.01
+    assert set(cases.loc["yade", "mode"].dropna()) == {"bonds"}
+    assert cases.loc["yade", "versions"].str.startswith("yade ").all()
     assert "Published against computed" in (results / "summary.txt").read_text()
     figures = {path.name for path in (results / "figures").iterdir()}
     assert {"side_by_side.png", "side_by_side.pdf", "torsion_stress-n3.png"} <= figures
@@ -114,35 +277,23 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     # A second run does nothing.
     assert "Nothing to be done" in workspace.snakemake().stderr
 
-    # Asking for one case that is there does nothing; asking for one that is lost runs just that.
-    lost = results / "cases/yade/n3-mesh0.03-e0.5a/result.json"
-    before = lost.read_bytes()
-    lost.unlink()
-    assert workspace.snakemake(str(lost.relative_to(workspace.folder))).returncode == 0
-    assert lost.read_bytes() == before
-
     # Editing one case plans that case and what aggregates it, nothing else.
-    workspace.configure(overrides={"n3-mesh0.03-torsion": {"ramp_periods": 42}})
-    planned = workspace.planned()
-    assert planned & CASES == {"n3-mesh0.03-torsion"}
-    assert planned >= {"weights", "capacity", "fit", "validation", "summary"}
-    workspace.configure()
+    workspace.configure({**SMALL, "overrides": {"n3-mesh0.03-torsion": {"ramp_periods": 42}}})
+    assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
 
-    # A lost table is made again; changed stresses run what is read from them, and nothing else.
-    (results / "tables/fit.csv").unlink()
-    assert workspace.planned() >= {"fit", "validation", "summary"}
-    assert workspace.snakemake().returncode == 0
-    nodes = results / "cases/yade/n3-mesh0.03-e0a/nodes.csv"
-    nodes.write_text(nodes.read_text() + "\n")
-    planned = workspace.planned()
-    assert planned >= {"weights", "capacity", "fit"}
-    assert not planned & CASES
-
-    # Another time limit runs nothing.
-    workspace.snakemake()
-    workspace.configure(dem={"engines": ["yade"], "time_limit": 500})
+    # Another time limit runs nothing, nor does going back.
+    workspace.configure({**SMALL, "dem": {"engines": ["yade"], "time_limit": 500}})
     assert workspace.planned() == set()
-    workspace.configure()
+    workspace.configure(SMALL)
+    assert workspace.planned() == set()
+
+    # One case whose stresses are gone is made again, with the same bytes, and asked for alone.
+    nodes = results / "cases/yade/n3-mesh0.03-e0.5a/nodes.csv"
+    before = nodes.read_bytes()
+    nodes.unlink()
+    target = "results/cases/yade/n3-mesh0.03-e0.5a/result.json"
+    assert workspace.snakemake(target).returncode == 0
+    assert nodes.read_bytes() == before
 
     # The same results again, to the byte.
     figure = results / "figures/revised-n3.pdf"
@@ -151,33 +302,8 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     assert {path: path.read_bytes() for path in tables} == tables
 
 
-def test_a_study_without_engines_has_the_static_model_in_their_place(workspace: Workspace) -> None:
-    workspace.configure(dem={"engines": []}, eccentricities=[0, 0.5])
-    found = workspace.snakemake()
-    assert found.returncode == 0, found.stderr
-    results = workspace.folder / "results"
-    assert {path.name for path in (results / "cases").iterdir()} == {"static", "limit"}
-    assert set(pd.read_csv(results / "tables/fit.csv")["model"]) == {"static"}
-    assert "SiDMACIB against static" in (results / "summary.txt").read_text()
-    assert (results / "figures/shear_stress-n3.png").stat().st_size > 5000
-
-
-def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Workspace) -> None:
-    change: dict[str, object] = {"dem": {"engines": []}, "eccentricities": [0], "variants": {}}
-    workspace.configure(**change)
-    case = decks(read_study({**SMALL, **change}))["n3-mesh0.03-e0a"]
-    folder = workspace.folder / "results/decks/3dec/n3-mesh0.03-e0a"
-    folder.mkdir(parents=True)
-    (folder / "results.txt").write_text(returned(case, 245.5))
-    found = workspace.snakemake()
-    assert found.returncode == 0, found.stderr
-    capacity = pd.read_csv(workspace.folder / "results/tables/capacity.csv")
-    assert capacity.loc[capacity["model"] == "3dec", "shear_N"].tolist() == [245.5]
-    assert "static, limit, 3dec" in (workspace.folder / "results/summary.txt").read_text()
-
-
 @pytest.mark.engine
-def test_a_case_that_fails_shows_its_log_and_the_others_go_on(
+def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
     workspace: Workspace, tmp_path: Path
 ) -> None:
     fake = tmp_path / "fake-python"
@@ -188,17 +314,64 @@ def test_a_case_that_fails_shows_its_log_and_the_others_go_on(
     fake.chmod(0o755)
     found = workspace.snakemake(YADE_PYTHON=str(fake))
     assert found.returncode != 0
-    assert "n3-mesh0.03-torsion: yade ended with exit code 7" in found.stderr
-    assert "| engine broke down" in found.stderr
-    cases = workspace.folder / "results/cases/yade"
-    done = {path.parent.name for path in cases.glob("*/result.json")}
-    assert done == CASES - {"n3-mesh0.03-torsion"}
-    assert not (workspace.folder / "results/summary.txt").exists()
+    reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7"
+    assert reason in found.stderr
+    cases = pd.read_csv(workspace.results / "tables/cases.csv").set_index(["model", "name"])
+    assert cases["error"].notna().sum() == 1
+    assert reason in (workspace.results / "summary.txt").read_text()
+    log = workspace.results / "logs/yade/n3-mesh0.03-torsion.log"
+    assert "| engine broke down" in log.read_text()
+    assert (workspace.results / "figures/revised-n3.png").stat().st_size > 5000
+    assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
+    assert workspace.snakemake().returncode == 0
+    assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
 
 
 def test_a_study_without_its_engine_says_what_to_install(workspace: Workspace) -> None:
     found = workspace.snakemake(
         "results/cases/yade/n3-mesh0.03-e0a/result.json", YADE_PYTHON="/no/such/python"
     )
-    assert found.returncode != 0
-    assert "yade: not installed; on Debian: apt-get install yade" in found.stderr
+    record = workspace.results / "cases/yade/n3-mesh0.03-e0a/record.json"
+    assert "yade: not installed; on Debian: apt-get install yade" in record.read_text()
+    assert "not installed" in (workspace.results / "logs/yade/n3-mesh0.03-e0a.log").read_text(), (
+        found.stderr
+    )
+
+
+@pytest.mark.engine
+def test_a_run_that_is_killed_leaves_nothing_alive_and_the_next_one_goes_on(
+    workspace: Workspace,
+) -> None:
+    workspace.configure({**SMALL, "meshes": [0.008], "eccentricities": [0, 0.5], "variants": {}})
+    run = subprocess.Popen(
+        workspace.command(), cwd=workspace.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+    )
+    deadline = time.monotonic() + 120
+    while not (children := engines_in(workspace.folder)) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert children
+    refused = workspace.snakemake()
+    assert refused.returncode != 0
+    assert re.search(r"another run is at work here \(process \d+\)", refused.stderr)
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    deadline = time.monotonic() + 20
+    while engines_in(workspace.folder) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not engines_in(workspace.folder)
+    found = workspace.snakemake()
+    assert found.returncode == 0, found.stderr
+    assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
+
+
+def engines_in(folder: Path) -> list[int]:
+    """Processes that work in a case's folder below ``folder``."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            place = str((process / "cwd").readlink())
+        except OSError:
+            continue
+        if place.startswith(f"{folder}/results/cases/"):
+            found.append(int(process.name))
+    return found

@@ -215,7 +215,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
         ),
         Job(
             name="fit",
-            step="analysis.fit",
+            step="analysis.free_fit",
             message="Fit SiDMACIB to the detailed models",
             inputs=("tables/capacity.csv",),
             outputs=("tables/fit.csv", "tables/best_fit.csv"),

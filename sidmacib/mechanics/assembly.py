@@ -62,13 +62,21 @@ class Kind(StrEnum):
 
 @dataclass(frozen=True)
 class Piece:
-    """A rigid cuboid, given by two opposite corners in m."""
+    """A rigid cuboid, given by two opposite corners in m.
+
+    ValueError if it has no size, or if that or its mass is no finite number.
+    """
 
     name: str
     low: Vector
     high: Vector
     mass: float  # kg
     fixed: bool = False
+
+    def __post_init__(self) -> None:
+        edges = zip("xyz", self.low, self.high, strict=True)
+        require_positive(**{f"{self.name}, edge {k} (m)": high - low for k, low, high in edges})
+        require_not_negative(**{f"{self.name}, mass (kg)": self.mass})
 
     @property
     def centre(self) -> Floats:
@@ -122,11 +130,22 @@ class Face:
 
 @dataclass(frozen=True)
 class Nodes:
-    """Contact nodes of all faces, one row each, face by face."""
+    """Contact nodes of all faces, one row each, face by face.
+
+    ValueError if they are not in this order, or if a number is not finite or an area not positive.
+    """
 
     face: Integers  # (N,) index of the face
     position: Floats  # (N, 3) in m
     area: Floats  # (N,) tributary area in m2
+
+    def __post_init__(self) -> None:
+        if np.any(self.face[1:] < self.face[:-1]):
+            raise ValueError("nodes: they must be in the order of their faces")
+        if not (np.isfinite(self.position).all() and np.isfinite(self.area).all()):
+            raise ValueError("nodes: positions and areas must be finite")
+        if not np.all(self.area > 0.0):
+            raise ValueError("nodes: areas must be more than 0 m2")
 
 
 @dataclass(frozen=True)
@@ -134,7 +153,7 @@ class Assembly:
     """Pieces, their faces and the nodes on them.
 
     ``length`` (m) is the size that rotations and moments are measured by. ``failure`` is that of
-    all inner faces.
+    all inner faces. ValueError if the length is not positive.
     """
 
     pieces: tuple[Piece, ...]
@@ -143,6 +162,9 @@ class Assembly:
     length: float
     failure: Failure = Failure.BRITTLE
 
+    def __post_init__(self) -> None:
+        require_positive(length=self.length)
+
 
 @dataclass(frozen=True)
 class Loads:
@@ -150,12 +172,18 @@ class Loads:
 
     ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is raised,
     per newton of load. ``scale`` in N: a load of the order of what the assembly carries, which first
-    increments are parts of.
+    increments are parts of. ValueError if a number is not finite, or the scale not positive.
     """
 
     permanent: Floats
     variable: Floats
     scale: float
+
+    def __post_init__(self) -> None:
+        for name, forces in (("permanent", self.permanent), ("variable", self.variable)):
+            if not np.isfinite(forces).all():
+                raise ValueError(f"{name} loads: they must be finite")
+        require_positive(scale=self.scale)
 
 
 def self_weight(pieces: tuple[Piece, ...]) -> Floats:

@@ -19,6 +19,8 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 
 Flags = NDArray[np.bool_]
 
+ROUNDING = 1e-9  # of the largest node force; equilibria are ten times as exact
+
 
 @dataclass(frozen=True)
 class NodeLaw:
@@ -70,14 +72,16 @@ class NodeState:
 def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:
     """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,).
 
-    ``force`` in N, (N, 3). Without strength any such force counts as infinite.
+    ``force`` in N, (N, 3). Without strength any such force counts as infinite, unless it is below
+    what rounding makes of the largest force.
     """
-    shear = _over(np.hypot(force[:, 1], force[:, 2]), law.shear_strength)
-    tension = _over(-force[:, 0], law.tensile_strength)
+    noise = ROUNDING * float(np.abs(force).max(initial=0.0))
+    shear = _over(np.hypot(force[:, 1], force[:, 2]), law.shear_strength, noise)
+    tension = _over(-force[:, 0], law.tensile_strength, noise)
     return np.where(state.bonded, np.maximum(shear, tension), 0.0)
 
 
-def _over(force: Floats, strength: Floats) -> Floats:
+def _over(force: Floats, strength: Floats, noise: float) -> Floats:
     """Force over strength where there is a force, 0 elsewhere."""
-    ratio = np.where(force > 0.0, np.inf, 0.0)
-    return np.divide(force, strength, out=ratio, where=(force > 0.0) & (strength > 0.0))
+    ratio = np.where(force > noise, np.inf, 0.0)
+    return np.divide(force, strength, out=ratio, where=strength > 0.0)

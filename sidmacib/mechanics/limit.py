@@ -6,23 +6,27 @@ cannot pull, and resist along the face only where friction is asked for, |s_t| <
 (associated: sliding would dilate, so it overestimates). Forces can be redistributed freely: every
 lock is used as far as the geometry allows, with no reduction rule put in.
 
-A first programme finds the load. Many states of forces carry it; a second programme picks the one
-of least sum of s^2 / A, which is unique.
+A first programme finds the load. Many states of forces carry it; a second programme, which also
+weighs the sum of s^2 / A a little, picks the one where it is least, which is unique.
 """
 
+import math
 from dataclasses import dataclass
 
 import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
+from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import NodeLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.optimisation import solve
 
-DIGITS = 8  # of the load over the loads' scale: those that are checked
-MARGIN = 1e-6  # on the strengths in the second programme: without, solvers find no interior
+ACCURACY = 1e-9  # of the load, over itself or the loads' scale if that is larger
+DIGITS = 9  # of the load: those that are checked
+SMALL = 1e-5  # of the second aim in units of the first, so that it decides between equals only
+LOST = 1e-8  # of the load, at most, to the second aim
 WHAT = "limit analysis"
 
 
@@ -41,7 +45,7 @@ class LimitState:
 def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> LimitState:
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
-    Accurate to 1e-8 of the load or of ``loads.scale``, whichever is larger. Associated friction has
+    Accurate to 1e-9 of the load or of ``loads.scale``, whichever is larger. Associated friction has
     no limit under a fixed plate, which can press as hard as it likes: put a force in its place, see
     `sidmacib.loading.pressed`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is
     no largest load.
@@ -53,13 +57,19 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
         )
     programme = _Programme(assembly, loads, friction)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    solve(cp.Problem(cp.Maximize(load), programme.constraints(load, force, 1.0)), WHAT)
-    found = _rounded(float(load.value))
+    constraints = programme.constraints(load, force)
+    solve(cp.Problem(cp.Maximize(load), constraints), WHAT, ACCURACY)
+    largest = float(load.value)
     # In the norm of the areas: the same state however fine the mesh.
-    least = cp.sum_squares(cp.multiply(np.sqrt(programme.share)[:, None], force))
-    carried = programme.constraints(found, force, 1.0 + MARGIN)
-    solve(cp.Problem(cp.Minimize(least), carried), WHAT, accuracy=1e-4)
-    return LimitState(found * programme.scale, programme.unit[:, None] * np.array(force.value))
+    size = cp.sum_squares(cp.multiply(np.sqrt(programme.share)[:, None], force))
+    solve(cp.Problem(cp.Maximize(load - SMALL * size), constraints), WHAT, ACCURACY)
+    if largest - float(load.value) > LOST * max(abs(largest), 1.0):
+        raise SolverError(f"{WHAT}: no forces of least size were found that carry the limit load")
+    return LimitState(
+        _rounded(largest * programme.scale, programme.scale),
+        # Noise is rounded away; plus 0: no -0 in tables.
+        programme.unit[:, None] * (np.round(force.value, DIGITS) + 0.0),
+    )
 
 
 class _Programme:
@@ -85,10 +95,8 @@ class _Programme:
         self.inner, self.rough = np.flatnonzero(law.cohesive), np.flatnonzero(rough)
         self.smooth = np.flatnonzero(~law.cohesive & ~rough)
 
-    def constraints(
-        self, load: cp.Variable | float, force: cp.Variable, strength: float
-    ) -> list[cp.Constraint]:
-        """Equilibrium under ``load`` and the law of the nodes, ``strength`` times as strong."""
+    def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
+        """Equilibrium under ``load``, and the law of the nodes."""
         normal, shear = force[:, 0], force[:, 1:]
         inner, rough, smooth = self.inner, self.rough, self.smooth
 
@@ -98,14 +106,15 @@ class _Programme:
         return [
             # The pieces below get the opposite of ``force``: hence no minus on this side.
             self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
-            size(inner) <= strength * self.shear[inner],
-            normal[inner] >= -strength * self.tension[inner],
+            size(inner) <= self.shear[inner],
+            normal[inner] >= -self.tension[inner],
             size(rough) <= cp.multiply(self.friction[rough], normal[rough]),
             shear[smooth] == 0,
             normal[smooth] >= 0,
         ]
 
 
-def _rounded(load: float) -> float:
-    """``load`` to as many digits as are checked."""
-    return float(f"{load:.{DIGITS - 1}e}") if abs(load) >= 1.0 else round(load, DIGITS)
+def _rounded(load: float, scale: float) -> float:
+    """``load`` to the digits that are checked, of itself or of ``scale`` if that is larger."""
+    largest = max(abs(load), scale)
+    return round(load, DIGITS - 1 - math.floor(math.log10(largest)))

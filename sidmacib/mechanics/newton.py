@@ -91,6 +91,22 @@ def node_tangent(normal, shear, friction, bonded, d0, d1, d2):  # type: ignore[n
     return normal, rise * x, rise * y, across * y * y, cross, across * x * x
 
 
+@njit(cache=True)
+def put(values, target):  # type: ignore[no-untyped-def]
+    """Copy ``values`` into ``target``."""
+    for i in range(len(target)):
+        target[i] = values[i]
+
+
+@njit(cache=True)
+def norm(vector):  # type: ignore[no-untyped-def]
+    """Euclidean norm."""
+    square = 0.0
+    for value in vector:
+        square += value * value
+    return np.sqrt(square)
+
+
 # --- faces ---------------------------------------------------------------------------------------
 @njit(cache=True)
 def face_motion(structure, face, unknowns, w):  # type: ignore[no-untyped-def]
@@ -123,7 +139,7 @@ def node_law(structure, node):  # type: ignore[no-untyped-def]
 def unbalanced(structure, slip, bonded, unknowns, target, residual):  # type: ignore[no-untyped-def]
     """Put ``target`` less the nodes' forces into ``residual``; returns its norm (N)."""
     w, force = np.empty(6), np.empty(6)
-    residual[:] = target
+    put(target, residual)
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         force[:] = 0.0
@@ -144,7 +160,7 @@ def unbalanced(structure, slip, bonded, unknowns, target, residual):  # type: ig
                 for i in range(6):
                     for j in range(6):
                         residual[begin + j] -= structure.motion[face, side, i, j] * force[i]
-    return np.sqrt(np.sum(residual * residual))
+    return norm(residual)
 
 
 @njit(cache=True)
@@ -264,7 +280,9 @@ def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
     """
     inner, outer, width = structure.inner, structure.outer, structure.band
     band, right, below = matrix.band, matrix.right, matrix.below
-    reach = np.minimum(np.arange(inner) + width, inner - 1)  # last column of each row
+    reach = np.empty(inner, np.int64)  # last column of each row
+    for i in range(inner):
+        reach[i] = min(i + width, inner - 1)
     for j in range(inner):
         last = min(j + width, inner - 1)  # row with an element in this column
         pivot = j
@@ -340,20 +358,29 @@ def solve_dense(matrix, x):  # type: ignore[no-untyped-def]
 
 # --- equilibrium ---------------------------------------------------------------------------------
 @njit(cache=True)
-def elastic(structure, matrix, target):  # type: ignore[no-untyped-def]
-    """Displacements (m) under ``target`` (N) with every node closed and bonded.
+def elastic(structure, matrix, target, slip, bonded):  # type: ignore[no-untyped-def]
+    """Displacements (m) under ``target`` (N) where all nodes are ``bonded``.
 
     Returns them and the stiffness (N/m) that is added to the diagonal here and in `newton`. It
     keeps pieces that nothing holds from flying off and changes no equilibrium.
     """
-    nodes = len(structure.place)
     unknowns = np.zeros(len(target))
-    tangent_stiffness(structure, np.zeros((nodes, 2)), np.ones(nodes, np.bool_), unknowns, matrix)
+    tangent_stiffness(structure, slip, bonded, unknowns, matrix)
     floor = FLOOR * largest(structure, matrix)
     add_diagonal(structure, matrix, floor)
-    unknowns[:] = target
+    put(target, unknowns)
     solve_linear(structure, matrix, unknowns)
     return unknowns, floor
+
+
+@njit(cache=True)
+def stepped(  # type: ignore[no-untyped-def]
+    structure, slip, bonded, unknowns, step, share, target, trial, residual
+):
+    """Put ``unknowns`` after a ``share`` of ``step`` into ``trial``; see `unbalanced`."""
+    for i in range(len(trial)):
+        trial[i] = unknowns[i] + share * step[i]
+    return unbalanced(structure, slip, bonded, trial, target, residual)
 
 
 @njit(cache=True)
@@ -362,12 +389,13 @@ def newton(  # type: ignore[no-untyped-def]
 ):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
-    ``slip``, ``bonded``: of the nodes. ``floor``: see `elastic` (N/m).
-    ``allowed``: largest norm of the unbalanced forces (N); ``farthest``: largest step (m). Where a
-    whole step would not bring equilibrium closer it is halved, down to ``least_share``. Returns
-    whether equilibrium was found, and the displacements.
+    ``slip``, ``bonded``: of the nodes. ``floor``: see `elastic` (N/m). ``allowed``: largest norm of
+    the unbalanced forces (N); ``farthest``: of a step (m). Where a whole step would not bring
+    equilibrium closer it is halved, down to ``least_share``. Returns whether equilibrium was found,
+    and the displacements.
     """
-    unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
+    unknowns, trial = guess.copy(), np.empty_like(guess)
+    residual, step = np.empty_like(guess), np.empty_like(guess)
     size = unbalanced(structure, slip, bonded, unknowns, target, residual)
     for _ in range(STEPS):
         if size <= allowed:
@@ -376,20 +404,16 @@ def newton(  # type: ignore[no-untyped-def]
         add_diagonal(structure, matrix, floor)
         if not solve_linear(structure, matrix, residual):
             break
-        step = residual.copy()
-        if not np.max(np.abs(step)) <= farthest:
+        put(residual, step)
+        if not norm(step) <= farthest:  # or no number
             break
-        before, share = size, 1.0
-        trial[:] = unknowns + step
-        size = unbalanced(structure, slip, bonded, trial, target, residual)
-        while size > before and share > least_share:
+        before, share = size, 2.0
+        while share == 2.0 or (size > before and share > least_share):
             share /= 2.0
-            trial[:] = unknowns + share * step
-            size = unbalanced(structure, slip, bonded, trial, target, residual)
+            size = stepped(structure, slip, bonded, unknowns, step, share, target, trial, residual)
         if size > before:
-            trial[:] = unknowns + step
-            size = unbalanced(structure, slip, bonded, trial, target, residual)
-        unknowns[:] = trial
+            size = stepped(structure, slip, bonded, unknowns, step, 1.0, target, trial, residual)
+        put(trial, unknowns)
     return False, unknowns
 
 
@@ -403,10 +427,11 @@ def settled(structure, slip, bonded, unknowns):  # type: ignore[no-untyped-def]
         for node in range(structure.start[face], structure.start[face + 1]):
             normal, shear, friction = node_law(structure, node)
             d0, d1, d2 = node_displacement(structure, node, slip, w)
-            force[node] = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
+            f0, f1, f2 = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
+            force[node, 0], force[node, 1], force[node, 2] = f0, f1, f2
             if not bonded[node]:
-                after[node, 0] += d1 - force[node, 1] / shear
-                after[node, 1] += d2 - force[node, 2] / shear
+                after[node, 0] += d1 - f1 / shear
+                after[node, 1] += d2 - f2 / shear
     return force, after
 
 

@@ -94,8 +94,10 @@ class Solver:
         self.units = springs.units
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
-        self.rest, self.floor = elastic(self.structure, self.matrix, self.weight)
-        reach, _ = elastic(self.structure, self.matrix, loads.scale * self.load)
+        slip, bonded = np.zeros((len(springs.place), 2)), np.ones(len(springs.place), bool)
+        self.rest, self.floor = elastic(self.structure, self.matrix, self.weight, slip, bonded)
+        most = loads.scale * self.load
+        reach, _ = elastic(self.structure, self.matrix, most, slip, bonded)
         self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
     def start(self) -> Equilibrium:

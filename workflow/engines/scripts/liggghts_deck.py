@@ -184,7 +184,8 @@ class Deck:
         handles = " ".join(str(atom) for piece in free for atom in self.atoms.handles[piece])
         yield f"group handles id {handles}"
         # All force fixes before fix rigid, or each run would kick the bodies.
-        yield "variable load equal 0.0"
+        share = f"(0.5-0.5*cos(PI*(step-v_load_start)/{self.search.ramp_steps}))"
+        yield f"variable load equal v_load_before+v_load_rise*{share}"
         yield from self._loads()
         yield from self._bodies()
 
@@ -280,6 +281,8 @@ class Deck:
             for atom in self.atoms.handles[piece]:
                 for name in "xyz":
                     yield f"variable p{atom}_{name} equal {name}[{atom}]"
+        # The last of all: a variable that is set anew moves there, and fixes know them by number.
+        yield from (f"variable load_{name} equal 0.0" for name in ("before", "rise", "start"))
 
     @property
     def place_variables(self) -> list[str]:

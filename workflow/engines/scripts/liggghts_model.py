@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .assembly import Material, Vector, dot, length, plus
-from .flatness import Motion, check_flat
+from .assembly import Assembly, Material, Search, Vector, dot, length, plus
+from .flatness import STILL, Motion, check_flat
 from .liggghts_deck import Deck
 from .liggghts_process import LiggghtsProcess
 from .records import History, NodeForce, Outcome
@@ -94,16 +94,19 @@ class LiggghtsModel:
 
     def _raise(self, load: float) -> Outcome:
         start, rise, ramp = self.engine.steps, load - self.load, self.search.ramp_steps
-        share = f"0.5-0.5*cos(PI*(step-{start})/{ramp})"
-        self.engine.tell(f"variable load equal {self.load!r}+{rise!r}*({share})")
-        self.engine.fresh = True  # a variable that is set anew moves to the end of all
+        self._set_load(self.load, rise, start)
         for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
             self._run(steps)
             if self._gives_way(load):
                 return Outcome.COLLAPSE
         self.load = load
-        self.engine.tell(f"variable load equal {load!r}")
+        self._set_load(load, 0.0, start)
         return self._waits(PATIENCE)
+
+    def _set_load(self, load: float, rise: float, start: int) -> None:
+        """Have the load rise smoothly from ``load`` by ``rise`` (N), from time step ``start`` on."""
+        values = {"load_before": load, "load_rise": rise, "load_start": start}
+        self.engine.tell(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
     def _cut(self, nodes: Iterable[int]) -> Outcome:
         self.cut_nodes |= set(nodes)
@@ -148,9 +151,9 @@ class LiggghtsModel:
 
     def motions(self) -> list[Motion]:
         """Displacement and rotation of each piece."""
-        placed, none = self._placed(), Motion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+        placed = self._placed()
         pieces = range(len(self.assembly.pieces))
-        return [placed[piece].motion() if piece in placed else none for piece in pieces]
+        return [placed[piece].motion() if piece in placed else STILL for piece in pieces]
 
     def displacement(self) -> float:
         """The displacement that the load works on: its work per unit of load, in m."""

@@ -69,13 +69,8 @@ class LiggghtsProcess:
     def dump(self, group: str, columns: Sequence[str]) -> dict[int, list[float]]:
         """Numbers of the atoms of a group, by atom."""
         pattern = " ".join(["%d"] + ["%.17g"] * len(columns))
-        self.tell(
-            f"dump now {group} custom 1 now.dump id {' '.join(columns)}",
-            f'dump_modify now first yes format "{pattern}"',
-            "run 0 post no",
-            "undump now",
-        )
-        self.fresh = True
+        columns_of = f"id {' '.join(columns)}"
+        self.tell(f'write_dump {group} custom now.dump {columns_of} modify format "{pattern}"')
         path = Path("now.dump")
         rows = dumped_rows(path.read_text())
         path.unlink()

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from .assembly import Assembly, Material, Search
+from .assembly import Assembly, Face, Material, Search
 from .flatness import Motion, check_flat
 from .records import History, NodeForce, Outcome
 from .yade_program import O, Vector3, create_interaction, wrapper
@@ -43,6 +43,9 @@ class YadeModel:
         self.breakable = not settings.ductile
         self.face_of = [assembly.faces[node.face] for node in assembly.nodes]
         self.clumps, self.pairs = self._build()
+        # Node forces, while nothing has moved since, and those of the state that was kept.
+        self.seen: list[NodeForce] | None = None
+        self.kept: list[NodeForce] | None = None
         self.free = [self.clumps[index] for index in assembly.free]
 
     # --- bodies ----------------------------------------------------------------------------------
@@ -63,7 +66,10 @@ class YadeModel:
             pairs.append(pair)
         clumps = self._clump(members)
         O.dt = self.search.time_step_s
-        detection = wrapper.Ig2_Sphere_Sphere_ScGeom6D(interactionDetectionFactor=1.001)
+        detection = wrapper.Ig2_Sphere_Sphere_ScGeom6D(
+            interactionDetectionFactor=1.001,
+            updateRotations=False,  # of one sphere against the other, which no law here asks for
+        )
         O.engines = [  # no collider: nodes are the only contacts
             wrapper.ForceResetter(),
             wrapper.InteractionLoop(
@@ -167,30 +173,19 @@ class YadeModel:
 
     def node_forces(self) -> list[NodeForce]:
         """Forces of all nodes."""
-        rows = []
-        for pair, face in zip(self.pairs, self.face_of, strict=True):
-            if not O.interactions.has(*pair) or not O.interactions[pair].isReal:
-                rows.append(NodeForce(0.0, (0.0, 0.0, 0.0), False))
-                continue
-            contact = O.interactions[pair]
-            normal = contact.geom.normal
-            # YADE's forces act on the second body; the normal points from the first to the second.
-            on_above = 1.0 if normal.dot(Vector3(face.normal)) > 0 else -1.0
-            bonded = face.cohesive and not contact.phys.cohesionBroken
-            shear = tuple(on_above * contact.phys.shearForce)
-            rows.append(NodeForce(contact.phys.normalForce.dot(normal), shear, bonded))
-        return rows
+        if self.seen is None:
+            self.seen = [
+                _node_force(pair, face)
+                for pair, face in zip(self.pairs, self.face_of, strict=True)
+            ]
+        return self.seen
 
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
+        forces = self.node_forces()
         return sum(
-            face.cohesive
-            and not (
-                O.interactions.has(*pair)
-                and O.interactions[pair].isReal
-                and not O.interactions[pair].phys.cohesionBroken
-            )
-            for pair, face in zip(self.pairs, self.face_of, strict=True)
+            face.cohesive and not force.bonded
+            for force, face in zip(forces, self.face_of, strict=True)
         )
 
     # --- the way to equilibrium ------------------------------------------------------------------
@@ -223,6 +218,7 @@ class YadeModel:
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
+        self.seen = None
         return self.search.collapsed(self.displacement(), load)
 
     def _ended(self, load: float, outcome: Outcome) -> Outcome:
@@ -240,11 +236,26 @@ class YadeModel:
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
+        self.kept = self.seen
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
         _watch(self.pairs)  # open nodes are not saved
+        self.seen = self.kept
+
+
+def _node_force(pair: tuple[int, int], face: Face) -> NodeForce:
+    """The force between two spheres."""
+    if not O.interactions.has(*pair) or not O.interactions[pair].isReal:
+        return NodeForce(0.0, (0.0, 0.0, 0.0), False)
+    contact = O.interactions[pair]
+    normal = contact.geom.normal
+    # YADE's forces act on the second body; the normal points from the first to the second.
+    on_above = 1.0 if normal.dot(Vector3(face.normal)) > 0 else -1.0
+    bonded = face.cohesive and not contact.phys.cohesionBroken
+    shear = tuple(on_above * contact.phys.shearForce)
+    return NodeForce(contact.phys.normalForce.dot(normal), shear, bonded)
 
 
 def _watch(pairs: list[tuple[int, int]]) -> None:

@@ -1,0 +1,116 @@
+"""The law of a contact node: when it holds, slides, opens and fails."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import block_on_ground
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from sidmacib.joint import INNER, Joint
+from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.newton import node_force, node_tangent
+
+NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
+moves = st.floats(-1e-5, 1e-5)
+
+
+def dry(n: float, x: float, y: float) -> np.ndarray:
+    return np.array(node_force(NORMAL, SHEAR, FRICTION, False, n, x, y))
+
+
+@given(moves, moves, moves)
+def test_a_dry_node_never_pulls_and_stays_in_its_cone(n: float, x: float, y: float) -> None:
+    force = dry(n, x, y)
+    assert force[0] == pytest.approx(max(NORMAL * n, 0.0))
+    assert math.hypot(force[1], force[2]) <= FRICTION * force[0] * (1 + 1e-12) + 1e-150
+
+
+@given(moves, moves, moves)
+def test_friction_acts_along_the_displacement(n: float, x: float, y: float) -> None:
+    force = dry(n, x, y)
+    assert force[1] * y == pytest.approx(force[2] * x, rel=1e-9)
+    assert force[1] * x + force[2] * y >= 0.0
+
+
+@given(moves, moves, moves, st.floats(0, 2 * math.pi))
+def test_no_direction_along_the_face_is_special(n: float, x: float, y: float, turn: float) -> None:
+    c, s = math.cos(turn), math.sin(turn)
+    force, turned = dry(n, x, y), dry(n, c * x - s * y, s * x + c * y)
+    expected = [force[0], c * force[1] - s * force[2], s * force[1] + c * force[2]]
+    assert turned == pytest.approx(expected, rel=1e-9, abs=1e-12)
+
+
+@given(moves, moves, moves)
+def test_a_bonded_node_is_linear(n: float, x: float, y: float) -> None:
+    force = node_force(NORMAL, SHEAR, FRICTION, True, n, x, y)
+    assert force == pytest.approx((NORMAL * n, SHEAR * x, SHEAR * y))
+
+
+@given(moves, moves, moves, st.booleans())
+def test_the_tangent_is_the_derivative_of_the_force(
+    n: float, x: float, y: float, bonded: bool
+) -> None:
+    slip, step = math.hypot(x, y), 1e-11
+    # Away from where the derivative jumps: opening, the edge of the cone and its tip.
+    assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - FRICTION * NORMAL * n) > 1e-2)
+    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, FRICTION, bonded, n, x, y)
+    expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
+    for axis, move in enumerate(np.eye(3) * step):
+        after, before = (
+            node_force(NORMAL, SHEAR, FRICTION, bonded, n + d[0], x + d[1], y + d[2])
+            for d in (move, -move)
+        )
+        derivative = (np.array(after) - np.array(before)) / (2 * step)
+        assert derivative == pytest.approx(expected[:, axis], rel=1e-3, abs=1e-3 * NORMAL)
+
+
+def bonds(joint: Joint) -> tuple[NodeLaw, NodeState]:
+    law = NodeLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
+    return law, NodeState.initial(law)
+
+
+@given(st.floats(0.0, 3.0), st.floats(-3.0, 3.0), st.floats(0, 2 * math.pi))
+def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
+    shear: float, tension: float, angle: float
+) -> None:
+    law, state = bonds(Joint(3))
+    force = np.column_stack(
+        [
+            -tension * law.tensile_strength,
+            shear * math.cos(angle) * law.shear_strength,
+            shear * math.sin(angle) * law.shear_strength,
+        ]
+    )
+    assert utilisation(law, state, force) == pytest.approx(max(shear, tension))
+
+
+def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
+    model = block_on_ground(joint, Kind.INNER, 0.02)
+    law = NodeLaw.of(model)
+    area = joint.a * joint.b
+    assert law.shear_strength.sum() == pytest.approx(INNER.cohesion * area)
+    assert law.tensile_strength.sum() == pytest.approx(INNER.tensile_strength * area)
+    assert law.normal_stiffness.sum() == pytest.approx(INNER.normal_stiffness * area)
+    assert law.shear_stiffness.sum() == pytest.approx(INNER.shear_stiffness * area)
+
+
+def test_broken_nodes_are_not_used(joint: Joint) -> None:
+    law, state = bonds(joint)
+    broken = replace(state, bonded=np.zeros_like(state.bonded))
+    assert utilisation(law, broken, np.full((len(law.friction), 3), -1e9)).max() == 0.0
+
+
+@pytest.mark.parametrize("name", ["cohesion", "tensile_strength"])
+def test_without_a_strength_any_force_against_it_is_too_much(name: str) -> None:
+    law, state = bonds(Joint(3, inner=replace(INNER, **{name: 0.0})))
+    none = np.zeros((len(law.friction), 3))
+    pulled, pressed = none.copy(), none.copy()
+    pulled[:] = (-1e-9, 0, 0) if name == "tensile_strength" else (0, 1e-9, 0)
+    pressed[:] = (1.0, 0, 0)
+    assert (utilisation(law, state, none) == 0.0).all()
+    assert np.isinf(utilisation(law, state, pulled)).all()
+    assert (utilisation(law, state, pressed) == 0.0).all()
