@@ -1,0 +1,217 @@
+"""The documents: their examples run, and what they name is there."""
+
+import ast
+import contextlib
+import io
+import re
+import shlex
+import subprocess
+import tokenize
+from pathlib import Path
+from typing import Any
+
+import pytest
+from conftest import ROOT
+
+from workflow.cases import cases_of
+from workflow.configuration import read_study, read_study_file
+from workflow.plan import plan_of
+from workflow.results.files import CASE, OUTPUTS, RECORD, case_folder
+from workflow.schema import Study
+from workflow.schema.assembly import AssemblySection
+from workflow.yaml_text import parsed
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+EXAMPLES = {"samples": {"n3": {"locks": 3}}}  # a study for what a page changes of one
+# Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
+WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
+CALIBRATION = {"calibration.csv", "calibration.png", "map.csv"}
+
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+CODE = re.compile(r"(?<!`)`([^`]+)`(?!`)")
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d*)?(?:e[-+]?\d+)?(?![\w])")
+PATH = re.compile(
+    r"(?:[\w.*<>-]+/)*[\w.*<>-]+(?:/|\.(?:py|md|yaml|smk|j2|csv|json|jsonl|parquet|png|txt|dat))"
+)
+OWNED = re.compile(r"`(\w+)`\s+(?:of|in)\s+`([\w/]+\.py)`")
+
+
+def blocks(page: Path, *languages: str) -> list[str]:
+    """Code blocks of a page in any of ``languages``."""
+    return [text for language, text in BLOCK.findall(page.read_text()) if language in languages]
+
+
+def inline(page: Path) -> list[str]:
+    """What stands between backticks in a page's prose."""
+    prose = BLOCK.sub("", page.read_text())
+    return [" ".join(code.split()) for code in CODE.findall(prose)]
+
+
+def promised(code: str) -> dict[int, list[str]]:
+    """Numbers in the comments behind prints, by line."""
+    lines = code.splitlines()
+    comments = {
+        token.start[0]: token.string
+        for token in tokenize.generate_tokens(io.StringIO(code).readline)
+        if token.type == tokenize.COMMENT
+    }
+    found = {n: NUMBER.findall(text) for n, text in comments.items() if "print(" in lines[n - 1]}
+    return {number: values for number, values in found.items() if values}
+
+
+def printed(code: str, names: dict[str, Any]) -> dict[int, str]:
+    """What each statement of ``code`` prints, by its first line."""
+    found = {}
+    for statement in ast.parse(code).body:
+        output = io.StringIO()
+        with contextlib.redirect_stdout(output):
+            exec(compile(ast.Module([statement], []), "example", "exec"), names)
+        found[statement.lineno] = output.getvalue()
+    return found
+
+
+def last_digit(number: str) -> float:
+    """The value of the last digit of ``number``."""
+    _, _, decimals = number.partition(".")
+    return float(10 ** -len(decimals))
+
+
+def commands(page: Path, program: str) -> list[list[str]]:
+    """Words behind ``program`` in commands of a page, in blocks and in its prose."""
+    lines = [line for block in blocks(page, "", "sh") for line in block.splitlines()]
+    words = [
+        shlex.split(line, comments=True)
+        for line in [*lines, *inline(page)]
+        if line.startswith(program + " ")
+    ]
+    return [each[1:] for each in words if each[0] == program]
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_examples_print_what_their_comments_promise(page: Path) -> None:
+    names: dict[str, Any] = {}
+    for code in blocks(page, "python"):
+        outputs, promises = printed(code, names), promised(code)
+        assert promises, "an example that promises nothing"
+        for line, numbers in promises.items():
+            found = NUMBER.findall(outputs[line])
+            assert len(found) == len(numbers), f"{code.splitlines()[line - 1]}: {outputs[line]}"
+            for number, value in zip(numbers, found, strict=True):
+                assert float(value) == pytest.approx(float(number), abs=last_digit(number) / 2)
+
+
+def test_the_readme_has_examples_of_every_kind() -> None:
+    readme = PAGES[0]
+    assert len(blocks(readme, "python")) >= 2
+    assert blocks(readme, "yaml")
+    assert commands(readme, "make")
+    assert commands(readme, "snakemake")
+
+
+def test_make_knows_every_command() -> None:
+    wanted = {tuple(words) for page in PAGES for words in commands(page, "make")}
+    for words in wanted:
+        done = subprocess.run(
+            ["make", "--dry-run", *words], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, f"make {' '.join(words)}: {done.stderr}"
+
+
+def test_every_command_for_snakemake_asks_for_results_of_a_case() -> None:
+    study = read_study_file(ROOT / "config.yaml")
+    cases = {f"{study.results}/{case_folder(*case)}/result.json" for case in cases_of(study)}
+    for page in PAGES:
+        for words in commands(page, "snakemake"):
+            assert set(words) <= cases
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_examples_of_configurations_are_studies(page: Path) -> None:
+    for block in blocks(page, "yaml"):
+        study = read_study(parsed(block.encode()))
+        assert cases_of(study)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_keys_of_the_configuration_have_the_values_that_a_page_gives_them(page: Path) -> None:
+    for code in inline(page):
+        key, colon, _ = code.partition(": ")
+        if not colon:
+            continue
+        change = parsed(code.encode())
+        if key in AssemblySection.model_fields:
+            change = {"assembly": change, "dem": {"engines": ["yade"]}, "models": ["limit"]}
+        elif key not in Study.model_fields:
+            continue
+        read_study({**EXAMPLES, **change})
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files(page: Path) -> None:
+    for target in LINK.findall(page.read_text()):
+        if "://" not in target:
+            assert (page.parent / target.partition("#")[0]).exists(), target
+
+
+@pytest.fixture(scope="module")
+def results() -> set[str]:
+    """Paths of all that a study and its calibration write, and the paths' ends."""
+    plan = plan_of(read_study_file(ROOT / "config.yaml"))
+    paths = {
+        f"results/{name}" for job in plan.jobs.values() for name in (*job.outputs, *job.others)
+    }
+    folders = {f"results/{case_folder(*case)}" for case in plan.cases}
+    paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}
+    paths |= {
+        f"results/{folder}/{name}"
+        for folder in ("tables", "figures", "calibration")
+        for name in CALIBRATION
+    }
+    paths |= {f"results/decks/3dec/n3-mesh0.02-e0a/{name}" for name in WRITTEN}
+    return paths
+
+
+def is_result(path: str, results: set[str]) -> bool:
+    """Whether ``path`` ends the path of a result, or of its folder; <...> and * stand for any."""
+    parts = re.split(r"(<[^>]*>|\*)", path)
+    words = [
+        "[^/]+" if part.startswith("<") else "[^/]*" if part == "*" else re.escape(part)
+        for part in parts
+    ]
+    pattern = re.compile(f"(^|.*/){''.join(words)}{'.*' if path.endswith('/') else ''}")
+    return any(pattern.fullmatch(name) for name in results)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_paths_in_a_page_are_there_or_are_results(page: Path, results: set[str]) -> None:
+    paths = [code for code in inline(page) if PATH.fullmatch(code)]
+    for path in paths:
+        there = (ROOT / path).exists() or (page.parent / path).exists()
+        assert there or is_result(path, results), path
+
+
+def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
+    (way,) = (block for block in blocks(ROOT / "CONTRIBUTING.md", "") if "→" in block)
+    for line in way.splitlines():
+        folder = ROOT
+        for path in (word for word in re.split(r"[\s,]+", line) if PATH.fullmatch(word)):
+            place = ROOT / path if (ROOT / path).exists() else folder / path
+            assert place.exists(), path
+            folder = place if place.is_dir() else place.parent
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_what_a_page_says_is_in_a_module_is_there(page: Path) -> None:
+    for name, path in OWNED.findall(page.read_text()):
+        assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", (ROOT / path).read_text(), re.M), (
+            name
+        )
+
+
+def test_a_path_that_is_nowhere_would_be_noticed(results: set[str]) -> None:
+    assert is_result("cases/<engine>/<case>/", results)
+    assert is_result("cases/<model>/batch*/", results)
+    assert is_result("tables/models.csv", results)
+    assert not is_result("tables/times.csv", results)
+    assert not is_result("odels.csv", results)
