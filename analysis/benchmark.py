@@ -1,7 +1,7 @@
 """How long everything takes on this machine, as a table: `make bench`.
 
-With ``--base``, another checkout that is set up, its whole-process figures stand beside, measured in
-turn. CPU times are of all processes; run it on a quiet machine.
+With ``--base``, another checkout that is set up, its whole-process figures stand beside. CPU times
+are of all processes; run it on a quiet machine.
 """
 
 import argparse
@@ -184,10 +184,10 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
         config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
         own = job_times(config, f"{engine}/")
         yield Figure(f"added to a case of {engine}", "CPU-s", sum(own))
-    config = folder / "one.yaml"
-    config.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
+    path = folder / "one.yaml"
+    path.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
     target = str(folder / "one")
-    command = [sys.executable, "-m", "workflow", "study", str(config), "--results", target]
+    command = [sys.executable, "-m", "workflow", "study", str(path), "--results", target]
     used(command, ROOT)
     yield Figure("make study with nothing to do", "s", used(command, ROOT).wall)
     command = [*command[:3], "case", *command[4:], "--case", "n3-mesh0.02-e0a"]
