@@ -34,5 +34,5 @@ def test_pure_torsion_has_no_shear(sign: float) -> None:
 
 
 def test_an_eccentricity_that_is_no_number_is_refused() -> None:
-    with pytest.raises(ValueError, match="eccentricity: .*nan"):
+    with pytest.raises(ValueError, match=r"eccentricity: .*nan"):
         Direction(math.nan)
