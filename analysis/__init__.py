@@ -1,1 +1,1 @@
-"""From an engine's output to weights, fits, tables and figures."""
+"""From the cases' records to weights, fits, tables, figures and the summary."""

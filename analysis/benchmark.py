@@ -12,7 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -195,7 +195,7 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     yield Figure("make case of a finished case", "s", used(command, ROOT).wall)
 
 
-def job_times(config: dict[str, object], prefix: str) -> list[float]:
+def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
     """CPU-s of their own that the jobs of a study take, those whose name begins with ``prefix``."""
     study = read_study(config)
     results = Path(study.results)

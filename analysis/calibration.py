@@ -27,7 +27,7 @@ SIZES = ("a_m", "b_m", "h_m", "H_m")
 
 
 def geometries(study: Study, published: Published) -> Iterator[Geometry]:
-    """The grid of ``study.calibration``, with the published a * b; the study's own at the end."""
+    """The grid of ``study.calibration``, with the published a * b; at the end the study's own."""
     grid = study.calibration
     area = published.numbers["sample"]["T0"] / study.materials.inner.cohesion
     for a, share, ratio in product(grid.a, grid.height_share, grid.height_over_b):
@@ -92,7 +92,7 @@ class GeometryMisfit:
         published: Published,
         mesh: float,
     ) -> "GeometryMisfit":
-        """Peaks (N) and weights in pure shear, by number of locks, against the published ones."""
+        """Of peaks (N) and weights in pure shear, by number of locks, from the published ones."""
         printed: list[float] = []
         swapped: list[float] = []
         for locks, peak in peaks.items():
@@ -233,7 +233,7 @@ def geometry_of(row: pd.Series) -> Geometry:
 
 
 def describe(table: pd.DataFrame) -> str:
-    """Geometries (rank 0 is the study's own) in words, one line for each and model."""
+    """The geometries (rank 0 is the study's own) in words, one line for each and each model."""
     peaks = [column for column in table if column.startswith("peak_")]
     lines = ["Geometries by misfit (rank 0: the study's own), pure shear"]
     for _, row in table.iterrows():
@@ -248,15 +248,19 @@ def describe(table: pd.DataFrame) -> str:
 
 
 def check(study: Study, published: Published) -> dict[str, int]:
-    """Numbers of locks of the published samples, by name; `ConfigError` if it cannot be done."""
+    """Numbers of locks of the published samples, by name; `ConfigError` if none can be fitted."""
     samples = published.samples(study)
     mesh = study.calibration.mesh
     if not samples:
         raise ConfigError(
-            "samples: none of them is published, so there is nothing to calibrate with"
+            "samples: none of them is published; calibration needs one with the paper's strength, "
+            "friction, number of locks and load"
         )
     if any(published.dem_pure_shear(n, mesh) is None for n in samples.values()):
-        raise ConfigError(f"calibration.mesh: {mesh:g} m is not published, 0.02 and 0.005 m are")
+        raise ConfigError(
+            f"calibration.mesh: {mesh:g} m is not allowed; it must be one of the paper's meshes, "
+            "0.02 or 0.005 m"
+        )
     shortest = min(min(g.a, g.b) for g in geometries(study, published))
     if shortest <= mesh:
         raise ConfigError(

@@ -29,16 +29,16 @@ from workflow.schema import Study
 def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """SiDMACIB's capacities for every option, with and without friction, under every reduction.
 
-    Where a reduction depends on weights, once for each model and mesh that they were read from.
+    A reduction by weights gives one set of rows for each model and mesh that they were read from.
     """
-    references = detailed(study.model_names)
+    detailed_models = detailed(study.model_names)
     for sample in study.samples:
         joint = study.joint(sample)
         directions = [Direction(e) for e in study.eccentricities]
         read = {
             source: own
             for source, own in pure_shear_weights(study, weights, sample).items()
-            if source[0] in references
+            if source[0] in detailed_models
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):

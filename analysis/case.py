@@ -4,14 +4,15 @@ from workflow.results.record import CaseRecord
 
 
 def describe(record: CaseRecord) -> str:
-    """Peak load and lock weights of a case, or why there are none."""
+    """Peak load and lock weights of a case, or the reason why it has none."""
     if record.error is not None:
         return f"{record.name} ({record.model}): no result: {record.error}"
     first = record.first_failure_load_N
     lines = [
         f"{record.name} ({record.model}): "
         f"V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
-        f"  load along the path: {record.load_N:.2f} N stands, {record.failed_load_N:.2f} N fails"
+        f"  load along the path: {record.load_N:.2f} N is carried, "
+        f"{record.failed_load_N:.2f} N is not"
         + ("" if first is None else f"; first failure at {first:.2f} N"),
     ]
     if record.weights:

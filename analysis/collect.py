@@ -1,4 +1,4 @@
-"""From the records of all cases to the tables that are read from them."""
+"""Collect the records of all cases in tables."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -14,12 +14,12 @@ from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 
-SHARES = (0.25, 0.5, 0.75)  # of the given loads over the leading model's first failure
+SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
 SHARED = ("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m")
 
 
 def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
-    """One row per lock of every case whose model tells stresses."""
+    """One row per lock of every case whose model gives stresses."""
     rows = [_columns(record) | asdict(weight) for record in records for weight in record.weights]
     return pd.DataFrame(rows, columns=list(WEIGHTS.columns))
 
@@ -35,7 +35,7 @@ def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
 
 
 def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) -> pd.DataFrame:
-    """One row per case, failed ones with their reason.
+    """One row per case; failed ones have the reason.
 
     ``witnesses``: results of the static model for the same joints, nodes and loads.
     """
@@ -43,15 +43,15 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
     rows = []
     for record in records:
         witness = static.get(record.physics) if record.model != WITNESS else None
-        told = _columns(record) | {
+        row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }
-        told["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
-        told["static_load_N"] = witness
-        told["difference_to_static"] = (
+        row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
+        row["static_load_N"] = witness
+        row["difference_to_static"] = (
             record.load_N / witness - 1.0 if witness and record.load_N else None
         )
-        rows.append(told)
+        rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
     for column in ("load_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
         table[column] = table[column].astype(float)
@@ -67,7 +67,7 @@ def friction_share(record: CaseRecord) -> float:
 
 
 def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
-    """Displacement (m) that the load works on, at given loads (N); nan where it is not told."""
+    """Displacement (m) that the load does work on, at given loads (N); nan where there is none."""
     path = sorted((load, moved) for load, moved in record.path if moved is not None)
     if not path:
         return [float("nan") for _ in loads]
@@ -76,9 +76,9 @@ def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
 
 
 def models_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
-    """One row for each result of the reference variant, the models of a case one after the other.
+    """One row for each result of the reference variant, with the models of a case together.
 
-    Given loads are shares of the first failure in the model that comes first.
+    The given loads are shares of the first failure load in the first of these models.
     """
     rows: list[dict[str, Any]] = []
     given: dict[str, float] = {}

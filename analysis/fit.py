@@ -1,4 +1,4 @@
-"""Hold SiDMACIB against brittle models of the joint: which option and which reduction fit best.
+"""Compare SiDMACIB with the detailed models: which option and which reduction fit best.
 
 Both capacities are loads along the same direction of the (V, M) plane, so their error is the
 relative difference of the loads: positive where SiDMACIB promises more than the joint carries
@@ -25,9 +25,9 @@ class LoadErrors:
     largest_safe_error: float
 
 
-def misfit(model: Floats, reference: Floats) -> LoadErrors:
-    """Errors of loads (N) against reference loads in the same directions, both of shape (N,)."""
-    error = model / reference - 1.0
+def misfit(promised: Floats, carried: Floats) -> LoadErrors:
+    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
+    error = promised / carried - 1.0
     return LoadErrors(
         float(np.sqrt(np.mean(error**2))),
         float(max(error.max(), 0.0)),
@@ -36,35 +36,37 @@ def misfit(model: Floats, reference: Floats) -> LoadErrors:
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
-    """Misfit of every SiDMACIB variant, best first, for each reference, sample and mesh.
+    """Misfit of every SiDMACIB variant, best first, for each detailed model, sample and mesh.
 
-    References are the models that SiDMACIB's weights were read from, in the table's order.
+    The detailed models are those that SiDMACIB's weights were read from, in the table's order.
     """
     limit = capacity[capacity["model"] == "sidmacib"]
     rows = []
-    references = dict(reference_curves(capacity))
-    for model, reference in references.items():
+    detailed = dict(detailed_curves(capacity))
+    for model, curves in detailed.items():
         own = limit[limit["weights_from"] == model]
-        both = own.merge(reference[["case", "load_N"]], on="case", suffixes=("", "_reference"))
+        both = own.merge(curves[["case", "load_N"]], on="case", suffixes=("", "_carried"))
         if len(both) != len(own):
-            raise ValueError(f"{model}: {len(own)} loads of SiDMACIB, {len(both)} to hold against")
-        both = both.dropna(subset=["load_N_reference"])  # a case without a result
+            raise ValueError(
+                f"{model}: {len(own)} loads of SiDMACIB, but {len(both)} to compare them with"
+            )
+        both = both.dropna(subset=["load_N_carried"])  # a case without a result
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
-            found = misfit(curve["load_N"].to_numpy(), curve["load_N_reference"].to_numpy())
+            found = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
             named = dict(zip(names, values, strict=True))
             rows.append({"model": model, **named, **vars(found), "directions": len(curve)})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)
-    table["model"] = pd.Categorical(table["model"], list(references))  # the leading one first
+    table["model"] = pd.Categorical(table["model"], list(detailed))  # the leading one first
     groups = ["model", "sample", "mesh_m"]
     table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
     table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
     return table.astype({"model": str})
 
 
-def reference_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     """The models that SiDMACIB's weights were read from, with their capacities."""
     used = capacity["weights_from"].dropna().unique()
     own = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]

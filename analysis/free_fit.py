@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
-from analysis.fit import fit_table, misfit, reference_curves
+from analysis.fit import detailed_curves, fit_table, misfit
 from sidmacib.contact_points import ContactOption
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
@@ -28,7 +28,7 @@ def best_pair(
     ``eccentricity_over_a`` and ``load_N``.
     """
     directions = [Direction(e) for e in curve["eccentricity_over_a"]]
-    reference = curve["load_N"].to_numpy()
+    carried = curve["load_N"].to_numpy()
 
     def loads(unknowns: Floats) -> Floats:
         option = ContactOption.pair(float(unknowns[0]))
@@ -36,9 +36,9 @@ def best_pair(
         model = Sidmacib(joint, option, strength, friction, overload)
         return np.array([point.load for point in capacities(model, directions)])
 
-    start = [0.25, min(1.0, float(reference.max()) / (joint.locks * joint.T0))]
+    start = [0.25, min(1.0, float(carried.max()) / (joint.locks * joint.T0))]
     found = least_squares(
-        lambda unknowns: loads(unknowns) / reference - 1.0,
+        lambda unknowns: loads(unknowns) / carried - 1.0,
         start,
         bounds=([0.0, 0.0], [0.5, 1.0]),
         diff_step=1e-3,
@@ -51,12 +51,12 @@ def best_pair(
         "distance_m": distance * joint.a,
         "strength_per_lock_N": factor * joint.T0,
         "locks_that_count": factor * joint.locks,
-        **vars(misfit(loads(np.array([distance, factor])), reference)),
+        **vars(misfit(loads(np.array([distance, factor])), carried)),
     }
 
 
 def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
-    """`best_pair` for each reference, sample and mesh, without and with friction."""
+    """`best_pair` for each detailed model, sample and mesh, without and with friction."""
     ratios = {
         case_name(sample, mesh, ratio): ratio
         for sample, mesh, ratio in product(study.samples, study.meshes, study.eccentricities)
@@ -64,10 +64,10 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     found = capacity.dropna(subset=["load_N"])
     found = found.assign(eccentricity_over_a=found["case"].map(ratios))
     rows: list[dict[str, Any]] = []
-    for model, reference in reference_curves(found):
-        for (sample, mesh), curve in reference.groupby(["sample", "mesh_m"], sort=False):
+    for model, curves in detailed_curves(found):
+        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
-            if len(curve) < 3:  # two unknowns would fit two directions whatever they are
+            if len(curve) < 3:  # two unknowns fit any two loads
                 continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)

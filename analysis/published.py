@@ -1,4 +1,4 @@
-"""The paper's numbers, and the samples of a study that they belong to."""
+"""The paper's numbers, and the samples of a study that they can be compared with."""
 
 import math
 from dataclasses import dataclass

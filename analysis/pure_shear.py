@@ -1,4 +1,4 @@
-"""The weights in pure shear, which the paper gives and reductions are made from."""
+"""Weights in pure shear, which the paper prints and the reductions use."""
 
 import pandas as pd
 

@@ -1,4 +1,4 @@
-"""The end of a study in words: where the results are, and how they compare."""
+"""The summary of a study in words: how the results compare, and where they are."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -18,9 +18,9 @@ from workflow.results.tables import (
     read_table,
 )
 
-# Errors up to this count as none: peaks of the distinct elements are not known better.
+# Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025
-AGREEMENT = 0.01  # of two models of the same pieces and nodes: more is named
+AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 
 
 def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
@@ -36,7 +36,7 @@ def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
             *_variants(tables["capacity"]),
             *_disagreements(tables["cases"]),
             "",
-            "Largest unbalanced force on a piece at any peak (or moment, over a): "
+            "Largest unbalanced force on a piece (or moment over a), at any peak: "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
             "",
             f"Tables:  {results}/tables",
@@ -48,13 +48,13 @@ def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
 
 
 def _assumed(published: bool) -> str:
-    """What rests on an assumption; the geometry only where it stands for the paper's."""
+    """What rests on an assumption; the geometry only if it stands for the paper's."""
     geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
     return f"Assumed: {geometry}contact-point positions."
 
 
 def _failed(cases: pd.DataFrame) -> Iterator[str]:
-    """Cases without a result, first of all: every table has a hole there."""
+    """Cases without a result come first: they are missing from the tables."""
     failed = cases[cases["error"].notna()]
     if failed.empty:
         return
@@ -82,7 +82,7 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
 
 def _validation(table: pd.DataFrame, leading: str) -> Iterator[str]:
     if table.empty:
-        yield "No published number belongs to a sample of this study."
+        yield "The paper has no numbers for the samples of this study."
         return
     yield "Published against computed (e = 0)"
     yield f"  {'quantity':44}{'locks':>6}{'mesh m':>8}{'published':>11}{'computed':>10}{'diff.':>9}"
@@ -103,7 +103,7 @@ def _validation(table: pd.DataFrame, leading: str) -> Iterator[str]:
 
 
 def _models(capacity: pd.DataFrame) -> Iterator[str]:
-    """Loads of all models of the joint's pieces, over the directions."""
+    """Largest loads of all models of the joint's pieces, direction by direction."""
     own = capacity[capacity["failed_load_N"].notna() & (capacity["variant"] == REFERENCE)]
     models = list(own["model"].unique())
     yield ""
@@ -155,7 +155,7 @@ def _variants(capacity: pd.DataFrame) -> Iterator[str]:
         return
     both["change"] = 100 * (both["load_N"] / both["load_N_reference"] - 1)
     yield ""
-    yield "Variants against the reference, load along the direction"
+    yield "Variants against the reference variant, load along the direction"
     groups = both.groupby(["model", "sample", "mesh_m", "variant"], sort=False)
     for (model, sample, mesh, variant), rows in groups:
         low, high = rows["change"].min(), rows["change"].max()

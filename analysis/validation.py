@@ -14,7 +14,7 @@ from workflow.case import REFERENCE, case_name
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
 from workflow.schema import Study
 
-SWAPPED = "published value of the other of the first two locks: see docs/validation.md"
+SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
 
 
 def validation_table(
@@ -24,7 +24,7 @@ def validation_table(
     fit: pd.DataFrame,
     published: Published,
 ) -> pd.DataFrame:
-    """One row for each published number that the study can be held against."""
+    """One row for each published number that the study can be compared with."""
     rows: list[dict[str, Any]] = []
     for sample in published.samples(study):
         joint = study.joint(sample)

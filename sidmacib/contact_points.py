@@ -26,7 +26,7 @@ class ContactOption:
     def __post_init__(self) -> None:
         if len(self.positions) != len(self.portions):
             raise ValueError(
-                f"positions: {len(self.positions)} are too many or too few; there must be one for "
+                f"positions: {len(self.positions)} values are not possible; there must be one for "
                 f"each of the {len(self.portions)} portions"
             )
         if not all(is_number(x) and abs(x) <= 0.5 for x in self.positions):

@@ -1,9 +1,10 @@
 """Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
 
 Every rule returns the factors w_j of `sidmacib.programme.Sidmacib`, one per lock. A lock that does
-not count keeps its normal force and its friction along the lock. Which locks count does not change
-the V-M curve, as their forces across act along y through points whose x does not depend on the
-lock; the rules start with the lower locks, which carry the load to the ground.
+not count keeps its normal force and its friction along the lock. It does not
+matter for the V-M curve which locks count, because their forces across the locks act along y
+through points whose x is the same for every lock; the rules start with the lower locks, which carry
+the load to the ground.
 """
 
 import math
@@ -20,14 +21,14 @@ def no_reduction(joint: Joint, weights: Weights) -> tuple[float, ...]:
 
 
 def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
-    """As many locks count as the sum of the weights, rounded down (the paper's W_sum)."""
+    """As many locks count as the weights (the paper's W_sum) add up to, rounded down."""
     return active(joint, math.floor(sum(weights)))
 
 
 def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:
     """(n - 1) / 2 locks count (the paper's rule); ValueError if n is even."""
     if joint.locks % 2 == 0:
-        raise ValueError(f"locks: {joint.locks} is even; (n - 1) / 2 asks for an odd number")
+        raise ValueError(f"locks: {joint.locks} is not possible with (n - 1) / 2; it must be odd")
     return active(joint, (joint.locks - 1) // 2)
 
 

@@ -212,9 +212,9 @@ def test_every_combination_is_ranked_and_the_winner_is_the_closest(study, result
     assert best["option"] in ("option2", "option3")
 
 
-def test_a_direction_without_a_reference_is_an_error(study, results) -> None:
+def test_a_direction_that_the_detailed_model_lacks_is_an_error(study, results) -> None:
     capacity = capacity_of(study, results)
-    with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, .* to hold against"):
+    with pytest.raises(ValueError, match=r"yade: .* loads of SiDMACIB, but .* to compare"):
         fit_table(capacity.drop(index=0))
 
 

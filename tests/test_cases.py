@@ -191,7 +191,7 @@ def test_a_case_survives_json_exactly(
         (lambda told: told.update(more=1), "Case must have the keys name, model, "),
         (lambda told: told.update(mesh="0.02"), "'0.02' is not of the kind float"),
         (lambda told: told.update(mesh=True), "'True' is not of the kind float"),
-        (lambda told: told.update(mesh=math.nan), "NaN is no number"),
+        (lambda told: told.update(mesh=math.nan), "NaN is not a number"),
         (lambda told: told["joint"].update(locks=3.0), "'3.0' is not of the kind int"),
         (lambda told: told["joint"].update(failure="soft"), "'soft' is not a valid Failure"),
         (lambda told: told.update(joint=None), "Joint must have the keys locks, "),

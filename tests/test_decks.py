@@ -143,7 +143,7 @@ def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
     text = returned(case, 100.0)
     with pytest.raises(ResultError, match=r"results of other-.*; they must be of n3-mesh0.03"):
         read_returned(text.replace(case.name, "other"), case)
-    with pytest.raises(ResultError, match=r"not whole: run the deck again"):
+    with pytest.raises(ResultError, match=r"not whole; run the deck again"):
         read_returned(text.removesuffix("MULTILOCK|END"), case)
 
 

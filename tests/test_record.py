@@ -125,7 +125,7 @@ def test_a_table_that_is_cut_short_is_refused(tmp_path: Path, keep: float) -> No
     lines = (tmp_path / NODES).read_text().splitlines()
     kept = lines[: int(keep * len(lines)) if keep == 0.5 else int(keep)]
     (tmp_path / NODES).write_text("\n".join(kept))
-    with pytest.raises(ResultError, match=rf"{len(kept) - 1} nodes, the case has"):
+    with pytest.raises(ResultError, match=rf"{len(kept) - 1} nodes, but the case has"):
         read_outcome(tmp_path, assembly)
 
 

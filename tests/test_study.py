@@ -140,7 +140,7 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
         ),
         (
             merged(models=["static", "static"]),
-            "models: static stands twice; each name must stand once only",
+            "models: static appears twice; each name must appear only once",
         ),
         (
             merged(assembly={"failure": "soft"}),

@@ -1,4 +1,4 @@
-"""What `make` calls: a whole study, one case, the decks, the calibration."""
+"""What `make` calls: a whole study, one case, the decks or the calibration."""
 
 import argparse
 import sys
@@ -11,7 +11,7 @@ from workflow.results.files import RECORD, case_folder
 
 
 def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
-    """Have Snakemake make ``targets`` (the whole study if there are none); whether it did."""
+    """Have Snakemake make ``targets`` (none: the whole study); returns whether it did."""
     from snakemake.cli import main as run
 
     options = ["--configfile", str(config), "--config", f"results={results}"]
@@ -24,17 +24,17 @@ def snakemake(config: Path, results: str, targets: Sequence[str], engines: Seque
 
 
 def study(config: Path, results: str | None) -> str | None:
-    """Run a study and print its summary; returns why it is not whole, None if it is."""
+    """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     own = read_study_file(config, results)
     whole = snakemake(config, own.results, (), installed_engines(own))
     summary = Path(own.results, "summary.txt")
     if summary.is_file():
         print(summary.read_text(), end="")
-    return None if whole else f"{own.results}: the study is not whole, see above"
+    return None if whole else f"{own.results}: the study is incomplete, see above"
 
 
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
-    """Run one case if need be and print what was found; returns why there is nothing."""
+    """Run one case if need be and print its result; returns why there is none."""
     from analysis.case import describe
     from workflow.results.files import read_records
 
@@ -45,7 +45,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
         return f"{name}: no result, see above"
     (record,) = read_records([folder / RECORD])
-    print(f"{describe(record)}\n  all of it: {folder}")
+    print(f"{describe(record)}\n  files: {folder}")
     return None if record.error is None else f"{name}: no result"
 
 
@@ -59,19 +59,22 @@ def decks(config: Path, results: str | None) -> str | None:
 
 
 def main() -> None:
-    """Command line: what to do, with which configuration, into which folder."""
+    """Command line: what to do, with which configuration, in which results folder."""
     parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
     parser.add_argument("what", choices=["study", "case", "decks", "calibrate"])
     parser.add_argument("config", type=Path)
-    parser.add_argument("--results", help="another folder than the configuration's")
+    parser.add_argument("--results", help="results folder, in place of the configuration's")
     parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
-    parser.add_argument("--model", help="its model; the first reference if not given")
+    parser.add_argument("--model", help="its model; by default the first one installed")
     arguments = parser.parse_args()
     results = arguments.results or None
     try:
         if arguments.what == "case":
             if not arguments.case:
-                raise ConfigError("CASE: missing, such as make case CASE=n3-mesh0.02-e0.1a")
+                raise ConfigError(
+                    "CASE: missing; it must be the name of a case, as in "
+                    "make case CASE=n3-mesh0.02-e0.1a"
+                )
             fault = case(arguments.config, results, arguments.case, arguments.model or None)
         elif arguments.what == "calibrate":
             from workflow.calibration import calibrate

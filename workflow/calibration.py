@@ -1,7 +1,7 @@
-"""Which geometry fits the published numbers: studies of many geometries, one after the other.
+"""Find the geometry that fits the published numbers, by studies of many geometries.
 
-The static model tries all of them; engines confirm the best. Each is a study of its own below the
-results' folder, whose configuration is written here.
+The static model tries all geometries, then engines confirm the best. Each step is a study of its
+own in the results folder; its configuration is written here.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,7 +35,7 @@ Snakemake = Callable[[Path, str, Sequence[str], Sequence[str]], bool]
 
 
 def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
-    """Write map, curves, figure and the best geometries; returns why not, None if it did."""
+    """Write map, curves, figure and best geometries; returns what failed, None if nothing did."""
     study = read_study_file(config, results)
     published = read_published()
     samples = check(study, published)
@@ -48,7 +48,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
     folder = str(place / "map")
     found = done("map", geometry_study(study, samples, every, folder), ())
     if found is None:
-        return "the map of geometries is not whole, see above"
+        return "the map of geometries is incomplete, see above"
     table = misfit_table(*found, published)
     write(table, place / "map.csv")
 
@@ -56,7 +56,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
     ranked = named([study.geometry, *best])
     found = done("curves", curve_study(study, samples, ranked, str(place / "curves")), ())
     if found is None:
-        return "the curves are not whole, see above"
+        return "the curves are incomplete, see above"
     curves = curve_table(found[0], found[1])
     write(curves, place / "curves.csv")
     figures = [Path(study.results, f"figures/calibration.{kind}") for kind in ("png", "pdf")]
@@ -66,7 +66,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
     content = engine_study(study, samples, ranked, str(place / "best"))
     found = done("best", content, installed_engines(study))
     if found is None:
-        return "the confirmation is not whole, see above"
+        return "the confirmation is incomplete, see above"
     confirmed = misfit_table(*found, published)
     write(confirmed, Path(study.results, "tables/calibration.csv"))
     print(describe(confirmed), end="")

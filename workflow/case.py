@@ -14,12 +14,12 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from workflow.engines.numerics import Numerics
 
-REFERENCE = "reference"  # the variant that is held against the published numbers
+REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: of engines only."""
+    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: for engines only."""
 
     name: str
     model: str
@@ -37,7 +37,7 @@ class Case:
 
     @property
     def eccentricity_m(self) -> float:
-        """E in m; ``inf`` is pure torsion."""
+        """The eccentricity e in m; ``inf`` is pure torsion."""
         return self.direction.eccentricity * self.joint.a
 
     @property
@@ -46,7 +46,7 @@ class Case:
         return case_name(self.sample, self.mesh, self.direction.eccentricity)
 
     def digest(self) -> str:
-        """SHA-256 of all that the results depend on: everything but the names."""
+        """SHA-256 of all that the results depend on: everything except the names."""
         told = _plain(self)
         for key in ("name", "variant", "sample"):
             del told[key]
@@ -89,7 +89,7 @@ def _plain(case: Case) -> dict[str, Any]:
 
 
 def _refused(constant: str) -> None:
-    raise ValueError(f"{constant} is no number")
+    raise ValueError(f"{constant} is not a number")
 
 
 def _built(kind: Any, value: Any) -> Any:

@@ -24,7 +24,7 @@ MAX_CASES = 1_000_000
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
     """All cases of ``study`` by model and name.
 
-    Raises `ConfigError` for overrides of cases that there are not, and if there are too many.
+    Raises `ConfigError` for overrides of cases that do not exist, and if there are too many cases.
     """
     if (count := case_count(study)) > MAX_CASES:
         raise ConfigError(
@@ -77,7 +77,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 def _runs(
     study: Study, models: Sequence[str]
 ) -> Iterator[tuple[Model, str, VariantSection, AssemblySection]]:
-    """Models and the variants that each can run, and has results of its own for."""
+    """Each model with the variants that it can run and that change its results."""
     for model in (MODELS[name] for name in models):
         for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
@@ -102,7 +102,7 @@ def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSect
 
 
 def _near(name: str, names: set[str]) -> str:
-    """What is allowed in place of ``name``: some of ``names``, those close to it if any are."""
+    """What ``name`` must be: some of ``names``, those close to it if there are any."""
     sample = name.split("-", maxsplit=1)[0]
     among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
     close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]

@@ -1,7 +1,7 @@
-"""What code a step runs: the modules of this project that it imports, directly or not.
+"""The code that a step runs: the modules of this project that it imports, directly or not.
 
-Imports are read from the source, those inside functions included, so nothing is listed by hand. A
-module is taken by its syntax tree: comments and layout do not count.
+Imports are read from the source, including those inside functions, so nothing is listed by hand. A
+module counts by its syntax tree: comments and layout do not matter.
 """
 
 import ast
@@ -29,7 +29,7 @@ def closure(module: str) -> frozenset[str]:
 
 
 def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
-    """Digest of all code that ``modules`` may run, and of ``files``, paths below the project."""
+    """Digest of all code that ``modules`` may run, and of ``files``, paths below `ROOT`."""
     names = sorted(set().union(*map(closure, modules)))
     parts = [f"{name} {_tree_digest(name)}" for name in names]
     parts += [f"{name} {_content_digest(name)}" for name in sorted(files)]
@@ -62,18 +62,18 @@ def _imports(module: str) -> tuple[str, ...]:
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            # From the package that the module is in, or one above, where it says so.
+            # Relative imports start at the module's own package, or at one above it.
             own = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
             above = own[: -node.level] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
             names.append(base)
-            # What is imported from a package may be a module of it.
+            # A name imported from a package may be one of its modules.
             names += [f"{base}.{alias.name}" for alias in node.names]
     return tuple(name for name in dict.fromkeys(names) if source(name))
 
 
 def _statements(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes below ``node`` but those for type checkers only."""
+    """All nodes below ``node``, except those for type checkers only."""
     for child in ast.iter_child_nodes(node):
         if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
             yield child

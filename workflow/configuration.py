@@ -1,4 +1,4 @@
-"""Read a study's configuration: from a mapping or a YAML file, every fault in one line."""
+"""Read a study's configuration from a mapping or a YAML file; each fault is told in one line."""
 
 import sys
 from collections.abc import Mapping
@@ -19,7 +19,7 @@ MAX_LINES, MAX_LINE = 20, 380
 
 
 class ConfigError(ValueError):
-    """The configuration is not valid; the arguments are lines, one for each fault."""
+    """The configuration is not valid; the arguments are lines of text, one for each fault."""
 
     def __init__(self, *lines: str) -> None:
         super().__init__(
@@ -31,7 +31,7 @@ class ConfigError(ValueError):
 
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
-    """The study in the YAML file ``path``, perhaps with another results folder.
+    """The study in the YAML file ``path``; ``results``: a results folder in place of its own.
 
     Raises `ConfigError`, whose lines begin with the file's name.
     """
@@ -45,7 +45,7 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
 def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
     """The keys and values in the YAML file ``path`` with ``changes``, section by section.
 
-    Raises `ConfigError` if the file cannot be read; whether it is a study, `read_study` tells.
+    Raises `ConfigError` if the file cannot be read; `read_study` checks whether it is a study.
     """
     return _merged(read_config_text(path), changes)
 
@@ -73,7 +73,7 @@ def read_config_text(path: Path) -> dict[str, Any]:
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
-    """The study that ``config`` describes, every model in it that can be; raises `ConfigError`."""
+    """The study in ``config``, with all models if it names none; raises `ConfigError`."""
     try:
         study = Study.model_validate(_with_all_models(config))
     except ValidationError as error:
@@ -87,7 +87,7 @@ def read_study(config: Mapping[str, Any]) -> Study:
 
 
 def installed_engines(study: Study) -> list[str]:
-    """The engines of ``study`` that this system has; says on stderr which it lacks."""
+    """The engines of ``study`` that are installed; names those that are not on stderr."""
     missing = {name: ENGINES[name].missing() for name in study.dem.engines}
     for reason in filter(None, missing.values()):
         print(f"{reason}. The study goes on without it.", file=sys.stderr)
@@ -95,7 +95,7 @@ def installed_engines(study: Study) -> list[str]:
 
 
 def _others(count: int) -> list[str]:
-    """How many of ``count`` faults are not shown."""
+    """A line for the faults, of ``count``, that are not shown."""
     return [f"and {count - MAX_LINES} more faults"] if count > MAX_LINES else []
 
 
@@ -109,7 +109,7 @@ def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
 
 
 def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
-    """``config`` with all models where it names none."""
+    """``config`` with all models if it names none."""
     dem = config.get("dem", {})
     if isinstance(dem, Mapping):
         dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
@@ -117,7 +117,7 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _unfit_folder(folder: Path) -> list[str]:
-    """Why results cannot be written to ``folder``, as far as that shows now."""
+    """Why results cannot be written to ``folder``, as far as can be seen beforehand."""
     for path in (folder, *folder.parents):
         try:
             if path.is_dir():

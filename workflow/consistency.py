@@ -1,4 +1,4 @@
-"""What must hold between the sections of a study, and between a study and the models it names."""
+"""Checks across the sections of a study, and of what it asks of the models that it names."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -19,7 +19,7 @@ MAX_CELLS_ALONG = 1000  # a lock, in the calibration
 
 
 def faults(study: Study) -> Iterator[str]:
-    """All that is wrong with ``study``, in a line each."""
+    """Everything that is wrong with ``study``, one line each."""
     joints: dict[str, Joint] = {}
     for name in study.samples:
         try:
@@ -38,11 +38,11 @@ def faults(study: Study) -> Iterator[str]:
             f"{_some(study.meshes)}"
         )
     if REFERENCE in study.variants:
-        yield f"variants: the name {REFERENCE} is taken; it must be any other"
+        yield f"variants: the name {REFERENCE} is taken; it must be another"
 
 
 def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
-    """What ``study`` asks of a model that runs its joints as ``assembly``."""
+    """What ``study`` asks of a model that runs its joints assembled as in ``assembly``."""
     inner = study.materials.inner
     found = []
     if assembly.failure is Failure.DUCTILE:
@@ -62,7 +62,7 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
 
 
 def node_estimate(joint: Joint, mesh: float) -> float:
-    """About how many nodes ``joint`` has with cells of ``mesh`` (m), and never fewer."""
+    """About how many nodes ``joint`` has with cells of ``mesh`` (m); never an underestimate."""
 
     def cells(side: float) -> float:
         return side / mesh + 1.0
@@ -72,7 +72,7 @@ def node_estimate(joint: Joint, mesh: float) -> float:
 
 
 def notes(study: Study) -> list[str]:
-    """What a study says that one of its engines takes no notice of, in a line each."""
+    """Settings of a study that have no effect on one of its engines, one line each."""
     default = NumericsSection()
     given = {
         "dem.numerics": study.dem.numerics,
@@ -107,7 +107,7 @@ def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
 
 
 def _lists(study: Study) -> Iterator[str]:
-    """Values that names of cases cannot tell apart."""
+    """Values that look the same in the names of cases."""
     for key in ("meshes", "eccentricities"):
         for place, values in _everywhere(study, key):
             seen: dict[str, float] = {}
@@ -145,7 +145,7 @@ def _models(study: Study) -> Iterator[str]:
             if name not in allowed:
                 yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
             elif name in names[:place]:
-                yield f"{key}: {name} stands twice; each name must stand once only"
+                yield f"{key}: {name} appears twice; each name must appear only once"
     known = [name for name in study.model_names if name in MODELS]
     asked = needs(study, study.assembly)
     refusals = (MODELS[name].refusal(asked) for name in known)
@@ -175,7 +175,7 @@ def _calibration(study: Study) -> Iterator[str]:
 
 
 def _everywhere(study: Study, key: str) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Where meshes or eccentricities stand, and what they are."""
+    """Each place where meshes or eccentricities are given, and their values."""
     yield key, getattr(study, key)
     for name, variant in study.variants.items():
         if values := getattr(variant, key):

@@ -1,7 +1,7 @@
-"""Run one job of a study: its step, and at the end its receipt.
+"""Run one job of a study: do its step, then write its receipt.
 
-Snakemake starts this with a file that holds all arguments, however many. The job ends with the
-process that started it, so that no run goes on behind another's back.
+Snakemake starts this with a file that holds all arguments, however many. The job ends when the
+process that started it ends, so that nothing goes on unseen.
 """
 
 import ctypes
@@ -22,15 +22,15 @@ SELF, CHILDREN = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
 
 
 def end_with_parent() -> None:
-    """Have this process asked to end when the one that started it ends, however it does."""
+    """Have the system end this process when the one that started it ends, however that happens."""
     parent = os.getppid()
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() != parent:  # it has just ended
+    if os.getppid() != parent:  # it has ended in the meantime
         sys.exit("stopped")
 
 
 def run_job(plan: dict[str, Any]) -> None:
-    """Do what ``plan``, a job as plain data, says, and leave a receipt if there is a result."""
+    """Do the job that ``plan`` describes as plain data, and leave a receipt if it has a result."""
     results = Path(plan["results"])
     receipt = results / plan["receipt"]
     receipt.unlink(missing_ok=True)
@@ -40,7 +40,7 @@ def run_job(plan: dict[str, Any]) -> None:
     inputs = [results / name for name in plan["inputs"]]
     outputs = [results / name for name in plan["outputs"]]
     error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
-    if error:  # told in the results; without a receipt it is tried again by the next run
+    if error:  # the results say so too; without a receipt the next run tries again
         print(error, file=sys.stderr)
         return
     made = (*plan["outputs"], *plan["others"])
@@ -60,7 +60,7 @@ def write_times(path: Path, start: float) -> None:
 
 
 def main() -> None:
-    """Command line: the file with the job."""
+    """Command line: the plan of the job, a file."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
     signal.signal(signal.SIGHUP, lambda *_: sys.exit("stopped"))
     end_with_parent()

@@ -1,4 +1,4 @@
-"""What a study consists of: jobs, each with its arguments, its code, and what it reads and writes.
+"""The jobs that make up a study: each with its arguments, its code, and what it reads and writes.
 
 Snakemake orders and runs them; what each one depends on is worked out here, so that it can be
 compared with the receipt of what was made before.
@@ -20,9 +20,9 @@ from workflow.results.files import OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
 from workflow.threedec import DECK, deck_folder
 
-BATCH = 512  # cases that one job solves, about
+BATCH = 512  # cases in a batch, on average, at most
 RUNNER = "workflow.job"
-TABLES = ("weights", "weight_sums", "cases", "models")  # that are read from the cases' records
+TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
 BATCH_FILES = ("records.jsonl", "nodes.parquet", "history.parquet")
 
 
@@ -30,11 +30,12 @@ BATCH_FILES = ("records.jsonl", "nodes.parquet", "history.parquet")
 class Job:
     """One process of a study.
 
-    ``step``: module whose ``run`` does it; ``modules``, ``files``: what else it runs or reads that
-    no import tells. ``arguments``: plain data, all of which its results depend on; ``settings``:
-    plain data that they do not depend on. ``inputs``, ``outputs``: paths below the results' folder;
-    ``others``: outputs that are there only where the job has a result. ``versions``: of programs
-    that it starts. ``finds``: model and name of the cases whose records are in the first output.
+    ``step``: the module whose ``run`` does the work; ``modules``, ``files``: what else it runs or
+    reads, beyond its imports. ``arguments``: plain data, all of which the results depend on;
+    ``settings``: plain data that they do not depend on. ``inputs``, ``outputs``: paths below the
+    results folder; ``others``: outputs that exist only if the job has a result. ``versions``: of
+    the programs that it starts. ``finds``: model and name of the cases whose records are in the
+    first output.
     """
 
     name: str
@@ -53,16 +54,16 @@ class Job:
 
     @property
     def receipt(self) -> str:
-        """Path of its receipt, below the results' folder."""
+        """Path of its receipt, below the results folder."""
         return f".receipts/{self.name}.json"
 
     def digest(self) -> str:
-        """Digest of all that its results depend on, but for its inputs."""
+        """Digest of everything that its results depend on, except its inputs."""
         code = code_digest((RUNNER, self.step, *self.modules), self.files)
         return digest_of([self.name, code, dict(self.arguments), dict(self.versions)])
 
     def plan(self, digest: str, results: Path) -> dict[str, Any]:
-        """All that `workflow.job` has to know, as plain data."""
+        """Everything that `workflow.job` needs to know, as plain data."""
         return {
             "name": self.name,
             "digest": digest,
@@ -116,15 +117,15 @@ def _engine_job(case: Case, time_limit: float) -> Job:
 
 
 def versions(engine: Engine) -> dict[str, str]:
-    """The version of an engine; empty where it is not installed."""
+    """The version of an engine; empty if it is not installed."""
     return {} if engine.missing() else {engine.name: engine.version()}
 
 
 def batches(cases: list[Case]) -> dict[str, list[Case]]:
-    """Cases in batches by the first digits of their digests.
+    """Cases in batches, by the first digits of their digests.
 
-    So a case that is added or changed moves no other from one batch to another, unless their
-    number asks for another digit.
+    So adding or changing a case moves no other case to another batch, unless the number of cases
+    grows so far that another digit is needed.
     """
     digits = 0
     while len(cases) > BATCH * 16**digits:
@@ -179,10 +180,10 @@ def deck_job(cases: Iterable[Case]) -> dict[str, Job]:
 
 
 def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) -> dict[str, Job]:
-    """The jobs from the results of ``cases``, that the jobs ``found`` make, to the summary."""
+    """The jobs from the results of ``cases``, which the jobs ``found`` make, to the summary."""
     cases = list(cases)
     records = tuple(job.outputs[0] for job in found.values())
-    references = detailed(study.model_names)
+    detailed_models = detailed(study.model_names)
     tables = study.tables_json()
     tables_of = [f"tables/{name}.csv" for name in TABLES]
     weights, _, of_cases, models = tables_of
@@ -190,7 +191,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
     home = {case: job.outputs[0] for job in found.values() for case in job.finds}
     shown = {
         name: home[spec.case.model, spec.case.name]
-        for name, spec in figures_of(study, references).items()
+        for name, spec in figures_of(study, detailed_models).items()
         if spec.case is not None
     }
     stresses = tuple(dict.fromkeys(shown.values()))
@@ -215,7 +216,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
         Job(
             name="fit",
             step="analysis.free_fit",
-            message="Fit SiDMACIB against the models of the joint's pieces",
+            message="Fit SiDMACIB to the detailed models",
             inputs=("tables/capacity.csv",),
             outputs=("tables/fit.csv", "tables/best_fit.csv"),
             arguments={"study": tables},
@@ -237,10 +238,10 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", "tables/validation.csv", models, "tables/envelopes.csv"),
                 *stresses,
             ),
-            outputs=tuple(figure_files(study, references)),
+            outputs=tuple(figure_files(study, detailed_models)),
             arguments={
                 "study": study.figures_json(),
-                "references": references,
+                "detailed_models": detailed_models,
                 "records": {name: 4 + stresses.index(path) for name, path in shown.items()},
             },
             files=published,
@@ -259,7 +260,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
         Job(
             name="complete",
             step="analysis.complete",
-            message="See whether every case has a result",
+            message="Check that every case has a result",
             inputs=(of_cases, "summary.txt"),
             outputs=(".complete",),
             arguments={},
@@ -269,5 +270,5 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
 
 
 def _parquet(outputs: Iterable[str]) -> tuple[str, ...]:
-    """The same tables as Parquet, which stand beside those in CSV."""
+    """The same tables as Parquet, beside those in CSV."""
     return tuple(name[:-3] + "parquet" for name in outputs if name.endswith(".csv"))

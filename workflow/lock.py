@@ -1,4 +1,4 @@
-"""One run at a time in a folder of results."""
+"""One run at a time in each results folder."""
 
 import fcntl
 import os
@@ -9,13 +9,13 @@ LOCK = ".lock"
 
 
 class LockedError(RuntimeError):
-    """Another run is at work in the folder; the message is one line."""
+    """Another run is using the folder; the message is one line."""
 
 
 def lock(results: Path) -> TextIO:
     """Lock ``results`` for as long as this process lives and the returned file is kept.
 
-    The system gives the lock back when the process ends, however it does: no stale lock is left.
+    The system releases the lock when the process ends, however that happens: no stale lock remains.
     """
     results.mkdir(parents=True, exist_ok=True)
     stream = (results / LOCK).open("a+")

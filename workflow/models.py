@@ -1,6 +1,7 @@
-"""The registry of models: what each can, and how its results are obtained. To add one: one entry.
+"""The registry of models: what each can do, and how its results are obtained.
 
-Light to import: a model's own code is loaded when it solves.
+To add a model, add an entry to `MODELS`. Light to import: a model's code is loaded when it is
+used.
 """
 
 import importlib
@@ -23,25 +24,25 @@ class Obtained(StrEnum):
 
 
 class Ability(StrEnum):
-    """What a model can take into account, or tell."""
+    """What a model can take into account, or can give."""
 
-    BRITTLE = auto()  # joints whose inner faces lose their strength where it is reached
-    DUCTILE = auto()  # joints whose inner faces keep it
-    TWO_STIFFNESSES = auto()  # inner faces with another stiffness along than across
+    BRITTLE = auto()  # inner faces that lose their strength where it is reached
+    DUCTILE = auto()  # inner faces that keep it
+    TWO_STIFFNESSES = auto()  # inner faces whose normal and shear stiffness differ
     FRICTION = auto()  # on dry faces
     PROGRESSIVE = auto()  # follows failure from node to node up to the peak
-    NUMERICS = auto()  # depends on how the peak is searched, dem.numerics
-    RANKS = auto()  # shares one case out to several processes
-    STRESSES = auto()  # tells them at all nodes
-    DISPLACEMENTS = auto()  # tells the one that the load works on
-    FIRST_FAILURE = auto()  # tells the load at which the first node fails
+    NUMERICS = auto()  # has settings of its own for the search, dem.numerics
+    RANKS = auto()  # runs one case on several processes
+    STRESSES = auto()  # gives them at all nodes
+    DISPLACEMENTS = auto()  # gives the one that the load does work on
+    FIRST_FAILURE = auto()  # gives the load at which the first node fails
 
 
 @dataclass(frozen=True)
 class Need:
-    """What a study asks of its models: an ability, as it gives ``key`` this ``value``.
+    """What a study asks of its models: an ability, because ``key`` has this ``value``.
 
-    ``allowed``: what the key must be for a model without the ability.
+    ``allowed``: the value that models without the ability can do.
     """
 
     ability: Ability
@@ -54,7 +55,7 @@ class Need:
 class Model:
     """A model of the joint. ``module``: where its ``solve`` is, if it is solved in this process.
 
-    ``ignores``: keys of dem.numerics that do nothing in it.
+    ``ignores``: keys of dem.numerics that have no effect on it.
     """
 
     name: str
@@ -64,7 +65,7 @@ class Model:
     ignores: frozenset[str] = frozenset()
 
     def refusal(self, needs: Iterable[Need]) -> str | None:
-        """Why the model cannot do what is needed, in one line; None if it can."""
+        """Why the model cannot do all that is needed, in one line; None if it can."""
         for need in needs:
             if need.ability not in self.abilities:
                 return (
@@ -94,7 +95,7 @@ def _of_engine(engine: Engine) -> Model:
     return Model(engine.name, Obtained.ENGINE, can, ignores=frozenset(engine.ignores))
 
 
-WITNESS = "static"  # every engine is held against it, on the same nodes
+WITNESS = "static"  # every engine is compared with it, on the same nodes
 _OF_THE_PIECES = {Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES}
 
 MODELS = {
@@ -140,5 +141,5 @@ def obtained_by(way: Obtained) -> tuple[str, ...]:
 
 
 def detailed(names: Iterable[str]) -> tuple[str, ...]:
-    """Those of ``names`` that follow progressive failure; SiDMACIB is held against them."""
+    """Those of ``names`` that follow progressive failure; SiDMACIB is compared with them."""
     return tuple(name for name in names if Ability.PROGRESSIVE in MODELS[name].abilities)

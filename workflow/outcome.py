@@ -1,4 +1,4 @@
-"""What any model finds for a case, before it is checked."""
+"""What a model finds for a case, before it is checked."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,9 @@ from sidmacib.mechanics.contact_law import Flags
 class State:
     """A ``load`` (N, along the direction of loading) that is carried.
 
-    ``displacement``: the one that the load works on, in m. ``force``: (N, 3) in N, on the piece
+    ``displacement``: the one that the load does work on, in m. ``force``: (N, 3) in N, on the piece
     above in the frame of the face, see `sidmacib.mechanics.equilibrium.face_frames`. ``bonded``:
-    (N,). Each is None in a model that does not tell it.
+    (N,). Each is None if the model does not give it.
     """
 
     load: float
@@ -25,9 +25,9 @@ class State:
 class Outcome:
     """States on the way, the last of them the peak, and loads in N.
 
-    ``failed_load``: the smallest known that is not carried. ``first_failure_load``: where the first
-    node fails; None in a model without failure. ``mode``: how the joint gives way, None if the
-    model does not tell.
+    ``failed_load``: the smallest load known not to be carried. ``first_failure_load``: where the
+    first node fails; None in a model
+    without failure. ``mode``: how the joint gives way; None if the model does not say.
     """
 
     path: tuple[State, ...]

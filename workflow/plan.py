@@ -21,7 +21,7 @@ from workflow.threedec import RETURNED, deck_folder, decks
 class Plan:
     """The cases of a study by model and name, and its jobs by name.
 
-    ``made``: jobs whose results the study consists of; ``extra``: those that are asked for.
+    ``made``: the jobs whose results make up the study; ``extra``: those that run only on request.
     """
 
     study: Study
@@ -35,12 +35,12 @@ class Plan:
         return {**self.made, **self.extra}
 
     def outputs(self) -> list[str]:
-        """Paths below the results' folder of all that the study consists of."""
+        """Paths, below the results folder, of everything that makes up the study."""
         return [name for job in self.made.values() for name in job.outputs]
 
 
 def plan_of(study: Study) -> Plan:
-    """All jobs of ``study``; results of 3DEC that came back count like any other model's."""
+    """All jobs of ``study``; results returned from 3DEC count like those of any other model."""
     cases = dict(cases_of(study))
     of_decks = decks(study)
     cases |= {
@@ -54,7 +54,7 @@ def plan_of(study: Study) -> Plan:
 
 
 def witnesses(cases: Iterable[Case]) -> list[Case]:
-    """Cases of the static model that no one asked for, to hold every engine's case against."""
+    """Cases of the static model that the study lacks, to compare every engine's case with."""
     cases = list(cases)
     known = {case.physics() for case in cases if case.model == WITNESS}
     found: dict[str, Case] = {}
@@ -69,15 +69,15 @@ def witnesses(cases: Iterable[Case]) -> list[Case]:
 
 
 def plan_file(job: Job, digest: str, results: Path) -> Path:
-    """Where the arguments of ``job`` are; its name tells all that the results depend on."""
+    """Where the arguments of ``job`` are; ``digest``, of what its results depend on, names it."""
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
 
 
 def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
-    """Write each job's plan, and take away what has to be made again; the plans by job.
+    """Write each job's plan, and remove what must be made again; returns the plans by job.
 
-    Results that are not what their job made are removed. Where they were made from something else
-    the plan is as new as now, newer than they are: it is among the job's inputs.
+    Results that are not what their job made are removed. If they were made from something else, the
+    plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
     """
     plans: dict[str, Path] = {}
     for job in jobs:

@@ -1,9 +1,9 @@
-"""What a job has made, and from what: receipts, held against the results at each start.
+"""What a job has made, and from what: receipts, compared with the results at every start.
 
-A receipt names the job's outputs with their contents' digests, and a digest of all that the job
+A receipt holds a digest of each of the job's outputs, and a digest of everything that the job
 depends on: its arguments, the code that it runs, the versions of the programs that it starts.
-Where an output is gone, or is not what the job made, the receipt goes, and the job is run again.
-Receipts hold no time and no place: a folder of results can be moved.
+If an output is missing, or is not what the job made, the job is run again. Receipts hold no times
+and no absolute paths: a results folder can be moved.
 """
 
 import hashlib
@@ -18,7 +18,7 @@ STALE = "made from something else"
 
 @dataclass(frozen=True)
 class Receipt:
-    """``digest``: of what the job depends on. ``outputs``: digests of files, below the results."""
+    """``digest``: of what the job depends on. ``outputs``: digests of its files, by path."""
 
     job: str
     digest: str
@@ -32,7 +32,7 @@ def digest_of(value: Any) -> str:
 
 
 def file_digest(path: Path) -> str:
-    """Digest of a file's content."""
+    """Digest of a file's contents."""
     with path.open("rb") as stream:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
@@ -47,7 +47,7 @@ def write_receipt(path: Path, job: str, digest: str, results: Path, outputs: Ite
 
 
 def read_receipt(path: Path) -> Receipt | None:
-    """The receipt at ``path``; None if there is none that can be read."""
+    """The receipt at ``path``; None if it is missing or cannot be read."""
     try:
         data: Mapping[str, Any] = json.loads(path.read_text())
         return Receipt(str(data["job"]), str(data["digest"]), dict(data["outputs"]))
@@ -56,7 +56,7 @@ def read_receipt(path: Path) -> Receipt | None:
 
 
 def fault(receipt: Receipt | None, job: str, digest: str, results: Path) -> str | None:
-    """Why the results of ``job`` are to be made again, in a few words; None if they hold."""
+    """Why the results of ``job`` must be made again, in a few words; None if they are valid."""
     if receipt is None:
         return "never made"
     if receipt.job != job:

@@ -29,6 +29,6 @@ for engine in $engines; do
 done
 
 python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
-    echo "python3: got $(python3 -V), allowed is 3.11 or newer" >&2
+    echo "python3: $(python3 -V) is too old; it must be 3.11 or newer" >&2
     exit 1
 }

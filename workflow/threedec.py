@@ -1,7 +1,7 @@
 """Decks for 3DEC, the commercial program of the paper, and the reader of what it prints back.
 
-3DEC is not run here: who has a licence runs the decks and leaves each one's results.txt beside it.
-What the decks assume of 3DEC is in docs/models.md; it has not been tried.
+3DEC is not run here: whoever has a licence runs the decks, and each leaves its results.txt beside
+it. What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 """
 
 import math
@@ -39,12 +39,12 @@ def decks(study: Study) -> dict[str, Case]:
 
 
 def fingerprint(case: Case) -> str:
-    """Name of a case with a digest of all that its results depend on."""
+    """Name of a case with a digest of its joint, nodes and loads."""
     return f"{case.name}-{case.physics()[:12]}"
 
 
 def deck_folder(name: str) -> str:
-    """Where a case's deck, and what 3DEC prints, is looked for, below the results' folder."""
+    """The folder of a case's deck and of what 3DEC prints, below the results folder."""
     return f"decks/{MODEL}/{name}"
 
 
@@ -110,7 +110,7 @@ def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
     """The assembly with 3DEC's own nodes, and what it printed for ``case``.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
-    `ResultError`, with the line, if the text is not of ``case`` as it is now, or not whole.
+    `ResultError` if the text is incomplete, or is not of ``case`` as it is now.
     """
     assembly = assemble(case.joint, case.mesh)
     numbers = {
@@ -131,10 +131,10 @@ def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
             loads = _numbers(values, 2, line)
         if kind == "NODE" and frozenset(values[:2]) in numbers:
             found = _numbers(values[2:], 9, line)
-            if found[3] > 0.0:  # otherwise nothing of the face belongs to it
+            if found[3] > 0.0:  # otherwise no part of the face belongs to it
                 rows.append((numbers[frozenset(values[:2])], found))
     if not ended or len(loads) != 2 or not rows:
-        raise ResultError(f"{RETURNED}: not whole: run the deck again")
+        raise ResultError(f"{RETURNED}: not whole; run the deck again")
     if of != fingerprint(case):
         raise ResultError(f"{RETURNED}: results of {of}; they must be of {fingerprint(case)}")
     return _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))

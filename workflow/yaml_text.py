@@ -1,8 +1,8 @@
-"""YAML text to plain values, from any bytes whatever: every fault is one line with its place.
+"""Read YAML text as plain values, from any bytes at all: every fault is one line with its place.
 
 Scalars are read by YAML 1.2's core schema: 6e-2 is a number, while ``no`` and dates are text. Keys
-are text always. A key that stands twice, a tag, and aliases that grow beyond bounds are refused:
-the usual loaders keep the last of two keys in silence, and follow aliases without end.
+are always text. Duplicate keys, tags, and aliases that grow beyond bounds are refused: the usual
+loaders silently keep the last of two keys, and follow aliases without end.
 """
 
 import math
@@ -26,7 +26,7 @@ _WORDS = {
     **dict.fromkeys(("-.inf", "-.Inf", "-.INF"), -math.inf),
     **dict.fromkeys((".nan", ".NaN", ".NAN"), math.nan),
 }
-_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it was built
+_Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, where it is available
 
 
 class TextError(ValueError):
@@ -34,7 +34,7 @@ class TextError(ValueError):
 
 
 def number_in(text: str) -> int | float | None:
-    """The decimal number that ``text`` spells; None if it spells none, or one beyond all floats."""
+    """The decimal number that ``text`` spells; None if it spells none, or one too large."""
     if _WHOLE.fullmatch(text):
         return int(text)
     number = float(text) if _NUMBER.fullmatch(text) else math.inf
@@ -44,7 +44,7 @@ def number_in(text: str) -> int | float | None:
 def parsed(data: bytes) -> Any:
     """The value that the YAML text ``data`` describes; None if it is empty. Raises `TextError`."""
     if len(data) > MAX_BYTES:
-        raise TextError(f"too long; it must have {MAX_BYTES:,} bytes or less")
+        raise TextError(f"too long; it must have {MAX_BYTES:,} bytes or fewer")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -70,7 +70,7 @@ def _told(error: yaml.MarkedYAMLError, text: str) -> str:
 
 
 class _Reader:
-    """Builds values from YAML's events; counts them, aliases in full."""
+    """Builds values from YAML's events, and counts them, an alias as all that it stands for."""
 
     def __init__(self, events: Iterator[yaml.Event]) -> None:
         self.events = events
@@ -85,12 +85,12 @@ class _Reader:
         next(self.events)  # end of the document
         following = next(self.events)
         if not isinstance(following, yaml.StreamEndEvent):
-            raise _at(following, "a second document; there must be one only")
+            raise _at(following, "a second document; there must be only one")
         return value
 
     def value(self, event: Any, depth: int) -> Any:
         if depth > MAX_DEPTH:
-            raise _at(event, f"nested too deep; {MAX_DEPTH} levels must do")
+            raise _at(event, f"nested too deeply; there must be {MAX_DEPTH} levels or fewer")
         if isinstance(event, yaml.AliasEvent):
             return self.alias(event)
         if event.tag is not None:
@@ -115,15 +115,15 @@ class _Reader:
         found: dict[str, Any] = {}
         while not isinstance(key := next(self.events), yaml.MappingEndEvent):
             if not isinstance(key, yaml.ScalarEvent):
-                raise _at(key, "a list or mapping as a key; a key must be a word")
+                raise _at(key, "a list or mapping as a key; keys must be words")
             if key.value in found:
-                raise _at(key, f"{key.value[:60]!r} stands twice; a key must stand once only")
+                raise _at(key, f"{key.value[:60]!r} appears twice; each key must appear only once")
             found[key.value] = self.value(next(self.events), depth + 1)
         return found
 
     def alias(self, event: Any) -> Any:
         if event.anchor not in self.anchored:
-            raise _at(event, f"*{event.anchor[:60]} stands for nothing before it")
+            raise _at(event, f"*{event.anchor[:60]} is an alias of nothing before it")
         value, count = self.anchored[event.anchor]
         self.count += count
         self.check(event)

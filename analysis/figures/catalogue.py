@@ -28,24 +28,24 @@ class FigureSpec:
     case: Case | None = None
 
 
-def figure_files(study: Study, references: tuple[str, ...]) -> list[str]:
-    """Paths of all figures of ``study`` below the results' folder."""
-    names = figures_of(study, references)
+def figure_files(study: Study, detailed: tuple[str, ...]) -> list[str]:
+    """Paths of all figures of ``study``, below the results folder."""
+    names = figures_of(study, detailed)
     return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
 
 
-def figures_of(study: Study, references: tuple[str, ...]) -> dict[str, FigureSpec]:
-    """All figures of ``study`` by name."""
-    return {spec.name: spec for spec in _figures(study, references)}
+def figures_of(study: Study, detailed: tuple[str, ...]) -> dict[str, FigureSpec]:
+    """All figures of ``study`` by name; ``detailed``: its detailed models, the first leading."""
+    return {spec.name: spec for spec in _figures(study, detailed)}
 
 
-def _figures(study: Study, references: tuple[str, ...]) -> Iterator[FigureSpec]:
+def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in study.samples:
         yield FigureSpec(f"options-{sample}", "options", sample)
-        for model in study.dem.engines or references[:1]:
+        for model in study.dem.engines or detailed[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]
-            suffix = "" if model == references[0] else f"-{model}"
+            suffix = "" if model == detailed[0] else f"-{model}"
             for kind, case in (
                 ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
                 (
@@ -61,7 +61,7 @@ def _figures(study: Study, references: tuple[str, ...]) -> Iterator[FigureSpec]:
 
 
 def _stress_case(own: list[Case], study: Study, distance: Callable[[float], float]) -> Case:
-    """The reference case, at the mesh of the stress maps, of least ``distance`` in e / a."""
+    """The case of the reference variant, at the stress maps' mesh, with the least ``distance``."""
     mesh = study.figures.mesh or min(study.meshes)
     shown = [case for case in own if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
     return min(shown, key=lambda case: distance(case.direction.eccentricity))

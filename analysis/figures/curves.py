@@ -64,7 +64,7 @@ def meshes(material: Material) -> Figure:
     axes = figure.subplots(1, len(samples), squeeze=False)[0]
     for axis, sample in zip(axes, samples, strict=True):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in material.references:
+            for model in material.detailed:
                 model_curve(axis, material, model, sample, mesh, colour)
         published_point(axis, material.capacity, sample)
         style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")

@@ -47,13 +47,13 @@ def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Draw every figure into the files that are named after it."""
     study = Study.model_validate_json(arguments["study"])
-    references = tuple(arguments["references"])
+    detailed_models = tuple(arguments["detailed_models"])
     capacity, validation, table, envelopes = (
         read_table(kind, path) for kind, path in zip(KINDS, inputs, strict=False)
     )
-    for name, spec in figures_of(study, references).items():
+    for name, spec in figures_of(study, detailed_models).items():
         place = arguments["records"].get(name)
         stresses = None if place is None else stresses_of(spec, inputs[place])
         tables = (capacity, validation, table, envelopes)
-        figure = DRAWN_BY[spec.kind](Material(spec, study, references, *tables, stresses))
+        figure = DRAWN_BY[spec.kind](Material(spec, study, detailed_models, *tables, stresses))
         style.save(figure, [path for path in outputs if path.stem == name])

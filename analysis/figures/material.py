@@ -24,13 +24,13 @@ class Stresses:
 class Material:
     """A figure's specification, the study, its tables, and the stresses that the figure shows.
 
-    ``references``: models that SiDMACIB is held against, the leading one first. ``table``: the
+    ``detailed``: the models that SiDMACIB is compared with, the leading one first. ``table``: the
     models beside each other.
     """
 
     spec: FigureSpec
     study: Study
-    references: tuple[str, ...]
+    detailed: tuple[str, ...]
     capacity: pd.DataFrame
     validation: pd.DataFrame
     table: pd.DataFrame
@@ -41,13 +41,13 @@ class Material:
     def models(self) -> tuple[str, ...]:
         """The models of the joint's pieces, the leading one first, those from elsewhere last."""
         own = self.table["model"].unique()
-        ordered = [m for m in (*self.references, *self.study.models) if m in own]
+        ordered = [m for m in (*self.detailed, *self.study.models) if m in own]
         return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return self.references[0]
+        return self.detailed[0]
 
     def cases(self, sample: str, mesh: float) -> list[str]:
         """The cases of a sample at a mesh (m), from pure shear to pure torsion."""

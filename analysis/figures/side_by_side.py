@@ -15,7 +15,9 @@ def side_by_side(material: Material) -> Figure:
     table = material.validation
     if table.empty:
         figure = Figure(figsize=(8, 2), layout="constrained")
-        figure.text(0.5, 0.5, "No published number belongs to a sample of this study.", ha="center")
+        figure.text(
+            0.5, 0.5, "The paper has no numbers for the samples of this study.", ha="center"
+        )
         return figure
     samples = list(dict.fromkeys(table["sample"]))
     figure = Figure(figsize=(9, 12.5), layout="constrained")

@@ -59,9 +59,8 @@ def _map(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {case.model}, mesh "
-        f"{case.mesh:g} m. "
-        "Seen from below. Faces of upper locks lie at z = h, of lower locks at z = 0; arrows: "
+        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {case.model}, mesh {case.mesh:g} "
+        "m. Seen from below. Faces of upper locks lie at z = h, of lower locks at z = 0; arrows: "
         "direction of the stress on the piece above; grey: broken. W: resultant over T0; mean: "
         f"mean magnitude over the cohesion. {material.assumed_geometry}",
         height=0.27,
@@ -73,7 +72,7 @@ def _without_result(material: Material) -> Figure:
     figure = Figure(figsize=(8, 2), layout="constrained")
     case = material.spec.case
     name = f"{case.name} ({case.model})" if case else material.spec.name
-    figure.text(0.5, 0.5, f"{name} has no result: see the summary.", ha="center")
+    figure.text(0.5, 0.5, f"{name} has no result; see the summary.", ha="center")
     return figure
 
 

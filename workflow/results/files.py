@@ -1,4 +1,4 @@
-"""The files of a single case: what an engine writes, and the checked record beside them."""
+"""The files of a single case: what an engine writes, and beside it the checked record."""
 
 import csv
 import json
@@ -22,7 +22,7 @@ NODE_COLUMNS = (
 )
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
-CLOSE = 1e-6  # of the assembly's length and of a node's area: printed numbers have fewer digits
+CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
 
 
 def case_folder(model: str, case: str) -> str:
@@ -55,7 +55,7 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
 
 
 def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
-    """Rows of a CSV file; `ResultError` names the line that lacks or exceeds a column."""
+    """Rows of a CSV file; `ResultError` names a line that has too few or too many columns."""
     try:
         with path.open(newline="") as stream:
             reader = csv.DictReader(stream, restkey="", restval=None)
@@ -74,7 +74,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
 
 
 def _numbers(path: Path, rows: list[dict[str, str]], columns: tuple[str, ...]) -> Floats:
-    """The ``columns`` as numbers, (rows, columns); `ResultError` where one is none or infinite."""
+    """The ``columns`` as finite numbers, (rows, columns); `ResultError` names one that is not."""
     try:
         values = np.array([[float(row[name]) for name in columns] for row in rows], dtype=float)
     except ValueError:
@@ -99,12 +99,12 @@ def _number(text: str) -> float:
 def read_nodes(path: Path, assembly: Assembly) -> tuple[Floats, np.ndarray]:
     """Forces (N, 3) in the frame of the face, in N on the piece above, and bonds (N,).
 
-    The nodes must be those of ``assembly``, in its order; `ResultError` otherwise.
+    `ResultError` unless the nodes are those of ``assembly``, in its order.
     """
     rows = read_table(path, NODE_COLUMNS)
     nodes = assembly.nodes
     if len(rows) != len(nodes.area):
-        raise ResultError(f"{path.name}: {len(rows)} nodes, the case has {len(nodes.area)}")
+        raise ResultError(f"{path.name}: {len(rows)} nodes, but the case has {len(nodes.area)}")
     values = _numbers(path, rows, (*POSITION, "area_m2", *STRESS, "bonded"))
     names = np.array([assembly.faces[number].name for number in nodes.face])
     apart = np.abs(values[:, :3] - nodes.position).max(axis=1) > CLOSE * assembly.length
@@ -143,14 +143,14 @@ def _read_history(path: Path) -> tuple[State, ...]:
 
 
 def write_record(record: CaseRecord, path: Path) -> None:
-    """Write ``record``, whole or not at all."""
+    """Write ``record``, completely or not at all."""
     draft = path.with_suffix(".draft")
     draft.write_text(record.to_json() + "\n")
     draft.replace(path)
 
 
 def read_records(paths: list[Path]) -> list[CaseRecord]:
-    """All records of files that hold one a line; `ResultError` names the file and line."""
+    """All records in files that hold one per line; `ResultError` names the file and line."""
     records = []
     for path in paths:
         for number, line in enumerate(path.read_text().splitlines(), start=1):

@@ -1,7 +1,7 @@
-"""What a model found for a case, checked: the one form in which every result goes on.
+"""What a model found for a case, checked: the one form that every result takes.
 
-Engines, models solved in this process and programs run elsewhere all end in an `Outcome`.
-`record_of` holds it against its case and turns it into a `CaseRecord`; nothing else reaches a
+Engines, models solved in this process and programs run elsewhere all give an `Outcome`.
+`record_of` checks it against its case and turns it into a `CaseRecord`; nothing else reaches a
 table.
 """
 
@@ -19,12 +19,12 @@ from sidmacib.weights import LockWeight, lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome
 
-DIGITS = 10  # significant digits that are kept; what lies below is noise of the arithmetic
+DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
 class ResultError(ValueError):
-    """A result that does not count; the message is one line that says what is wrong with it."""
+    """A result that is not accepted; the message says in one line what is wrong with it."""
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,10 @@ class CaseRecord:
     """The result of a case.
 
     Loads are along the case's direction, in N: ``load_N`` the largest at equilibrium,
-    ``failed_load_N`` the smallest known that is not carried, ``first_failure_load_N`` where the
+    ``failed_load_N`` the smallest known not to be carried, ``first_failure_load_N`` where the
     first node fails. ``mode``: how the joint gives way. ``unbalanced_share``: largest force (or
-    moment over a) that is left on a piece over the load. ``path``: loads (N) and displacements (m,
-    the one that the load works on). What a model does not tell is None or empty. ``error``: why
+    moment over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
+    that the load does work on). What a model does not give is None or empty. ``error``: why
     there is no result, in one line; all numbers are None then.
     """
 
@@ -68,7 +68,7 @@ class CaseRecord:
 
     @classmethod
     def from_json(cls, text: str) -> "CaseRecord":
-        """The record that `to_json` wrote; `ResultError` if it is none."""
+        """The record that `to_json` wrote; `ResultError` if ``text`` is anything else."""
         try:
             data = json.loads(text)
             data["weights"] = tuple(LockWeight(**each) for each in data["weights"])
@@ -94,10 +94,11 @@ def record_of(
     if peak.force is not None:
         if peak.force.shape != (len(assembly.nodes.area), 3):
             raise ResultError(
-                f"{len(peak.force)} nodes have stresses, the case has {len(assembly.nodes.area)}"
+                f"{len(peak.force)} nodes have stresses, but the case has "
+                f"{len(assembly.nodes.area)}"
             )
         if not np.isfinite(peak.force).all():
-            raise ResultError("a stress is no finite number")
+            raise ResultError("a stress is not a finite number")
         weights = tuple(
             _rounded_weight(each, case.joint.T0)
             for each in lock_weights(case.joint, assembly, peak.force)
@@ -142,16 +143,25 @@ def _identity(case: Case) -> dict[str, Any]:
 def _check_loads(outcome: Outcome) -> None:
     peak, failed, first = outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load
     if not (math.isfinite(peak) and peak > 0.0):
-        raise ResultError(f"peak load {peak:g} N: it must be finite and above 0")
+        raise ResultError(f"peak load {peak:g} N is not possible; it must be finite and above 0")
     if not (math.isfinite(failed) and failed >= peak * (1.0 - 1e-12)):
-        raise ResultError(f"failed load {failed:g} N: it must be finite and not below {peak:g} N")
+        raise ResultError(
+            f"failed load {failed:g} N is not possible; it must be finite and at least {peak:g} N"
+        )
     if first is not None and not 0.0 <= first <= failed:
-        raise ResultError(f"first failure at {first:g} N: it must lie between 0 and {failed:g} N")
+        raise ResultError(
+            f"first failure at {first:g} N is not possible; it must be from 0 to {failed:g} N"
+        )
     for state in outcome.path:
         if not math.isfinite(state.load) or state.load > peak * (1.0 + 1e-12):
-            raise ResultError(f"load {state.load:g} N on the path to a peak of {peak:g} N")
+            raise ResultError(
+                f"load {state.load:g} N is not possible on the path to a peak of {peak:g} N"
+            )
         if state.displacement is not None and not math.isfinite(state.displacement):
-            raise ResultError(f"displacement {state.displacement:g} m at {state.load:g} N")
+            raise ResultError(
+                f"displacement {state.displacement:g} m at {state.load:g} N is not possible; "
+                "it must be finite"
+            )
 
 
 def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
@@ -166,7 +176,7 @@ def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
 
 
 def _clean(value: float, noise: float = NOISE) -> float:
-    """``value`` in multiples of ``noise``: what is left differs on no machine."""
+    """``value`` in multiples of ``noise``: the same on every machine."""
     return _significant(round(value / noise) * noise)
 
 

@@ -1,8 +1,8 @@
 """The study's tables: their columns, with units in the names, their keys, and the checks on both.
 
-Every table is written and read here, as CSV and, for large studies, as Parquet beside it. Numbers
-have ten digits. An infinite eccentricity is pure torsion; where a number is missing the cell is
-empty. ``case`` is a case's identity apart from model and variant: tables are joined on it.
+Every table is written and read here, as CSV with Parquet beside it. Numbers have ten digits. An
+infinite eccentricity is pure torsion; a missing number is an empty cell. ``case`` is a case's
+identity apart from model and variant: tables are joined on it.
 """
 
 import math
@@ -16,15 +16,15 @@ DIGITS = 10
 
 
 class TableError(ValueError):
-    """A table that is not as it should be; the message names the table and what is wrong."""
+    """A table that is not what it should be; the message names the table and what is wrong."""
 
 
 @dataclass(frozen=True)
 class Table:
     """The form of a table.
 
-    ``columns``: in their order; ``key``: no two rows agree in all of them; ``more``: other columns
-    may follow; ``digits``: significant ones of its numbers.
+    ``columns``: in order; ``key``: columns that no two rows agree in; ``more``: whether other
+    columns may follow; ``digits``: number of significant digits.
     """
 
     name: str
@@ -144,7 +144,7 @@ def _require(table: Table, rows: pd.DataFrame) -> None:
 
 
 def _checked(table: Table, rows: pd.DataFrame) -> pd.DataFrame:
-    """``rows`` in the order of the columns, with as many digits as the table has."""
+    """``rows`` with the columns in order and the numbers rounded, both as ``table`` says."""
     _require(table, rows)
     others = [column for column in rows if column not in table.columns]
     rows = rows[[*table.columns, *others]].reset_index(drop=True)
@@ -154,6 +154,6 @@ def _checked(table: Table, rows: pd.DataFrame) -> pd.DataFrame:
     for column in rows.select_dtypes("float"):
         values = rows[column].to_numpy(dtype=float)
         if np.isinf(values).any() and not column.startswith("eccentricity"):
-            raise TableError(f"{table.name}: {column} is infinite")
+            raise TableError(f"{table.name}: {column} is infinite; it must be finite")
         rows[column] = [v if math.isnan(v) else float(f"{v:.{table.digits}g}") for v in values]
     return rows

@@ -1,6 +1,6 @@
-"""The configuration's schema, a module for each section: keys, units, ranges and defaults.
+"""The configuration's schema, one module per section: keys, units, ranges and defaults.
 
-It knows no model by name: what the models can is checked in `workflow.consistency`.
+It knows no model by name: what the models can do is checked in `workflow.consistency`.
 """
 
 from workflow.schema.study import Study

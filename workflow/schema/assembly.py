@@ -23,7 +23,7 @@ _CHANGES: Any = changes_to(AssemblySection)
 
 
 class VariantSection(_CHANGES):
-    """What differs from the study, and where: everywhere if meshes, eccentricities are None."""
+    """What differs from the study, and at which meshes and eccentricities (None: at all)."""
 
     numerics: NumericsChanges = NumericsChanges()
     meshes: Lengths | None = None

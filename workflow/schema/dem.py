@@ -10,7 +10,7 @@ from workflow.schema.values import Number, Several
 
 
 class DemSection(Section):
-    """Engines by name, the time that one case may take (s), and how they compute."""
+    """Engines by name, the longest time for one case (s), and the engines' numerics."""
 
     engines: Annotated[tuple[str, ...], Several]
     time_limit: Annotated[float, BeforeValidator(Number(at_least=1, at_most=1e7, unit="s"))] = (

@@ -40,5 +40,5 @@ class MaterialsSection(Section):
 
 
 def face_material(section: InnerFaceSection | DryFaceSection) -> FaceMaterial:
-    """The same as the models take it."""
+    """The section as the models take it."""
     return FaceMaterial(**section.model_dump())

@@ -1,4 +1,4 @@
-"""How the engines look for the peak: ranges of `workflow.engines.numerics.Numerics`."""
+"""How the engines search for the peak: ranges of `workflow.engines.numerics.Numerics`."""
 
 from typing import Annotated, Any
 
@@ -26,7 +26,7 @@ class NumericsSection(_KEYS):
     """The keys of `Numerics`."""
 
     def numerics(self) -> Numerics:
-        """The same as the engines take it."""
+        """The section as the engines take it."""
         return Numerics(**self.model_dump())
 
 
@@ -34,4 +34,4 @@ _CHANGES: Any = changes_to(NumericsSection)
 
 
 class NumericsChanges(_CHANGES):
-    """Changes to the numerics; what is None stays."""
+    """Changes to the numerics; None means no change."""

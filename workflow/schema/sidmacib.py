@@ -26,7 +26,7 @@ class OptionSection(Section):
         return self
 
     def contact_option(self) -> ContactOption:
-        """The same as the models take it; ValueError if positions and portions do not fit."""
+        """The section as the models take it; ValueError if positions and portions do not match."""
         return ContactOption(self.positions, self.portions)
 
 

@@ -19,7 +19,7 @@ from workflow.schema.values import Eccentricities, Entries, Folder, Lengths, Nam
 
 
 class Study(Section):
-    """A whole study: joints, meshes and directions of loading, and the models that they run in."""
+    """A whole study: joints, meshes, directions of loading, and the models that are run on them."""
 
     results: Folder = "results"
     samples: Annotated[dict[Name, SampleSection], Entries]
@@ -38,11 +38,11 @@ class Study(Section):
 
     @property
     def model_names(self) -> tuple[str, ...]:
-        """Names of the models whose cases the study consists of: engines, then others."""
+        """Names of the models that the study runs: engines, then the others."""
         return *self.dem.engines, *self.models
 
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
-        """The joint of ``sample``, assembled as the study says or as another ``assembly``."""
+        """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
         own = self.samples[sample].model_dump(exclude_none=True)
         return Joint(
@@ -55,7 +55,7 @@ class Study(Section):
         )
 
     def tables_json(self) -> str:
-        """What tables depend on, as JSON: not how engines compute."""
+        """What the tables depend on, as JSON; the engines' numerics are not part of it."""
         return self._without("results", "overrides", "variants", "calibration", "figures")
 
     def pieces_json(self) -> str:
@@ -63,7 +63,7 @@ class Study(Section):
         return self._without("results", "overrides", "calibration", "figures")
 
     def figures_json(self) -> str:
-        """What figures depend on, as JSON: not how engines compute."""
+        """What the figures depend on, as JSON; the engines' numerics are not part of it."""
         return self._without("results", "overrides", "calibration")
 
     def calibration_json(self) -> str:
@@ -71,6 +71,6 @@ class Study(Section):
         return self.model_dump_json(exclude={"results", "overrides", "variants", "figures"})
 
     def _without(self, *sections: str) -> str:
-        """All but some sections and how engines compute; what is left is a valid study."""
+        """All but some sections and the engines' numerics; what is left is a valid study."""
         dem = {"numerics": True, "time_limit": True}
         return self.model_dump_json(exclude={**dict.fromkeys(sections, True), "dem": dem})

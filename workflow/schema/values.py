@@ -1,6 +1,7 @@
-"""Kinds of values in the configuration, each with its range, its unit and a line for its faults.
+"""Kinds of values in the configuration, each with its range, its unit and its message.
 
-A fault is a ValueError whose text follows the key's name: "-1 is not allowed; it must be ...".
+A fault raises a ValueError whose text comes after the key's name: "-1 is not allowed; it must
+be ...".
 """
 
 import math
@@ -15,13 +16,13 @@ from pydantic import BeforeValidator, PlainSerializer
 
 from workflow.yaml_text import number_in
 
-MAX_SHOWN = 60  # letters of a value in a message
-NAME_LENGTH = 64  # two names and more make the name of a folder, of at most 255 letters
+MAX_SHOWN = 60  # letters of a value that a message shows
+NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more
 PATH_LENGTH, PART_LENGTH = 1000, 200
 
 
 def shown(value: Any) -> str:
-    """``value`` in a message: short, in one line and printable, whatever it is."""
+    """``value`` as shown in a message: short, printable and in one line, whatever it is."""
     if value is None or isinstance(value, bool):
         found = {None: "null", True: "true", False: "false"}[value]
     elif isinstance(value, str):
@@ -41,17 +42,17 @@ def shown(value: Any) -> str:
 
 
 def shown_key(key: Any) -> str:
-    """A key in a message: as it is, if it is a short word."""
+    """A key as shown in a message: unchanged if it is a short word."""
     plain = isinstance(key, int) or (isinstance(key, str) and re.fullmatch(r"[\w.+-]{1,80}", key))
     return str(key) if plain else shown(key)
 
 
 @dataclass(frozen=True)
 class Number:
-    """Takes numbers within a range; ``unit`` is for messages.
+    """Accepts numbers within a range; ``unit`` is for messages.
 
-    Text that spells a decimal number is taken for the number: 6e-2 is text to some readers of
-    YAML, and all values of a command line are. true and false are no numbers.
+    Text that spells a decimal number counts as the number: some YAML readers take 6e-2 for text,
+    and every value on a command line is text. true and false are not numbers.
     """
 
     above: float = -math.inf
@@ -62,7 +63,7 @@ class Number:
     whole: bool = False
 
     def __call__(self, value: Any) -> float:
-        """``value`` as a number; ValueError if it is none, or out of range."""
+        """``value`` as a number; ValueError if it is not one, or is out of range."""
         number = number_in(value) if isinstance(value, str) else value
         if isinstance(number, bool) or not isinstance(number, Real):
             raise ValueError(f"{shown(value)} is not a number; it must be {self.range(kind=True)}")
@@ -105,7 +106,7 @@ Share = Annotated[float, BeforeValidator(Number(above=0, below=1))]
 
 
 def eccentricity(value: Any) -> float:
-    """E / a as a number; "torsion" is infinity."""
+    """The ratio e / a as a number; "torsion" is infinity."""
     if isinstance(value, str | float) and value in ("torsion", math.inf):
         return math.inf
     try:
@@ -126,14 +127,16 @@ Eccentricity = Annotated[
 
 
 def name(value: Any) -> str:
-    """A name, which becomes part of names of files and of columns."""
+    """A name, which becomes part of the names of files and columns."""
     if not isinstance(value, str) or not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_.]*", value):
         raise ValueError(
             f"{shown(value)} is not allowed as a name; it must be made of letters, digits, _ and "
             "., and begin with a letter or digit"
         )
     if len(value) > NAME_LENGTH:
-        raise ValueError(f"{shown(value)} is too long a name; {NAME_LENGTH} letters must do")
+        raise ValueError(
+            f"{shown(value)} is too long; a name must have {NAME_LENGTH} letters or fewer"
+        )
     return value
 
 
@@ -155,7 +158,10 @@ def folder(value: Any) -> str:
     if parts[-1] in ("", ".", ".."):
         raise ValueError(f"{shown(text)} is not allowed; it must be a folder of its own")
     if max(len(p.encode()) for p in parts) > PART_LENGTH or len(path.encode()) > PATH_LENGTH:
-        raise ValueError(f"{shown(text)} is too long; {PART_LENGTH} letters must do for a folder")
+        raise ValueError(
+            f"{shown(text)} is too long; each part must have {PART_LENGTH} bytes or fewer, "
+            f"the whole {PATH_LENGTH} or fewer"
+        )
     return path
 
 

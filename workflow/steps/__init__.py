@@ -1,1 +1,1 @@
-"""The steps that find a case's result; each module's ``run`` is one."""
+"""The steps that find the cases' results; each module's ``run`` does one."""

@@ -1,4 +1,4 @@
-"""Write the files of one case that was solved in a batch, as an engine's folder has them."""
+"""Write the files of one case that was solved in a batch, like those in an engine's folder."""
 
 import json
 import sys

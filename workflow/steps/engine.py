@@ -19,7 +19,7 @@ from workflow.results.record import ResultError, failed_record, record_of
 def run(
     arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
 ) -> str | None:
-    """Write the record and, where the engine ends well, its own files; returns what went wrong."""
+    """Write the record and, if the engine succeeds, its own files; returns what went wrong."""
     case = Case.from_json(arguments["case"])
     record, result = outputs
     folder = record.parent

@@ -1,4 +1,4 @@
-"""Read what a program that is run elsewhere has printed for a case, check it, write the record."""
+"""Read what a program run elsewhere printed for a case, check it, and write the record."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +14,7 @@ from workflow.threedec import read_returned
 def run(
     arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
 ) -> str | None:
-    """Write the record; returns what is wrong with the text, if anything is."""
+    """Write the record; returns what is wrong with the text, None if nothing is."""
     case = Case.from_json(arguments["case"])
     try:
         assembly, found = read_returned(inputs[0].read_text(errors="replace"), case)

@@ -25,7 +25,7 @@ HISTORY_COLUMNS = ("load_N", "displacement_m")
 def run(
     arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
 ) -> str | None:
-    """Write records, nodes and histories of all cases; a case that fails has its reason."""
+    """Write records, nodes and histories; the record of a case that fails holds the reason."""
     solver = importlib.import_module(arguments["module"])
     records: list[CaseRecord] = []
     nodes: list[pa.Table] = []
