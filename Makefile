@@ -3,7 +3,7 @@
 # make calibrate  which geometry fits the published numbers
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
-# make bench   how long everything takes on this machine, as a table
+# make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
@@ -12,8 +12,9 @@ CONFIG ?= config.yaml
 RESULTS ?=
 CASE ?=
 MODEL ?=
+BASE ?=
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL
+export CONFIG RESULTS CASE MODEL BASE
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
@@ -36,7 +37,7 @@ decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)
 
 bench: .venv/test.ready
-	@$(BIN)/python -m benchmarks
+	@$(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
 	$(BIN)/pytest

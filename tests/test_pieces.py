@@ -96,7 +96,7 @@ def boxes(size: float, gap: float) -> tuple[Piece, Piece]:
     """Two cubes, one above the other, ``gap`` apart."""
     return (
         Piece("lower", (0.0, 0.0, 0.0), (size, size, size), 1.0),
-        Piece("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 2 * size + gap), 1.0),
+        Piece("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 3 * size), 1.0),
     )
 
 

@@ -8,18 +8,17 @@ import ctypes
 import importlib
 import json
 import os
+import resource
 import signal
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
-
-
-class StepError(RuntimeError):
-    """A step cannot be done; the message is one line."""
+SELF, CHILDREN = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
 
 
 def end_with_parent() -> None:
@@ -48,16 +47,27 @@ def run_job(plan: dict[str, Any]) -> None:
     write_receipt(receipt, plan["name"], plan["digest"], results, made)
 
 
+def write_times(path: Path, start: float) -> None:
+    """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs."""
+    own, programs = (resource.getrusage(who) for who in (SELF, CHILDREN))
+    times = {
+        "wall_s": time.monotonic() - start,
+        "own_cpu_s": own.ru_utime + own.ru_stime,
+        "programs_cpu_s": programs.ru_utime + programs.ru_stime,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(times) + "\n")
+
+
 def main() -> None:
     """Command line: the plan of the job, a file."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
     signal.signal(signal.SIGHUP, lambda *_: sys.exit("stopped"))
     end_with_parent()
     plan = json.loads(Path(sys.argv[1]).read_text())
-    try:
-        run_job(plan)
-    except StepError as error:
-        sys.exit(f"{plan['name']}: {error}")
+    start = time.monotonic()
+    run_job(plan)
+    write_times(Path(plan["results"], ".times", f"{plan['name']}.json"), start)
 
 
 if __name__ == "__main__":

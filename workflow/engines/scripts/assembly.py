@@ -9,6 +9,8 @@ from typing import Any
 
 Vector = Sequence[float]
 
+LEAST_TENSION = 1e-6  # over the cohesion
+
 
 @dataclass(frozen=True)
 class Material:
@@ -19,6 +21,14 @@ class Material:
     friction: float
     cohesion: float
     tensile_strength: float
+
+    @property
+    def told_tensile_strength(self) -> float:
+        """Tensile strength (Pa), or the least that can be told from none by more than rounding.
+
+        Bonds without any would break in faces that carry nothing, at random.
+        """
+        return max(self.tensile_strength, LEAST_TENSION * self.cohesion)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from .records import NodeForce, Outcome, Peak, failure_mode
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
+STEPS = 10  # to a load that is known
 
 
 class Model(Protocol):
@@ -24,6 +25,9 @@ class Model(Protocol):
 
     def node_forces(self) -> Sequence[NodeForce]:
         """Forces of all nodes, in their order."""
+
+    def check_flat(self, load: float) -> None:
+        """End with a reason where its contacts no longer stand for flat faces."""
 
     def keep(self) -> None:
         """Keep the present state."""
@@ -73,7 +77,17 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         if first:
             growth = GROWTH  # the first failure is found: on to the peak
         load += increment
+        model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * search.first_increment_N:
             raise SystemExit("the load grows without a peak")
         increment *= growth
+
+
+def outcome_at(model: Model, load: float) -> Outcome:
+    """What becomes of a new ``model`` that is raised to ``load`` (N) in equal steps."""
+    outcome = model.raised(0.0, 0.0, (0.0, 1.0))
+    for step in range(STEPS):
+        if outcome is Outcome.EQUILIBRIUM:
+            outcome = model.raised(load * step / STEPS, load * (step + 1) / STEPS, (1.0, 1.0))
+    return outcome

@@ -84,6 +84,14 @@ class LiggghtsModel:
         for event in self.events:
             self._do(event)
 
+    def replay(self, events: Sequence[Event]) -> Outcome:
+        """Do all of that, as long as an equilibrium follows."""
+        outcome = Outcome.EQUILIBRIUM
+        for event in events:
+            if outcome is Outcome.EQUILIBRIUM:
+                outcome = self._new(event)
+        return outcome
+
     def _new(self, event: Event) -> Outcome:
         self.history.attempts += 1
         self.events.append(event)
@@ -224,6 +232,4 @@ def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> fl
     """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))
-    strength = law.tensile_strength * area
-    tension = -along / strength if strength > 0 else math.inf if along < 0 else 0.0
-    return max(shear / (law.cohesion * area), tension)
+    return max(shear / (law.cohesion * area), -along / (law.told_tensile_strength * area))

@@ -3,10 +3,11 @@
 from pathlib import Path
 
 from .assembly import Assembly, Search
+from .flatness import FLATTER, check_mechanism
 from .liggghts_deck import Deck
 from .liggghts_model import DATA_FILE, INPUT_SCRIPT, LiggghtsModel
 from .next_failure import peak_by_failures
-from .records import History
+from .records import MECHANISM, History
 
 
 def find_peak(
@@ -18,10 +19,19 @@ def find_peak(
     ``largest_radius_m``: of contact spheres, which are large so that contacts are flat; ``ranks``:
     processes of LIGGGHTS.
     """
-    deck, history = Deck(assembly, search, largest_radius_m), History(assembly)
-    Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
-    Path(DATA_FILE).write_text(deck.data_file(title))
-    model = LiggghtsModel(deck, ranks, history)
+
+    def new_model(radius: float, history: History) -> LiggghtsModel:
+        deck = Deck(assembly, search, radius)
+        Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
+        Path(DATA_FILE).write_text(deck.data_file(title))
+        return LiggghtsModel(deck, ranks, history)
+
+    history = History(assembly)
+    model = new_model(largest_radius_m, history)
     peak = peak_by_failures(model, search)
     model.engine.stop()
+    if peak.mode == MECHANISM:
+        flatter = new_model(FLATTER * largest_radius_m, History(assembly))
+        check_mechanism(peak, flatter.replay(model.events))
+        flatter.engine.stop()
     history.write(peak, "liggghts", model.engine.version)

@@ -42,6 +42,7 @@ class YadeModel:
         self.history = history
         self.breakable = not settings.ductile
         self.face_of = [assembly.faces[node.face] for node in assembly.nodes]
+        O.reset()  # it may hold another model
         self.clumps, self.pairs = self._build()
         # Node forces, while nothing has moved since, and those of the state that was kept.
         self.seen: list[NodeForce] | None = None
@@ -96,7 +97,7 @@ class YadeModel:
             poisson=law.shear_stiffness / law.normal_stiffness,
             frictionAngle=math.atan(law.friction),
             isCohesive=law.cohesion > 0,
-            normalCohesion=law.tensile_strength * area / radius**2,
+            normalCohesion=law.told_tensile_strength * area / radius**2,
             shearCohesion=law.cohesion * area / radius**2,
             momentRotationLaw=False,
             # Dry nodes too: if not, one in tension shifts its reference and closes too early.
@@ -188,6 +189,11 @@ class YadeModel:
             for force, face in zip(forces, self.face_of, strict=True)
         )
 
+    def check_flat(self, load: float) -> None:
+        """End with a reason where contact spheres no longer stand for flat faces."""
+        radii = [self.settings.radius_m] * len(self.assembly.faces)
+        check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
+
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
         """Raise the load smoothly from start to end (N) and wait for what becomes of it.
@@ -223,9 +229,6 @@ class YadeModel:
 
     def _ended(self, load: float, outcome: Outcome) -> Outcome:
         self._record(load, outcome.value)
-        if outcome is Outcome.EQUILIBRIUM:
-            radii = [self.settings.radius_m] * len(self.assembly.faces)
-            check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
         return outcome
 
     def _record(self, load: float, stage: str) -> None:
