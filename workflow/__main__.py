@@ -7,6 +7,7 @@ from pathlib import Path
 
 from workflow.cases import find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.consistency import notes
 from workflow.results.files import RECORD, case_folder
 
 
@@ -26,6 +27,8 @@ def snakemake(config: Path, results: str, targets: Sequence[str], engines: Seque
 def study(config: Path, results: str | None) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     own = read_study_file(config, results)
+    for line in notes(own):
+        print(f"Note: {line}", file=sys.stderr)
     whole = snakemake(config, own.results, (), installed_engines(own))
     summary = Path(own.results, "summary.txt")
     if summary.is_file():

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 from typing import Any
 
+from workflow.closure import code_digest
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
@@ -31,6 +32,9 @@ def end_with_parent() -> None:
 
 def run_job(plan: dict[str, Any]) -> None:
     """Do the job that ``plan`` describes as plain data, and leave a receipt if it has a result."""
+    code = plan["code"]
+    if code_digest(code["modules"], code["files"]) != code["digest"]:
+        sys.exit(f"{plan['name']}: the code was edited after the run had begun; start it again")
     results = Path(plan["results"])
     receipt = results / plan["receipt"]
     receipt.unlink(missing_ok=True)

@@ -57,10 +57,13 @@ class Job:
         """Path of its receipt, below the results folder."""
         return f".receipts/{self.name}.json"
 
+    def code(self) -> str:
+        """Digest of the code that it runs."""
+        return code_digest((RUNNER, self.step, *self.modules), self.files)
+
     def digest(self) -> str:
         """Digest of everything that its results depend on, except its inputs."""
-        code = code_digest((RUNNER, self.step, *self.modules), self.files)
-        return digest_of([self.name, code, dict(self.arguments), dict(self.versions)])
+        return digest_of([self.name, self.code(), dict(self.arguments), dict(self.versions)])
 
     def plan(self, digest: str, results: Path) -> dict[str, Any]:
         """Everything that `workflow.job` needs to know, as plain data."""
@@ -68,6 +71,11 @@ class Job:
             "name": self.name,
             "digest": digest,
             "step": self.step,
+            "code": {
+                "digest": self.code(),
+                "modules": (RUNNER, self.step, *self.modules),
+                "files": self.files,
+            },
             "results": str(results),
             "inputs": self.inputs,
             "outputs": self.outputs,

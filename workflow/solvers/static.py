@@ -14,4 +14,4 @@ def solve(assembly: Assembly, loads: Loads) -> Outcome:
         State(float(p.load), float(along @ p.displacement), p.force, p.state.bonded)
         for p in solution.path
     )
-    return Outcome(path, solution.failed_load, solution.first_failure_load)
+    return Outcome(path, solution.failed_load, solution.first_failure_load, str(solution.mode))

@@ -38,7 +38,7 @@ def run(
             records.append(failed_record(case, f"{case.model}: {error}"))
             continue
         records.append(record)
-        nodes.append(node_table(case, assembly, found))
+        nodes += node_table(case, assembly, found)
         histories.append(history_table(case, found))
     outputs[0].write_text("".join(record.to_json() + "\n" for record in records))
     for tables, path in ((nodes, outputs[1]), (histories, outputs[2])):
@@ -56,11 +56,14 @@ def solved(case: Case, solve: Any) -> tuple[CaseRecord, Assembly, Outcome]:
     return record_of(case, assembly, loads, found, {}), assembly, found
 
 
-def node_table(case: Case, assembly: Assembly, found: Outcome) -> pa.Table:
-    """Stresses at the peak, one row per node, in the columns of an engine's nodes.csv."""
+def node_table(case: Case, assembly: Assembly, found: Outcome) -> list[pa.Table]:
+    """Stresses at the peak, one row per node, in the columns of an engine's nodes.csv.
+
+    No table if the model tells none.
+    """
     nodes, peak = assembly.nodes, found.path[-1]
-    assert peak.force is not None
-    assert peak.bonded is not None
+    if peak.force is None or peak.bonded is None:
+        return []
     stress = force_to_stress(nodes, face_frames(assembly), peak.force)
     values: Floats = np.column_stack([nodes.position, nodes.area, stress])
     columns: dict[str, Any] = {
@@ -69,7 +72,7 @@ def node_table(case: Case, assembly: Assembly, found: Outcome) -> pa.Table:
         "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
     }
     columns |= dict(zip(NODE_COLUMNS[2:], values.T, strict=False))
-    return pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})
+    return [pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})]
 
 
 def history_table(case: Case, found: Outcome) -> pa.Table:

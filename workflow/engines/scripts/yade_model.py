@@ -176,8 +176,7 @@ class YadeModel:
         """Forces of all nodes."""
         if self.seen is None:
             self.seen = [
-                _node_force(pair, face)
-                for pair, face in zip(self.pairs, self.face_of, strict=True)
+                _node_force(pair, face) for pair, face in zip(self.pairs, self.face_of, strict=True)
             ]
         return self.seen
 
