@@ -1,6 +1,5 @@
 """What several tests need."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +10,7 @@ from hypothesis import settings
 
 from analysis.reading import CaseResult, read_case
 from sidmacib.joint import Joint
-from sidmacib.loading import Loading
+from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
     Kind,
@@ -21,10 +20,11 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
+from sidmacib.pieces import assemble
 from workflow.cases import Case
 from workflow.engines import ENGINES
-from workflow.execute import execute
-from workflow.render import DATA_FILE, assembly_data, script, write_case
+from workflow.engines.numerics import Numerics as EngineNumerics
+from workflow.engines.run import run_engine
 from workflow.study import Numerics
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
@@ -80,12 +80,8 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
     """Search the peak of a block on the ground; returns the folder of the results."""
 
     def run(name: str, assembly: Assembly, loads: Loads) -> Path:
-        engine, folder = ENGINES[name], tmp_path / "block"
-        folder.mkdir()
-        text = script(engine, "block", assembly, loads, Numerics(tolerance=5e-4))
-        (folder / engine.script).write_text(text)
-        (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-        execute(engine, folder, 120)
+        numerics, folder = EngineNumerics(tolerance=5e-4), tmp_path / "block"
+        run_engine(ENGINES[name], assembly, loads, numerics, "block", folder, 120)
         return folder
 
     return run
@@ -114,6 +110,9 @@ def run(tmp_path: Path) -> Callable[[Case], CaseResult]:
 
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it."""
-    write_case(case, folder)
-    execute(ENGINES[case.model], folder, 300)
+    assembly = assemble(case.joint, case.mesh)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    assert case.numerics is not None
+    run_engine(ENGINES[case.model], assembly, loads, case.numerics, case.name, folder, 300)
+    (folder / "case.json").write_text(case.model_dump_json())
     return folder

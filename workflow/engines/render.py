@@ -43,9 +43,7 @@ def write_script(
         shutil.copy(MODULES / name, modules / name)
 
 
-def script(
-    engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str
-) -> str:
+def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str) -> str:
     """The engine's script for ``assembly`` under ``loads``."""
     frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])

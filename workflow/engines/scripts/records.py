@@ -26,7 +26,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class NodeForce:
-    """Normal force (N, compression positive), shear on the piece above (N), whether it is bonded."""
+    """Normal force (compression positive), shear on the piece above, in N; whether it is bonded."""
 
     normal: float
     shear: Vector
@@ -97,9 +97,7 @@ class History:
 
         Exits with a reason if a load or a stress is no number.
         """
-        table = [
-            node_row(self.assembly, number, force) for number, force in enumerate(peak.nodes)
-        ]
+        table = [node_row(self.assembly, number, force) for number, force in enumerate(peak.nodes)]
         numbers = [value for row in table for value in row.values() if isinstance(value, float)]
         if not all(map(math.isfinite, [peak.load, peak.failed_load, *numbers])):
             raise SystemExit("the computation has diverged: its results are no numbers")

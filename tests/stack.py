@@ -1,0 +1,65 @@
+"""An assembly that is no joint: a stack of dry blocks, tilted until they slide or fall."""
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    FaceMaterial,
+    Kind,
+    Loads,
+    Piece,
+    contact_nodes,
+    self_weight,
+    shared_face,
+)
+
+
+def tilted_stack(
+    blocks: int = 3,
+    friction: float = 0.5,
+    width: float = 0.2,
+    height: float = 0.1,
+    depth: float = 0.2,
+    mesh: float = 0.05,
+    density: float = 2000.0,
+    stiffness: float = 1e10,
+) -> tuple[Assembly, Loads]:
+    """Equal blocks on a fixed one, each ``width`` (x) by ``depth`` (y) by ``height`` (z).
+
+    Lengths in m, ``density`` in kg/m3, ``stiffness`` in Pa/m. Tilting by an angle makes the weight
+    act sideways too, by its tangent k: the load is k times the weight of all blocks. The tilt
+    happens about y, so that the stack slides or falls towards +x.
+    """
+    x, y = width / 2, depth / 2
+    mass = density * width * depth * height
+    ground = Piece("ground", (-x, -y, -height), (x, y, 0.0), mass, fixed=True)
+    pieces = (
+        ground,
+        *(
+            Piece(f"block{i + 1}", (-x, -y, i * height), (x, y, (i + 1) * height), mass)
+            for i in range(blocks)
+        ),
+    )
+    dry = FaceMaterial(stiffness, stiffness, friction, cohesion=0.0, tensile_strength=0.0)
+    faces = tuple(
+        shared_face(f"bed{i + 1}", Kind.DRY, dry, pieces, (i, i + 1)) for i in range(blocks)
+    )
+    weight = self_weight(pieces)
+    weight[0] = 0.0  # the ground carries itself
+    variable = np.zeros_like(weight)
+    variable[1:, 0] = 1.0 / blocks
+    total = -float(weight[:, 2].sum())
+    return Assembly(pieces, faces, contact_nodes(faces, mesh), width), Loads(
+        weight, variable, total
+    )
+
+
+def hinge(assembly: Assembly) -> float:
+    """Distance (m) from the stack's axis to the outermost nodes, about which it overturns."""
+    return float(assembly.nodes.position[:, 0].max())
+
+
+def overturning(assembly: Assembly) -> float:
+    """Tangent k of the tilt at which the whole stack overturns: lever of its weight over height."""
+    top = max(piece.high[2] for piece in assembly.pieces)
+    return hinge(assembly) / (top / 2)
