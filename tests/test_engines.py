@@ -8,15 +8,17 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import a_case, block_on_ground, load_on_block, run_case
+from stack import overturning, tilted_stack
 
-from analysis.balance import unbalanced_share
-from analysis.weights import lock_weights
-from sidmacib.joint import DRY, Direction, Joint
+from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
-from workflow.results import OUTPUTS
+from workflow.engines.execute import OUTPUTS, EngineError
+from workflow.engines.numerics import Numerics
+from workflow.engines.run import run_engine
 
 pytestmark = pytest.mark.engine
 
@@ -31,12 +33,12 @@ def test_one_inner_face_alone_fails_at_T0_in_pure_shear(
     engine: str, joint: Joint, run_block
 ) -> None:
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
-    folder = run_block(
-        engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0)
-    )
+    folder = run_block(engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
     result = json.loads((folder / "result.json").read_text())
     assert result["peak_load_N"] == pytest.approx(joint.T0, rel=1e-3)
     assert result["peak_load_N"] <= joint.T0 <= result["failed_load_N"]
+    assert result["mode"] == "bonds"
+    assert (result["engine"], result["engine_version"]) == (engine, ENGINES[engine].version())
 
 
 def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
@@ -46,9 +48,7 @@ def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(
     model = block_on_ground(joint, Kind.INNER, mesh=0.02)
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     elastic = joint.inner.cohesion * float(model.nodes.area @ arm**2) / arm.max()
-    folder = run_block(
-        engine, model, load_on_block(model, (0.0, 0.0, 0.0), joint.a), Direction(0.0, joint.a)
-    )
+    folder = run_block(engine, model, load_on_block(model, (0.0, 0.0, 0.0), joint.a))
     result = json.loads((folder / "result.json").read_text())
     assert result["peak_load_N"] * joint.a == pytest.approx(elastic, rel=1e-3)
     shear = pd.read_csv(folder / "nodes.csv")[["shear_x_Pa", "shear_y_Pa"]].to_numpy()
@@ -61,12 +61,72 @@ def test_a_dry_block_slides_at_friction_times_its_weight(
 ) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, mesh=0.02)
     limit = joint.dry.friction * model.pieces[1].weight
-    folder = run_block(
-        engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0), Direction(1.0, 0.0)
-    )
-    assert json.loads((folder / "result.json").read_text())["peak_load_N"] == pytest.approx(
-        limit, rel=1e-3
-    )
+    folder = run_block(engine, model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
+    result = json.loads((folder / "result.json").read_text())
+    assert result["peak_load_N"] == pytest.approx(limit, rel=1e-3)
+    assert (result["mode"], result["first_failure_load_N"]) == ("mechanism", None)
+
+
+# --- an assembly that is no joint ----------------------------------------------------------------
+@pytest.mark.parametrize(("friction", "width"), [(0.1, 0.4), (0.35, 0.4), (2.0, 0.2)])
+def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
+    engine: str, tmp_path: Path, friction: float, width: float
+) -> None:
+    assembly, loads = tilted_stack(3, friction, width=width, mesh=0.1)
+    expected = min(friction, overturning(assembly)) * loads.scale
+    run_engine(ENGINES[engine], assembly, loads, Numerics(), "stack", tmp_path, 300)
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert result["peak_load_N"] == pytest.approx(expected, rel=2e-3)
+    assert result["mode"] == "mechanism"
+
+
+# --- a right answer or a clear no ----------------------------------------------------------------
+@pytest.mark.parametrize("eccentricity", [0.5, np.inf])
+def test_pieces_that_drift_off_round_contacts_are_not_taken_for_failed(
+    engine: str, tmp_path: Path, eccentricity: float
+) -> None:
+    # Without friction nothing holds the upper pieces along x; the bonds would carry 60 % more.
+    joint = Joint(3, dry=replace(DRY, friction=0.0))
+    with pytest.raises(EngineError, match="no peak: at .* N"):
+        run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
+
+
+def test_rotations_that_round_contacts_cannot_follow_end_with_a_reason(
+    engine: str, tmp_path: Path
+) -> None:
+    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    with pytest.raises(EngineError, match="further than contact spheres can follow"):
+        run_case(a_case(engine, joint, Loading(Direction(0.5)), mesh=0.02), tmp_path)
+
+
+@pytest.mark.parametrize(("stiffness", "eccentricity"), [(1e9, 0.5), (1e8, 0.0)])
+def test_soft_faces_end_with_a_reason(
+    engine: str, tmp_path: Path, stiffness: float, eccentricity: float
+) -> None:
+    soft = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
+    joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
+    with pytest.raises(EngineError, match="further than contact spheres can follow"):
+        run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
+
+
+def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -> None:
+    # In the static model, the limit of ever smaller tensile strengths.
+    joint, loading = Joint(3, inner=replace(INNER, tensile_strength=1e-3)), Loading(Direction(0.0))
+    assembly = assemble(joint, 0.03)
+    expected = static_peak(assembly, lateral_load(joint, assembly, loading))
+    none = replace(joint, inner=replace(INNER, tensile_strength=0.0))
+    found = run(a_case(engine, none, loading, mesh=0.03))
+    assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
+    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
+
+
+def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: Path) -> None:
+    numerics = Numerics(time_step_ratio=20.0)  # over the largest stable one
+    assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
+    loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
+    with pytest.raises(EngineError, match="diverged|does not stand|LIGGGHTS has ended"):
+        run_engine(ENGINES[engine], assembly, loads, numerics, "block", tmp_path, 120)
+    assert not (tmp_path / "result.json").exists()
 
 
 # --- the joint -----------------------------------------------------------------------------------
@@ -74,25 +134,25 @@ def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
     joint = Joint(locks=2, dry=replace(DRY, friction=0.0))
     result = run(a_case(engine, joint, Loading(Direction(0.0))))
     assert result.shear == pytest.approx(joint.T0, rel=2.5e-3)
-    weights = lock_weights(result).set_index("lock")["weight"]
+    weights = result.weights.set_index("lock")["weight"]
     assert weights[2] == pytest.approx(1.0, abs=3e-3)
 
 
 @pytest.mark.parametrize("push", Push)
 def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
-    weights = lock_weights(run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))))[
+    weights = run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))).weights[
         "weight"
     ].tolist()
     ordered = weights if push is Push.PLUS_Y else weights[::-1]
     assert ordered == pytest.approx([0.74, 1.0, 0.01], abs=0.02)
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.03, float("inf")])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, float("inf")])
 def test_every_piece_is_in_equilibrium_under_its_stresses(
     engine: str, run, eccentricity: float
 ) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
-    assert unbalanced_share(result) < 0.0075
+    assert result.unbalanced_share < 0.0075
 
 
 def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> None:
@@ -105,7 +165,7 @@ def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> No
 
 
 def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.03)), mesh=0.02))
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
     dry = result.nodes[result.nodes["kind"] == "dry"]
     shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
     assert (dry["normal_Pa"] >= 0.0).all()
@@ -113,9 +173,9 @@ def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: s
 
 
 def test_an_inner_face_carries_no_more_than_its_cohesion(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.03)), mesh=0.02))
-    assert lock_weights(result)["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
-    assert lock_weights(result)["max_shear_ratio"].max() <= 1.0 + 1e-6
+    result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
+    assert result.weights["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
+    assert result.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
 
 
 def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> None:
@@ -137,23 +197,23 @@ def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run
     assert {"shear_N", "torque_Nm", "lock2_shear_y_N"} <= set(history.columns)
 
 
-@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.012), (3, float("inf"))])
+@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.2), (3, float("inf"))])
 def test_the_static_model_finds_the_same_peak_and_weights(
     engine: str, run, locks: int, eccentricity: float
 ) -> None:
-    loading = Loading(Direction(eccentricity))
-    result = run(a_case(engine, Joint(locks), loading, mesh=0.02))
-    model = assemble(Joint(locks), 0.02)
+    joint, loading = Joint(locks), Loading(Direction(eccentricity))
+    result = run(a_case(engine, joint, loading, mesh=0.02))
+    model = assemble(joint, 0.02)
     peak = static_peak(model, lateral_load(joint, model, loading)).peak
     assert peak.load == pytest.approx(result.peak_load, rel=0.01)
     inner = result.nodes["lock"].to_numpy()
-    for row in lock_weights(result).itertuples():
+    for row in result.weights.itertuples():
         shear = np.linalg.norm(peak.force[inner == row.lock, 1:].sum(axis=0))
-        assert shear / model.joint.T0 == pytest.approx(row.weight, abs=0.01)
+        assert shear / joint.T0 == pytest.approx(row.weight, abs=0.01)
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:
-    case = a_case(engine, Joint(2), Loading(Direction(0.01)))
+    case = a_case(engine, Joint(2), Loading(Direction(0.2)))
     one, other = (run_case(case, tmp_path / name) for name in ("one", "other"))
     for name in OUTPUTS:
         assert (one / name).read_bytes() == (other / name).read_bytes()

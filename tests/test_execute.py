@@ -6,20 +6,25 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from conftest import block_on_ground
 
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Failure, Kind
 from workflow.engines import ENGINES, Engine
-from workflow.execute import EngineError, execute
-from workflow.render import DATA_FILE
-from workflow.results import OUTPUTS
+from workflow.engines.execute import OUTPUTS, EngineError, execute
+from workflow.engines.render import DATA_FILE, MODULES
+from workflow.engines.run import refusal
 
-GOOD = """
+RESULT = {"peak_load_N": 12.5, "failed_load_N": 12.6}
+GOOD = f"""
 open("history.csv", "w").write("load_N")
 open("nodes.csv", "w").write("face")
-open("result.json", "w").write('{"peak_load_N": 12.5}')
+open("result.json", "w").write('{json.dumps(RESULT)}')
 """
 
 
@@ -30,12 +35,13 @@ def python_engine() -> Engine:
 def folder_with(tmp_path: Path, text: str) -> Path:
     (tmp_path / ENGINES["yade"].script).write_text(text)
     (tmp_path / DATA_FILE).write_text("{}")
+    (tmp_path / MODULES.name).mkdir()
     return tmp_path
 
 
 def test_a_run_that_ends_well_leaves_its_results_and_its_log(tmp_path: Path) -> None:
     execute(python_engine(), folder_with(tmp_path, GOOD + "print('hello')"), 60)
-    assert json.loads((tmp_path / "result.json").read_text()) == {"peak_load_N": 12.5}
+    assert json.loads((tmp_path / "result.json").read_text()) == RESULT
     assert (tmp_path / "engine.log").read_text() == "hello\n"
     assert not list(tmp_path.glob("running-*"))
 
@@ -50,8 +56,12 @@ def test_a_run_that_ends_well_leaves_its_results_and_its_log(tmp_path: Path) -> 
             "out of time after 1 s",
         ),
         ("print('nothing')", "ended without history.csv; .*\n.*nothing"),
-        (GOOD.replace("12.5", "0"), "ended without a peak: load 0 N"),
-        (GOOD.replace("12.5}", ""), "unreadable result.json"),
+        (GOOD.replace("12.5", "0"), "ended without a peak: it carries 0 N and fails at 12.6 N"),
+        (GOOD.replace("12.5", "13"), "ended without a peak: it carries 13 N and fails at 12.6 N"),
+        (GOOD.replace("12.5", "NaN"), "ended without a peak: it carries nan N"),
+        (GOOD.replace("12.6", "Infinity"), "fails at inf N"),
+        (GOOD.replace("12.6", "null"), "unreadable result.json"),
+        (GOOD.replace("12.6}", ""), "unreadable result.json"),
     ],
 )
 def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, message: str) -> None:
@@ -78,24 +88,71 @@ def test_only_the_end_of_a_long_log_is_shown(tmp_path: Path) -> None:
     assert "line 900" not in str(error.value)
 
 
-def test_stopping_the_step_stops_the_program_and_its_children(tmp_path: Path) -> None:
-    child = "import subprocess, sys, time\n" + "p = subprocess.Popen(['sleep', '300'])\n"
-    text = child + "open(r'%s', 'w').write(str(p.pid)); time.sleep(300)" % (tmp_path / "pid")
-    folder = folder_with(tmp_path, text)
-    step = subprocess.Popen(
-        [sys.executable, "-m", "workflow.execute", "yade", str(folder), "--time-limit", "300"],
-        env={**os.environ, "YADE_PYTHON": sys.executable},
+# --- however the runner ends, the program ends ---------------------------------------------------
+RUNNER = """
+import sys
+from pathlib import Path
+from test_execute import python_engine
+from workflow.engines.execute import execute
+execute(python_engine(), Path(sys.argv[1]), 300)
+"""
+
+
+def becomes_true(condition: Callable[[], bool], seconds: float = 20.0) -> bool:
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        if condition():
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_the_program_ends_with_its_runner_however_that_ends(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    text = f"import os, time; open({str(tmp_path / 'pid')!r}, 'w').write(str(os.getpid()) + ' ')"
+    folder = folder_with(tmp_path, text + "\ntime.sleep(300)")
+    paths = os.pathsep.join([str(Path(__file__).parent), str(Path(__file__).parents[1])])
+    runner = subprocess.Popen(
+        [sys.executable, "-c", RUNNER, str(folder)], env={**os.environ, "PYTHONPATH": paths}
     )
-    for _ in range(200):
-        if (tmp_path / "pid").exists() and (tmp_path / "pid").read_text():
-            break
-        time.sleep(0.05)
-    pid = int((tmp_path / "pid").read_text())
-    step.send_signal(signal.SIGTERM)
-    assert step.wait(20) != 0
-    for _ in range(100):
-        if not Path(f"/proc/{pid}").exists() or "Z" in Path(f"/proc/{pid}/stat").read_text():
-            break
-        time.sleep(0.05)
-    else:
-        pytest.fail("the program's child lives on")
+    file = tmp_path / "pid"
+    assert becomes_true(lambda: file.exists() and file.read_text().endswith(" "))
+    pid = int(file.read_text())
+    assert alive(pid)
+    runner.send_signal(number)
+    runner.wait(20)
+    assert becomes_true(lambda: not alive(pid))
+
+
+# --- what an engine can do -----------------------------------------------------------------------
+def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
+    assembly = block_on_ground(joint, Kind.INNER, 0.02)
+    assert refusal(ENGINES["liggghts"], assembly) is None
+    ductile = replace(assembly, failure=Failure.DUCTILE)
+    assert "ductile" in str(refusal(ENGINES["liggghts"], ductile))
+    assert refusal(ENGINES["yade"], ductile) is None
+    material = replace(assembly.faces[0].material, shear_stiffness=1e9)
+    soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
+    assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))
+    assert refusal(ENGINES["yade"], soft) is None
+
+
+def test_an_engine_that_is_not_there_has_no_version() -> None:
+    with pytest.raises(RuntimeError, match="not installed"):
+        replace(ENGINES["yade"], probe="no-such-yade").version()
+
+
+def test_a_version_is_the_programs_own_words() -> None:
+    engine = replace(python_engine(), version_text=lambda: "name='x'\nversion='2023.02a'\n")
+    assert engine.version() == "2023.02a"
+    with pytest.raises(RuntimeError, match="does not tell its version"):
+        replace(engine, version_text=lambda: "").version()

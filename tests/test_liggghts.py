@@ -1,25 +1,30 @@
 """The distinct elements in LIGGGHTS: what is special to this engine. Real runs, small ones."""
 
+import contextlib
 import math
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from conftest import a_case
+from test_execute import becomes_true
 
-from analysis.weights import lock_weights
-from sidmacib.joint import Joint
+from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
-from workflow.execute import EngineError, execute
-from workflow.render import write_case
+from workflow.engines.execute import EngineError, execute
+from workflow.engines.numerics import Numerics
+from workflow.engines.render import write_script
 
 pytestmark = pytest.mark.engine
 
+LIGGGHTS = ENGINES["liggghts"]
 
-@pytest.mark.parametrize(
-    ("locks", "eccentricity"), [(3, 0.0), (3, math.inf), (5, 0.006), (5, 0.03)]
-)
+
+@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (3, math.inf), (5, 0.1), (5, 0.5)])
 def test_both_engines_find_the_same_first_failure_and_weights(
     run, locks: int, eccentricity: float
 ) -> None:
@@ -29,12 +34,12 @@ def test_both_engines_find_the_same_first_failure_and_weights(
     )
     assert other.first_failure_load == pytest.approx(one.first_failure_load, rel=0.01)
     assert other.peak_load == pytest.approx(one.peak_load, rel=0.01)
-    weights = (lock_weights(result)["weight"].to_numpy() for result in (one, other))
+    weights = (result.weights["weight"].to_numpy() for result in (one, other))
     assert next(weights) == pytest.approx(next(weights), abs=0.01)
 
 
 def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
-    joint, loading = Joint(3), Loading(0.12)
+    joint, loading = Joint(3), Loading(Direction(2.0))
     found = run(a_case("liggghts", joint, loading, mesh=0.01))
     model = assemble(joint, 0.01)
     expected = static_peak(model, lateral_load(joint, model, loading))
@@ -52,44 +57,78 @@ def test_more_than_fifteen_locks_work(run) -> None:
 
 def test_two_ranks_find_what_one_finds(run) -> None:
     one, two = (
-        run(a_case("liggghts", Joint(3), Loading(Direction(0.03)), mesh=0.02, ranks=n)).peak_load
+        run(a_case("liggghts", Joint(3), Loading(Direction(0.5)), mesh=0.02, ranks=n)).peak_load
         for n in (1, 2)
     )
     assert two == pytest.approx(one, rel=0.002)
 
 
+def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int) -> Path:
+    joint = Joint(locks)
+    assembly = assemble(joint, mesh)
+    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
+    write_script(LIGGGHTS, assembly, loads, Numerics(**numerics), "case", tmp_path)
+    return tmp_path
+
+
 @pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ("neighbor {SKIN:g} bin", "ERROR"),  # an input script that LIGGGHTS refuses
-        ('"variable load equal 0.0"', "ERROR|LIGGGHTS has ended"),
-    ],
+    ("right", "wrong"),
+    [("neighbor {SKIN", "neighbour {SKIN"), ("step-v_load_start", "step-v_nothing")],
 )
 def test_a_broken_input_script_fails_with_liggghts_own_words(
-    tmp_path: Path, change: str, message: str
+    tmp_path: Path, right: str, wrong: str
 ) -> None:
-    write_case(a_case("liggghts", Joint(2), Loading(Direction(0.0))), tmp_path)
-    script = tmp_path / ENGINES["liggghts"].script
-    broken = script.read_text().replace(change, change.replace("neighbor", "neighbour", 1))
-    broken = broken.replace('"variable load equal 0.0"', '"variable load equal v_nothing"')
-    script.write_text(broken)
-    with pytest.raises(EngineError, match=f"(?s)ended with exit code 1.*({message})"):
-        execute(ENGINES["liggghts"], tmp_path, 60)
+    deck = written(tmp_path) / "scripts" / "liggghts_deck.py"
+    text = deck.read_text()
+    assert right in text
+    deck.write_text(text.replace(right, wrong))
+    with pytest.raises(EngineError, match="(?s)ended with exit code 1.*(ERROR|LIGGGHTS has ended)"):
+        execute(LIGGGHTS, tmp_path, 60)
     assert not (tmp_path / "result.json").exists()
 
 
-def test_no_process_of_liggghts_is_left_after_the_time_limit(tmp_path: Path) -> None:
-    write_case(a_case("liggghts", Joint(5), Loading(Direction(0.0)), mesh=0.004, ranks=2), tmp_path)
-    with pytest.raises(EngineError, match="out of time after 3 s"):
-        execute(ENGINES["liggghts"], tmp_path, 3)
-    left = []
+def processes_in(folder: Path) -> set[int]:
+    """Living processes whose working directory is ``folder`` or below it."""
+    found = set()
     for process in Path("/proc").glob("[0-9]*"):
         try:
-            if (
-                "liggghts" in (process / "comm").read_text()
-                and "Z" not in (process / "stat").read_text().split(")")[1]
-            ):
-                left.append(str((process / "cwd").readlink()))
+            place = str((process / "cwd").readlink())
+            state = (process / "stat").read_text().rpartition(")")[2].split()[0]
         except OSError:
             continue
-    assert not [folder for folder in left if str(tmp_path) in folder]
+        if place.startswith(str(folder)) and state != "Z":
+            found.add(int(process.name))
+    return found
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_no_process_of_liggghts_is_left_after_the_time_limit(tmp_path: Path, ranks: int) -> None:
+    written(tmp_path, locks=5, mesh=0.004, ranks=ranks)
+    with pytest.raises(EngineError, match="out of time after 4 s"):
+        execute(LIGGGHTS, tmp_path, 4)
+    assert becomes_true(lambda: not processes_in(tmp_path))
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(
+    tmp_path: Path, ranks: int
+) -> None:
+    written(tmp_path, locks=5, mesh=0.004, ranks=ranks)
+    call = (
+        "from pathlib import Path; from workflow.engines import ENGINES;"
+        "from workflow.engines.execute import execute;"
+        f"execute(ENGINES['liggghts'], Path({str(tmp_path)!r}), 300)"
+    )
+    runner = subprocess.Popen([sys.executable, "-c", call], cwd=Path(__file__).parents[1])
+
+    def programs() -> list[str]:
+        names = []
+        for process in processes_in(tmp_path):
+            with contextlib.suppress(OSError):
+                names.append(Path(f"/proc/{process}/comm").read_text().strip())
+        return names
+
+    assert becomes_true(lambda: programs().count("liggghts") == ranks)
+    runner.kill()
+    runner.wait()
+    assert becomes_true(lambda: not processes_in(tmp_path))

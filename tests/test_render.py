@@ -1,38 +1,96 @@
-"""Rendered scripts and the data beside them."""
+"""Rendered scripts, and the data and modules beside them."""
 
 import ast
 import json
+import re
+import subprocess
+import sys
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from stack import tilted_stack
 
-from workflow.cases import cases_of
-from workflow.configuration import read_study
-from workflow.engines import ENGINES
-from workflow.render import DATA_FILE, TEMPLATES, write_case
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.pieces import assemble
+from workflow.engines import ENGINES, Engine
+from workflow.engines.numerics import Numerics
+from workflow.engines.render import (
+    DATA_FILE,
+    MODULES,
+    TEMPLATES,
+    assembly_data,
+    script,
+    write_script,
+)
+from workflow.engines.scripts.assembly import read_assembly
 
 
-@pytest.fixture
-def folder(tmp_path: Path) -> Path:
-    case = cases_of(read_study({"samples": {"n3": {"locks": 3}}}))["yade", "n3-mesh0.02-e0.5a"]
-    write_case(case, tmp_path)
-    return tmp_path
+@pytest.fixture(params=ENGINES)
+def engine(request: pytest.FixtureRequest) -> Engine:
+    return ENGINES[request.param]
 
 
-def test_every_engine_has_its_template() -> None:
-    for engine in ENGINES.values():
-        assert (TEMPLATES / engine.template).is_file()
+@pytest.fixture(name="case")
+def three_locks() -> tuple[Assembly, Loads]:
+    joint = Joint(3)
+    assembly = assemble(joint, 0.02)
+    return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
 
 
-def test_the_script_is_python_without_traces_of_the_template(folder: Path) -> None:
-    text = (folder / ENGINES["yade"].script).read_text()
+def written(engine: Engine, case: tuple[Assembly, Loads], folder: Path) -> Path:
+    write_script(engine, *case, Numerics(), "three locks", folder)
+    return folder
+
+
+def test_every_engine_has_its_template(engine: Engine) -> None:
+    assert (TEMPLATES / engine.template).is_file()
+
+
+def test_the_script_is_python_without_traces_of_the_template(engine: Engine, case) -> None:
+    text = script(engine, *case, Numerics(), "three locks")
     ast.parse(text)
     assert "{{" not in text and "{%" not in text
-    assert "n3-mesh0.02-e0.5a: 3 locks, mesh 0.02 m." in text
+    assert "three locks" in text
 
 
-def test_the_data_hold_every_piece_face_and_node(folder: Path) -> None:
-    data = json.loads((folder / DATA_FILE).read_text())
+def test_a_script_holds_values_and_a_call_and_the_modules_hold_the_code(
+    engine: Engine, case
+) -> None:
+    tree = ast.parse(script(engine, *case, Numerics(), "three locks"))
+    logic = (ast.FunctionDef, ast.ClassDef, ast.For, ast.While, ast.If)
+    assert not [node for node in ast.walk(tree) if isinstance(node, logic)]
+
+
+def test_all_modules_that_a_script_needs_are_beside_it_and_no_others(
+    engine: Engine, case, tmp_path: Path
+) -> None:
+    copied = {path.name for path in (written(engine, case, tmp_path) / MODULES.name).iterdir()}
+    assert "assembly.py" in copied
+    others = {name for name in ENGINES if name != engine.name}
+    assert not [name for name in copied for other in others if other in name]
+    for name in copied:
+        for node in ast.walk(ast.parse((MODULES / name).read_text())):
+            if isinstance(node, ast.ImportFrom) and node.level:
+                assert f"{node.module}.py" in copied
+            elif isinstance(node, ast.ImportFrom):
+                assert node.module and node.module.split(".")[0] in sys.stdlib_module_names
+
+
+def test_the_modules_run_without_this_project(tmp_path: Path, case) -> None:
+    folder = written(ENGINES["liggghts"], case, tmp_path)
+    call = "import scripts.run_liggghts, sys; print({'numpy', 'sidmacib'} & set(sys.modules))"
+    found = subprocess.run(
+        [sys.executable, "-S", "-c", call], cwd=folder, capture_output=True, text=True, check=True
+    )
+    assert found.stdout.strip() == "set()"
+
+
+def test_the_data_hold_every_piece_face_node_and_load(case) -> None:
+    data = assembly_data(*case)
     assert [piece["name"] for piece in data["pieces"]] == [
         *("lower", "plate", "lock1", "lock2", "lock3", "column1", "column2", "column3")
     ]
@@ -41,8 +99,50 @@ def test_the_data_hold_every_piece_face_and_node(folder: Path) -> None:
     assert [load["piece"] for load in data["loads"]] == [2, 5]
 
 
-def test_rendering_twice_gives_the_same_bytes(folder: Path, tmp_path: Path) -> None:
-    before = {path.name: path.read_bytes() for path in folder.iterdir()}
-    case = cases_of(read_study({"samples": {"n3": {"locks": 3}}}))["yade", "n3-mesh0.02-e0.5a"]
-    write_case(case, folder)
-    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) -> None:
+    assembly, loads = tilted_stack(2)
+    faces = (
+        replace(assembly.faces[0], material=replace(assembly.faces[0].material, friction=0.1)),
+    )
+    assembly = replace(assembly, faces=faces + assembly.faces[1:])
+    write_script(engine, assembly, loads, Numerics(), "stack", tmp_path)
+    tree = ast.parse((tmp_path / engine.script).read_text())
+    call = next(
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "read_assembly"
+    )
+    materials = ast.literal_eval(call.keywords[0].value)
+    read = read_assembly(str(tmp_path / DATA_FILE), materials)
+    # Two faces of one kind keep each its own material.
+    assert [face.material.friction for face in read.faces] == [0.1, 0.5]
+    assert [face.material.friction for face in assembly.faces] == [0.1, 0.5]
+    assert np.array([n.position_m for n in read.nodes]) == pytest.approx(assembly.nodes.position)
+    assert [[*p.force_N, *p.moment_Nm] for p in read.pieces] == loads.permanent.tolist()
+    assert [[*part.force, *part.moment_m] for part in read.loads] == loads.variable[1:].tolist()
+    assert read.permanent_N == pytest.approx(loads.scale)
+
+
+def test_nothing_that_a_script_is_made_of_knows_what_was_assembled() -> None:
+    files = [*MODULES.glob("*.py"), *TEMPLATES.glob("*.py.j2")]
+    text = "".join(path.read_text() for path in files)
+    assert not re.findall(r"\b(locks?|lock\d|plate|column\d|T0|eccentricity)\b", text)
+
+
+def test_rendering_twice_gives_the_same_bytes(engine: Engine, case, tmp_path: Path) -> None:
+    def everything() -> dict[Path, bytes]:
+        return {p: p.read_bytes() for p in written(engine, case, tmp_path).rglob("*.*")}
+
+    assert everything() == everything()
+
+
+def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
+    def time_step(ratio: float) -> float:
+        text = script(ENGINES["yade"], *case, replace(Numerics(), time_step_ratio=ratio), "t")
+        return float(text.split("time_step_s=")[1].split(",")[0])
+
+    assert time_step(0.8) == pytest.approx(2 * time_step(0.4))
+
+
+def test_data_are_plain_json(case) -> None:
+    assert json.loads(json.dumps(assembly_data(*case))) == assembly_data(*case)

@@ -1,18 +1,17 @@
 """The distinct elements in YADE, against theory. All of these are real runs, small ones."""
 
-import os
+import json
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from conftest import a_case, run_case
 
-from analysis.weights import lock_weights
-from sidmacib.joint import Failure, Joint, UpperBody
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare
+from sidmacib.mechanics.assembly import Failure
 from workflow.engines import ENGINES
-from workflow.results import OUTPUTS
+from workflow.engines.execute import OUTPUTS
 
 pytestmark = pytest.mark.engine
 
@@ -22,7 +21,7 @@ def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -
     result = run(a_case("yade", Joint(3), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(240.76, rel=0.035)
     published_first_two_swapped = [0.77, 0.99, 0.0]
-    assert lock_weights(result)["weight"].tolist() == pytest.approx(
+    assert result.weights["weight"].tolist() == pytest.approx(
         published_first_two_swapped, abs=0.06
     )
 
@@ -31,12 +30,12 @@ def test_five_locks_reach_the_published_peak_within_2_percent(run) -> None:
     result = run(a_case("yade", Joint(5), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(408.26, rel=0.02)
     published_first_two_swapped = [0.57, 0.99, 0.68, 0.68, 0.0]
-    assert lock_weights(result)["weight"].tolist() == pytest.approx(
+    assert result.weights["weight"].tolist() == pytest.approx(
         published_first_two_swapped, abs=0.06
     )
 
 
-@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.12), (3, float("inf"))])
+@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 2.0), (3, float("inf"))])
 def test_halving_the_loading_rate_hardly_moves_the_peak(
     run, locks: int, eccentricity: float
 ) -> None:
@@ -57,7 +56,7 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 
 def test_the_peak_does_not_depend_on_the_first_increment(run) -> None:
     peaks = [
-        run(a_case("yade", Joint(3), Loading(Direction(0.012)), first_increment=first)).peak_load
+        run(a_case("yade", Joint(3), Loading(Direction(0.2)), first_increment=first)).peak_load
         for first in (0.01, 0.3)
     ]
     assert peaks[1] == pytest.approx(peaks[0], rel=0.0025)
@@ -78,10 +77,14 @@ def test_ductile_monolithic_and_body_loaded_joints_carry_more(
     assert run(a_case("yade", joint, Loading(Direction(0.0), share))).shear > 1.03 * reference.shear
 
 
-def test_a_ductile_joint_carries_half_its_locks_and_friction(run) -> None:
+def test_a_ductile_joint_carries_half_its_locks_and_friction_and_fails_as_a_mechanism(
+    tmp_path: Path,
+) -> None:
     joint = Joint(5, failure=Failure.DUCTILE)
-    shear = run(a_case("yade", joint, Loading(Direction(0.0)))).shear
-    assert 2 * joint.T0 < shear < 2.15 * joint.T0
+    folder = run_case(a_case("yade", joint, Loading(Direction(0.0))), tmp_path)
+    result = json.loads((folder / "result.json").read_text())
+    assert 2 * joint.T0 < result["peak_load_N"] < 2.15 * joint.T0
+    assert result["mode"] == "mechanism"
 
 
 # --- the engine ----------------------------------------------------------------------------------
@@ -96,35 +99,3 @@ def test_the_script_runs_by_hand_with_yades_own_launcher(tmp_path: Path) -> None
         ["yade", "-n", "-x", script], cwd=folder, check=True, capture_output=True, timeout=120
     )
     assert [(folder / name).read_bytes() for name in OUTPUTS] == expected
-
-
-WATCHER = """
-import subprocess, sys, time
-def listening():
-    rows = open("/proc/net/tcp").read().splitlines()[1:]
-    rows += open("/proc/net/tcp6").read().splitlines()[1:]
-    return {row.split()[1] for row in rows if row.split()[3] == "0A"}
-before = listening()
-process = subprocess.Popen(sys.argv[1:], stdout=subprocess.DEVNULL)
-seen = set()
-while process.poll() is None:
-    seen |= listening()
-    time.sleep(0.02)
-print(sorted(seen - before))
-"""
-
-
-@pytest.mark.skipif(not Path("/proc/net/tcp6").exists(), reason="needs /proc/net")
-def test_a_run_opens_no_listening_socket(tmp_path: Path) -> None:
-    folder = run_case(a_case("yade", Joint(2), Loading(Direction(0.0))), tmp_path / "case")
-    engine = ENGINES["yade"]
-    found = subprocess.run(
-        [sys.executable, "-c", WATCHER, *engine.command, engine.script],
-        cwd=folder,
-        env=os.environ,
-        check=True,
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
-    assert found.stdout.strip() == "[]"

@@ -1,14 +1,14 @@
 """Whether contact spheres still stand for flat faces.
 
 Two spheres of radius R stand for a node. Where one piece slips by s along the face, their centres
-move apart by s^2 / (4 R); where it turns by t against the face, they approach by R t^2 / 4. Flat faces
-do neither. Times the node's stiffness that is a spurious force. Measured on joints with stiffnesses
-from 1e8 to 1e10 Pa/m and radii from 2 a to 200 a, peaks were off by at most 0.14 of the sum of these
-forces over the load, and by less than 0.5 % where the sum was less than 0.1.
+move apart by s^2 / (4 R); where it turns by t against the face, they approach by R t^2 / 4. Flat
+faces do neither. Times the node's stiffness that is a spurious force. Measured on joints with
+stiffnesses from 1e8 to 1e10 Pa/m and radii from 2 a to 200 a, peaks were off by at most 0.16 of the
+sum of these forces over the load, and by less than 0.5 % where that sum was less than 0.1.
 
-Spheres also roll off each other: a force N across a contact pushes two pieces that have slipped by s
-further apart, by N s / (2 R). Pieces that nothing holds in one direction drift off in it, where flat
-faces would leave them alone. So a mechanism counts only if flatter spheres show it as well.
+Spheres also roll off each other: a force N across a contact pushes two pieces that have slipped by
+s further apart, by N s / (2 R). Pieces that nothing holds in one direction drift off in it, where
+flat faces would leave them alone. So a mechanism counts only if flatter spheres show it as well.
 """
 
 from collections.abc import Sequence
@@ -46,8 +46,8 @@ def check_flat(
     share = spurious_force(assembly, motions, radii, forces) / max(load, assembly.permanent_N)
     if share > LARGEST_SHARE:
         raise SystemExit(
-            f"no peak: at {load:g} N the pieces have moved further than contact spheres can follow: "
-            f"spurious forces are {share:.2g} of the load, and may be {LARGEST_SHARE:g}"
+            f"no peak: at {load:g} N the pieces have moved further than contact spheres can follow:"
+            f" spurious forces are {share:.2g} of the load, and may be {LARGEST_SHARE:g}"
         )
 
 

@@ -8,6 +8,7 @@ zero; when the spring is cut, the spheres come into play.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 from .assembly import Assembly, Material, Piece, Search, Vector, plus
 
@@ -33,7 +34,7 @@ def pitch(places: Sequence[Vector]) -> float:
     gaps = [math.inf]
     for values in zip(*places, strict=True):
         ordered = sorted({round(value, 9) for value in values})
-        gaps += [high - low for low, high in zip(ordered, ordered[1:], strict=False)]
+        gaps += [high - low for low, high in pairwise(ordered)]
     return min(gaps)
 
 
@@ -192,7 +193,7 @@ class Deck:
     def _laws(self) -> Iterator[str]:
         """Who touches whom, and the laws of contacts and springs."""
         assembly = self.assembly
-        area = {node.face: node.area_m2 for node in assembly.nodes}
+        area = common_areas(assembly)
         touching = {frozenset(pair) for pair in self.face_types}
         for one in range(1, self.types + 1):
             for other in range(one, self.types + 1):
@@ -298,6 +299,19 @@ class Deck:
     def force_variables(self) -> list[str]:
         """Names of the variables that hold the unbalanced force of each free piece."""
         return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]
+
+
+def common_areas(assembly: Assembly) -> dict[int, float]:
+    """Tributary area (m2) of the nodes of each face; exits where they differ within a face.
+
+    A contact's stiffness is a property of the types of its atoms, and so of its face.
+    """
+    area: dict[int, float] = {}
+    for node in assembly.nodes:
+        if not math.isclose(area.setdefault(node.face, node.area_m2), node.area_m2):
+            name = assembly.faces[node.face].name
+            raise SystemExit(f"liggghts: the nodes of {name} must have equal areas")
+    return area
 
 
 def common_gravity(assembly: Assembly) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .assembly import Assembly, Material, Search, Vector, dot, length, plus
+from .assembly import Material, Vector, dot, length, plus
 from .flatness import STILL, Motion, check_flat
 from .liggghts_deck import Deck
 from .liggghts_process import LiggghtsProcess
@@ -26,7 +26,7 @@ class Placement:
     """Where a piece has moved to: its centroid (m) and its axes."""
 
     def __init__(self, start: Vector, distance: float, places: Sequence[float]) -> None:
-        """``places``: of its handles, +x, -x, +y, -y, +z, -z; ``distance``: theirs from ``start``."""
+        """``places`` (m) of its handles, +x, -x, +y, -y, +z, -z, ``distance`` from ``start``."""
         ends = [places[3 * k : 3 * k + 3] for k in range(6)]
         self.start = start
         self.centre = [sum(end[k] for end in ends) / 6 for k in range(3)]
@@ -112,7 +112,7 @@ class LiggghtsModel:
         return self._waits(PATIENCE)
 
     def _set_load(self, load: float, rise: float, start: int) -> None:
-        """Have the load rise smoothly from ``load`` by ``rise`` (N), from time step ``start`` on."""
+        """Have the load (N) rise smoothly from ``load`` by ``rise``, from step ``start`` on."""
         values = {"load_before": load, "load_rise": rise, "load_start": start}
         self.engine.tell(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
@@ -173,7 +173,7 @@ class LiggghtsModel:
         )
 
     def unbalanced_ratio(self, load: float) -> float:
-        """Mean unbalanced force on the free pieces over the load, or the permanent one if larger."""
+        """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
         values = self.engine.values(self.force_variables)
         total = sum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
         return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)

@@ -1,4 +1,4 @@
-"""Search for the peak of a model whose bonds are cut one after the other: from failure to failure."""
+"""Search for the peak of a model whose bonds are cut one by one: from failure to failure."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -26,7 +26,7 @@ class Outcome(Enum):
 
 @dataclass(frozen=True)
 class NodeForce:
-    """Normal force (N, compression positive), shear on the piece above (N), whether it is bonded."""
+    """Normal force (compression positive), shear on the piece above, in N; whether it is bonded."""
 
     normal: float
     shear: Vector

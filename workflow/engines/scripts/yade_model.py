@@ -168,7 +168,7 @@ class YadeModel:
         return [Motion(tuple(s.displ()), tuple(s.refOri * s.rot())) for s in states]
 
     def unbalanced_ratio(self, load: float) -> float:
-        """Mean unbalanced force on the free pieces over the load, or the permanent one if larger."""
+        """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
         total = sum(O.forces.f(clump, sync=True).norm() for clump in self.free)
         return float(total / len(self.free) / max(load, self.assembly.permanent_N))
 
@@ -219,7 +219,7 @@ class YadeModel:
         return self._ended(end, Outcome.UNSETTLED)
 
     def _gives_way(self, load: float) -> bool:
-        """Advance by a slice of time steps; whether the assembly has moved too far for this load."""
+        """Advance by a slice of time steps; whether the pieces have moved too far for this load."""
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE

@@ -4,7 +4,6 @@
 In YADE's own launcher, where it has been imported already, it is taken as it is.
 """
 
-import glob
 import os
 import sys
 from importlib import import_module
@@ -12,14 +11,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-LIBRARIES = "/usr/lib/*/yade-double"  # Debian's
+LIBRARIES = "usr/lib/*/yade-double"  # Debian's
 
 
 def _import_compiled_part() -> None:
     """Do what ``yade/__init__.py`` does for its compiled part, and no more."""
-    found = glob.glob(LIBRARIES)
+    found = sorted(Path("/").glob(LIBRARIES))
     if not found:
-        raise SystemExit(f"YADE is not in {LIBRARIES}")
+        raise SystemExit(f"YADE is not in /{LIBRARIES}")
     package = ModuleType("yade")
     package.__path__ = [f"{found[0]}/py/yade"]
     sys.modules["yade"] = package

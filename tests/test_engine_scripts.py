@@ -1,0 +1,340 @@
+"""The parts of the engines' scripts that need no engine: decks, records, flatness, numbers."""
+
+import csv
+import itertools
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from stack import tilted_stack
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics import assembly as mechanics
+from sidmacib.pieces import assemble
+from workflow.engines.render import assembly_data
+from workflow.engines.scripts import assembly as scripts
+from workflow.engines.scripts.flatness import (
+    STILL,
+    Motion,
+    check_flat,
+    check_mechanism,
+    spurious_force,
+)
+from workflow.engines.scripts.liggghts_deck import (
+    Deck,
+    common_gravity,
+    handle_forces,
+    pitch,
+    sphere_radii,
+)
+from workflow.engines.scripts.liggghts_model import Placement, utilisation
+from workflow.engines.scripts.liggghts_process import dumped_rows, printed_values, version_in
+from workflow.engines.scripts.records import BONDS, MECHANISM, History, NodeForce, Outcome, Peak
+
+SEARCH = scripts.Search(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)
+LAW = scripts.Material(1e10, 1e10, 0.0, 8e4, 3.7e5)
+
+
+def as_read(assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path) -> scripts.Assembly:
+    """The assembly as a script reads it."""
+    data = assembly_data(assembly, loads)
+    (tmp / "data.json").write_text(json.dumps(data))
+    names = {
+        row["material"]: f.material for row, f in zip(data["faces"], assembly.faces, strict=True)
+    }
+    materials = {name: dict(vars(law)) for name, law in names.items()}
+    return scripts.read_assembly(str(tmp / "data.json"), materials)
+
+
+@pytest.fixture
+def three(tmp_path: Path) -> scripts.Assembly:
+    joint = Joint(3)
+    assembly = assemble(joint, 0.02)
+    loads = lateral_load(joint, assembly, Loading(Direction(0.5)))
+    return as_read(assembly, loads, tmp_path)
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> scripts.Assembly:
+    return as_read(*tilted_stack(2), tmp_path)
+
+
+# --- LIGGGHTS' deck ------------------------------------------------------------------------------
+def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.Assembly) -> None:
+    deck = Deck(three, SEARCH, 0.12)
+    for index in three.free:
+        piece = three.pieces[index]
+        rows = [deck.atoms.lines[atom - 1].split() for atom in deck.atoms.handles[index]]
+        place = np.array([[float(v) for v in row[2:5]] for row in rows])
+        diameter, density = np.array([[float(v) for v in row[5:7]] for row in rows]).T
+        mass = density * math.pi / 6 * diameter**3
+        assert mass.sum() == pytest.approx(piece.mass_kg)
+        assert mass @ place / mass.sum() == pytest.approx(np.array(piece.centre_m))
+        arm = place - np.array(piece.centre_m)
+        inertia = (mass[:, None] * ((arm**2).sum(axis=1)[:, None] - arm**2)).sum(axis=0)
+        assert inertia == pytest.approx(np.full(3, piece.inertia_kgm2))
+
+
+@given(*[st.tuples(*[st.floats(-5.0, 5.0)] * 3)] * 2, st.floats(0.01, 1.0))
+def test_the_forces_on_the_handles_add_up_to_force_and_moment(
+    force: tuple[float, float, float], moment: tuple[float, float, float], reach: float
+) -> None:
+    forces = np.array(handle_forces(force, moment, reach))
+    places = reach * np.array([s * np.eye(3)[k] for k in range(3) for s in (1, -1)])
+    assert forces.sum(axis=0) == pytest.approx(np.array(force), abs=1e-9)
+    turning = np.cross(places, forces).sum(axis=0)
+    assert turning == pytest.approx(np.array(moment), abs=1e-9)
+
+
+def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
+    three: scripts.Assembly,
+) -> None:
+    deck = Deck(three, SEARCH, 0.12)
+    centre = np.array([[float(v) for v in line.split()[2:5]] for line in deck.atoms.lines])
+    for pair, node in zip(deck.atoms.spheres, three.nodes, strict=True):
+        below, above = centre[pair[0] - 1], centre[pair[1] - 1]
+        assert (below + above) / 2 == pytest.approx(np.array(node.position_m))
+        assert np.linalg.norm(above - below) == pytest.approx(2 * deck.radii[node.face])
+    for face, radius in enumerate(deck.radii):
+        own = [n for n, node in enumerate(three.nodes) if node.face == face]
+        for one, other in itertools.permutations(own, 2):
+            apart = np.linalg.norm(
+                centre[deck.atoms.spheres[one][0] - 1] - centre[deck.atoms.spheres[other][1] - 1]
+            )
+            assert apart > 2 * radius + 1e-6
+
+
+def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(stack: scripts.Assembly) -> None:
+    assert sphere_radii(stack, 1.0) == [1.0, 1.0]
+    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
+    faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
+    first, second = sphere_radii(replace(stack, faces=faces), 1.0)
+    assert first < second == 1.0
+    pressed = stack.permanent_N / (1e5 * 0.2 * 0.2)
+    assert 0.05**2 / (4 * first) == pytest.approx(2 * pressed)
+
+
+def test_the_pitch_of_nodes_is_their_least_distance_along_an_axis() -> None:
+    assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
+
+
+def test_only_the_two_sides_of_a_face_touch(three: scripts.Assembly) -> None:
+    deck = Deck(three, SEARCH, 0.12)
+    lines = list(deck.input_script())
+    excluded = {frozenset(map(int, line.split()[3:])) for line in lines if "exclude type" in line}
+    every = set(
+        map(frozenset, itertools.combinations_with_replacement(range(1, deck.types + 1), 2))
+    )
+    assert every - excluded == set(map(frozenset, deck.face_types))
+
+
+def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
+    three: scripts.Assembly,
+) -> None:
+    lines = list(Deck(three, SEARCH, 0.12).input_script())
+    rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
+    forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
+    assert forces and max(forces) < rigid
+    assert [line.split()[1] for line in lines[-3:]] == ["load_before", "load_rise", "load_start"]
+
+
+def test_springs_are_as_stiff_as_their_nodes(three: scripts.Assembly) -> None:
+    deck = Deck(three, SEARCH, 0.12)
+    lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
+    assert len(lines) == sum(three.faces[node.face].cohesive for node in three.nodes)
+    total = sum(2 * float(line[2]) for line in lines)  # the energy is coefficient * length^2
+    area = sum(node.area_m2 for node in three.nodes if three.faces[node.face].cohesive)
+    assert total == pytest.approx(1e10 * area)
+
+
+def test_weight_is_gravity_and_any_other_permanent_load_is_forces(stack: scripts.Assembly) -> None:
+    assert common_gravity(stack) == pytest.approx(9.81)
+    assert any(" gravity " in line for line in Deck(stack, SEARCH, 0.4).input_script())
+    pushed = replace(stack.pieces[2], force_N=(1.0, 0.0, stack.pieces[2].force_N[2]))
+    leaning = replace(stack, pieces=[*stack.pieces[:2], pushed])
+    assert common_gravity(leaning) == 0.0
+    lines = list(Deck(leaning, SEARCH, 0.4).input_script())
+    assert not any(" gravity " in line for line in lines)
+    always = [line for line in lines if re.match(r"variable handle\d+_x ", line)]
+    assert any(line.endswith("+(0.5)") for line in always)
+
+
+def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None:
+    many = as_read(*tilted_stack(15), tmp_path)
+    with pytest.raises(SystemExit, match="30 places to put the loads; it can have 28"):
+        list(Deck(many, SEARCH, 0.4).input_script())
+
+
+def test_unequal_nodes_of_a_face_are_refused(stack: scripts.Assembly) -> None:
+    nodes = [replace(stack.nodes[0], area_m2=1e-6), *stack.nodes[1:]]
+    with pytest.raises(SystemExit, match="the nodes of bed1 must have equal areas"):
+        list(Deck(replace(stack, nodes=nodes), SEARCH, 0.4).input_script())
+
+
+# --- LIGGGHTS' answers ---------------------------------------------------------------------------
+def test_the_version_is_in_the_greeting() -> None:
+    greeting = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled 2022-01-26-19:42:32 by buildd)"
+    assert version_in(["", greeting]) == "3.8.0"
+    with pytest.raises(SystemExit, match="does not tell its version"):
+        version_in(["ERROR: no such thing"])
+
+
+def test_a_dump_is_read_from_its_last_snapshot() -> None:
+    text = "ITEM: ATOMS id fx\n1 5.0\nITEM: TIMESTEP\n7\nITEM: ATOMS id fx\n2 1.5\n1 -2.5\n"
+    assert dumped_rows(text) == {2: [1.5], 1: [-2.5]}
+
+
+def test_values_that_are_no_numbers_end_the_run() -> None:
+    assert printed_values(["WARNING: x", "values 1.5 -2"]) == [1.5, -2.0]
+    with pytest.raises(SystemExit, match="diverged"):
+        printed_values(["values 1.5 nan"])
+
+
+@given(st.tuples(*[st.floats(-1e-3, 1e-3)] * 3), st.tuples(*[st.floats(-1e-4, 1e-4)] * 3))
+def test_a_placement_finds_displacement_rotation_and_points(
+    shift: tuple[float, float, float], turn: tuple[float, float, float]
+) -> None:
+    start, reach = np.array([0.1, 0.2, 0.3]), 0.05
+    arms = np.array([s * reach * np.eye(3)[k] for k in range(3) for s in (1, -1)])
+    places = start + arms + np.array(shift) + np.cross(np.array(turn), arms)
+    placement = Placement(start.tolist(), reach, places.ravel().tolist())
+    motion = placement.motion()
+    assert motion.displacement == pytest.approx(shift, abs=1e-12)
+    assert motion.rotation == pytest.approx(turn, abs=1e-12)
+    point = start + np.array([0.01, -0.02, 0.03])
+    moved = point + np.array(shift) + np.cross(np.array(turn), point - start)
+    assert placement.place(point.tolist()) == pytest.approx(moved.tolist(), abs=1e-12)
+
+
+def test_utilisation_is_the_larger_of_shear_and_tension() -> None:
+    area, up = 1e-4, (0.0, 0.0, 1.0)
+    shear, tension = LAW.cohesion * area, LAW.tensile_strength * area
+    assert utilisation((0.6 * shear, 0.8 * shear, 0.0), up, LAW, area) == pytest.approx(1.0)
+    assert utilisation((0.0, 0.0, -0.5 * tension), up, LAW, area) == pytest.approx(0.5)
+    assert utilisation((0.1 * shear, 0.0, 9 * tension), up, LAW, area) == pytest.approx(0.1)
+
+
+def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> None:
+    law, up = replace(LAW, tensile_strength=0.0), (0.0, 0.0, 1.0)
+    assert utilisation((0.0, 0.0, -1e-12), up, law, 1e-4) < 1e-3
+    assert utilisation((0.0, 0.0, -1e-3), up, law, 1e-4) > 1.0
+
+
+# --- flatness ------------------------------------------------------------------------------------
+def pressed(assembly: scripts.Assembly) -> list[NodeForce]:
+    return [NodeForce(1.0, (0.0, 0.0, 0.0), False) for _ in assembly.nodes]
+
+
+def test_slip_and_turn_open_and_close_two_spheres_as_geometry_tells(
+    stack: scripts.Assembly,
+) -> None:
+    # Exact distances of two spheres' centres, against what is taken of them to second order.
+    radius, slip, turn, area, stiffness = 0.4, 1e-4, 1e-4, 0.04, 1e10
+    moved = [STILL, Motion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+    centres = np.array([0.0, 0.0, -radius]), np.array([slip, 0.0, radius])
+    gap = float(np.linalg.norm(centres[1] - centres[0])) - 2 * radius
+    found = spurious_force(stack, moved, [radius] * 2, pressed(stack))
+    assert found == pytest.approx(2 * gap * stiffness * area, rel=1e-3)  # two faces slip
+    below = stack.pieces[1].centre_m[2]
+    turned = [STILL, Motion((turn * below, 0.0, 0.0), (0.0, turn, 0.0)), STILL]
+    centres = np.array([0.0, 0.0, -radius]), radius * np.array([math.sin(turn), 0, math.cos(turn)])
+    closer = 2 * radius - float(np.linalg.norm(centres[1] - centres[0]))
+    only_first = [
+        NodeForce(1.0 if node.face == 0 else 0.0, (0.0, 0.0, 0.0), False) for node in stack.nodes
+    ]
+    found = spurious_force(stack, turned, [radius] * 2, only_first)
+    assert found == pytest.approx(closer * stiffness * area, rel=1e-3)
+
+
+def test_open_nodes_and_faces_that_move_as_one_do_no_harm(stack: scripts.Assembly) -> None:
+    far = [STILL, Motion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+    open_nodes = [NodeForce(0.0, (0.0, 0.0, 0.0), False) for _ in stack.nodes]
+    assert spurious_force(stack, far, [0.4] * 2, open_nodes) == 0.0
+    together = [Motion((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))] * 3
+    assert spurious_force(stack, together, [0.4] * 2, pressed(stack)) == 0.0
+
+
+def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.Assembly) -> None:
+    def at(slip: float) -> None:
+        moved = [STILL, Motion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+        check_flat(stack, moved, [0.4] * 2, pressed(stack), 100.0)
+
+    # Two faces of 4e8 N/m, a load of 157 N (the weight): 0.1 of it at slip^2 / 1.6 m = 2e-8 m.
+    at(1.7e-4)
+    with pytest.raises(SystemExit, match=r"spurious forces are 0\.11 of the load"):
+        at(1.9e-4)
+
+
+def test_a_mechanism_that_flatter_spheres_do_not_show_ends_with_a_reason() -> None:
+    peak = Peak(43.5, 43.6, None, MECHANISM, [])
+    check_mechanism(peak, Outcome.COLLAPSE)
+    with pytest.raises(SystemExit, match=r"no peak: at 43\.6 N the pieces drift off"):
+        check_mechanism(peak, Outcome.EQUILIBRIUM)
+    check_mechanism(replace(peak, mode=BONDS), Outcome.EQUILIBRIUM)
+
+
+@pytest.mark.parametrize("displacement", [math.nan, math.inf, -math.inf])
+def test_a_displacement_that_is_no_number_ends_the_run(displacement: float) -> None:
+    with pytest.raises(SystemExit, match="diverged"):
+        SEARCH.collapsed(displacement, 12.0)
+
+
+def test_collapse_is_a_displacement_beyond_the_limit_to_either_side() -> None:
+    assert SEARCH.collapsed(1.01e-4, 100.0) and SEARCH.collapsed(-1.01e-4, 100.0)
+    assert not SEARCH.collapsed(0.99e-4, 100.0)
+    assert not SEARCH.collapsed(1.1e-5, 0.0)  # next to no load: that of the first increment
+
+
+# --- records -------------------------------------------------------------------------------------
+def test_results_are_written_with_stresses_mode_and_engine(
+    three: scripts.Assembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    history = History(three, time_steps=7)
+    nodes = [NodeForce(2.0, (0.5, -1.0, 0.0), n % 2 == 0) for n in range(len(three.nodes))]
+    history.record(12.0, "equilibrium", 1e-6, 1e-5, nodes)
+    history.write(Peak(12.0, 12.1, 11.0, BONDS, nodes), "engine", "1.2")
+    assert json.loads((tmp_path / "result.json").read_text()) == {
+        "peak_load_N": 12.0,
+        "failed_load_N": 12.1,
+        "first_failure_load_N": 11.0,
+        "mode": "bonds",
+        "time_steps": 7,
+        "engine": "engine",
+        "engine_version": "1.2",
+    }
+    with (tmp_path / "nodes.csv").open() as stream:
+        rows = list(csv.DictReader(stream))
+    area = three.nodes[0].area_m2
+    assert float(rows[0]["normal_Pa"]) == pytest.approx(2.0 / area)
+    assert float(rows[0]["shear_y_Pa"]) == pytest.approx(-1.0 / area)
+    with (tmp_path / "history.csv").open() as stream:
+        row = next(csv.DictReader(stream))
+    inner = [f for f in three.faces if f.cohesive]
+    for face in inner:
+        own = [n for n, node in enumerate(three.nodes) if three.faces[node.face] is face]
+        assert float(row[f"{face.name}_shear_x_N"]) == pytest.approx(0.5 * len(own))
+        whole = sum(n % 2 == 0 for n in own) / len(own)
+        assert float(row[f"{face.name}_broken_share"]) == pytest.approx(1.0 - whole)
+
+
+@pytest.mark.parametrize(("load", "normal"), [(math.nan, 1.0), (12.0, math.nan), (12.0, math.inf)])
+def test_results_that_are_no_numbers_are_not_written(
+    three: scripts.Assembly,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    load: float,
+    normal: float,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    nodes = [NodeForce(normal, (0.0, 0.0, 0.0), True) for _ in three.nodes]
+    with pytest.raises(SystemExit, match="diverged"):
+        History(three).write(Peak(load, 13.0, None, BONDS, nodes), "engine", "1.2")
+    assert not (tmp_path / "result.json").exists()

@@ -1,0 +1,86 @@
+"""No run of an engine can be reached over a network."""
+
+import contextlib
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.pieces import assemble
+from workflow.engines import ENGINES
+from workflow.engines.numerics import Numerics
+from workflow.engines.render import write_script
+from workflow.engines.scripts.children import PRIVATE_NETWORK
+
+pytestmark = [
+    pytest.mark.engine,
+    pytest.mark.skipif(not Path("/proc/net/tcp6").exists(), reason="needs /proc/net"),
+]
+LISTENS = "0A"
+
+
+def descendants(pid: int) -> set[int]:
+    """A process and all that it started, and so on."""
+    found = {pid}
+    with contextlib.suppress(OSError):
+        for children in Path(f"/proc/{pid}/task").glob("*/children"):
+            for child in children.read_text().split():
+                found |= descendants(int(child))
+    return found
+
+
+def listeners(pid: int) -> set[str]:
+    """Addresses that a process of this machine's own network listens at."""
+    sockets = set()
+    with contextlib.suppress(OSError):
+        if Path(f"/proc/{pid}/ns/net").readlink() != Path("/proc/self/ns/net").readlink():
+            return set()
+        sockets = {str(fd.readlink()) for fd in Path(f"/proc/{pid}/fd").iterdir()}
+    rows = [
+        row.split()
+        for table in ("tcp", "tcp6")
+        for row in Path(f"/proc/net/{table}").read_text().splitlines()[1:]
+    ]
+    return {row[1] for row in rows if row[3] == LISTENS and f"socket:[{row[9]}]" in sockets}
+
+
+def seen_while(process: subprocess.Popen[bytes]) -> set[str]:
+    seen: set[str] = set()
+    while process.poll() is None:
+        for pid in descendants(process.pid):
+            seen |= listeners(pid)
+        time.sleep(0.01)
+    return seen
+
+
+def test_the_watcher_sees_a_listener_of_the_run_and_no_other(tmp_path: Path) -> None:
+    listen = "import socket, time; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); "
+    other = subprocess.Popen(["python3", "-c", listen + "time.sleep(60)"])
+    try:
+        own = subprocess.Popen(["sh", "-c", f'python3 -c "{listen}time.sleep(1)"; true'])
+        assert len(seen_while(own)) == 1
+        quiet = subprocess.Popen(["sleep", "0.5"])
+        assert not seen_while(quiet)
+    finally:
+        other.kill()
+        other.wait()
+
+
+@pytest.mark.parametrize(("name", "ranks"), [("yade", 1), ("liggghts", 1), ("liggghts", 2)])
+def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
+    if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
+        pytest.skip("this system allows no private network")
+    engine, joint = ENGINES[name], Joint(2)
+    assembly = assemble(joint, 0.03)
+    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
+    write_script(engine, assembly, loads, Numerics(ranks=ranks), "case", tmp_path)
+    with (tmp_path / "log").open("w") as log:
+        process = subprocess.Popen(
+            [*engine.command, engine.script], cwd=tmp_path, stdout=log, stderr=log
+        )
+        assert seen_while(process) == set()
+    assert process.returncode == 0, (tmp_path / "log").read_text()
+    assert (tmp_path / "result.json").is_file()

@@ -1,0 +1,246 @@
+"""The engines' searches for a peak, on models whose peaks are known: no engine runs here."""
+
+import math
+from collections.abc import Iterable, Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from workflow.engines.scripts.assembly import Search
+from workflow.engines.scripts.increments import outcome_at, peak_by_increments
+from workflow.engines.scripts.next_failure import failing, next_load, peak_by_failures
+from workflow.engines.scripts.records import BONDS, MECHANISM, NodeForce, Outcome
+
+FIRST = 12.0  # N, the first increment
+
+
+def search(tolerance: float = 1e-3) -> Search:
+    return Search(
+        time_step_s=1e-6,
+        period_steps=20.0,
+        ramp_steps=100,
+        hold_steps=1000,
+        unbalanced_ratio=1e-4,
+        collapse_m_per_N=1e-6,
+        first_increment_N=FIRST,
+        tolerance=tolerance,
+    )
+
+
+class Breaking:
+    """Bonds that break by themselves, each at its load; after ``needed`` of them it collapses."""
+
+    def __init__(
+        self,
+        strengths: Sequence[float],
+        needed: int,
+        slides_at: float = math.inf,
+        drifts_at: float = math.inf,
+        breakable: bool = True,
+        flat_up_to: float = math.inf,
+    ) -> None:
+        self.strengths, self.needed, self.breakable = sorted(strengths), needed, breakable
+        self.slides_at, self.drifts_at, self.flat_up_to = slides_at, drifts_at, flat_up_to
+        self.count, self.kept, self.permanent = 0, 0, 0.0
+
+    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+        self.permanent = permanent[1]
+        self.count = max(self.count, sum(strength < end for strength in self.strengths))
+        if self.count >= self.needed or end > self.slides_at:
+            return Outcome.COLLAPSE
+        return Outcome.UNSETTLED if end > self.drifts_at else Outcome.EQUILIBRIUM
+
+    def broken(self) -> int:
+        return self.count if self.breakable else 0
+
+    def node_forces(self) -> Sequence[NodeForce]:
+        return []
+
+    def check_flat(self, load: float) -> None:
+        if load > self.flat_up_to:
+            raise SystemExit("not flat")
+
+    def keep(self) -> None:
+        self.kept = self.count
+
+    def go_back(self) -> None:
+        self.count = self.kept
+
+
+LOAD = st.floats(0.5, 1e5)
+
+
+@given(LOAD, st.sampled_from([1e-2, 1e-3, 1e-4]))
+def test_increments_find_the_load_at_which_a_bond_takes_all_down(
+    strength: float, tolerance: float
+) -> None:
+    peak = peak_by_increments(Breaking([strength], 1), search(tolerance))
+    assert peak.load <= strength <= peak.failed_load <= peak.load * (1 + tolerance)
+    assert peak.mode == BONDS
+    assert peak.first_failure_load == peak.load
+
+
+@given(LOAD, st.floats(1.01, 3.0))
+def test_increments_find_the_first_failure_and_the_peak_after_it(
+    first: float, ratio: float
+) -> None:
+    peak = peak_by_increments(Breaking([first, ratio * first], 2), search())
+    assert peak.load <= ratio * first <= peak.failed_load
+    assert peak.first_failure_load == pytest.approx(first, rel=1.1e-3, abs=1.1e-3 * FIRST)
+    assert peak.mode == BONDS
+
+
+def test_a_bond_that_fails_under_next_to_no_load_does_not_end_the_search() -> None:
+    peak = peak_by_increments(Breaking([1e-7, 100.0], 2), search())
+    assert peak.load == pytest.approx(100.0, rel=1e-3)
+    assert peak.first_failure_load == pytest.approx(0.0, abs=1e-3 * FIRST)
+
+
+def test_a_bond_that_fails_under_the_permanent_loads_fails_at_no_load() -> None:
+    peak = peak_by_increments(Breaking([-1.0, 100.0], 2), search())
+    assert peak.load == pytest.approx(100.0, rel=1e-3)
+    assert peak.first_failure_load == 0.0
+
+
+def test_what_slides_with_all_bonds_whole_is_a_mechanism_without_first_failure() -> None:
+    peak = peak_by_increments(Breaking([500.0], 1, slides_at=70.0), search())
+    assert peak.load <= 70.0 <= peak.failed_load
+    assert (peak.mode, peak.first_failure_load) == (MECHANISM, None)
+
+
+def test_ductile_faces_fail_as_a_mechanism() -> None:
+    peak = peak_by_increments(Breaking([70.0], 1, breakable=False), search())
+    assert (peak.mode, peak.first_failure_load) == (MECHANISM, None)
+
+
+def test_what_neither_breaks_nor_moves_off_is_no_failure() -> None:
+    with pytest.raises(SystemExit, match=r"no peak: at 43\.\d+ N no bond breaks"):
+        peak_by_increments(Breaking([69.4], 1, drifts_at=43.5), search())
+
+
+def test_equilibria_that_contacts_cannot_represent_end_the_search() -> None:
+    with pytest.raises(SystemExit, match="not flat"):
+        peak_by_increments(Breaking([100.0], 1, flat_up_to=50.0), search())
+    # Attempts that are taken back do not count.
+    assert peak_by_increments(Breaking([100.0], 1, flat_up_to=100.0), search()).load > 99.8
+
+
+def test_what_does_not_stand_alone_or_carries_nothing_or_anything_has_no_peak() -> None:
+    with pytest.raises(SystemExit, match="does not stand under its permanent loads"):
+        peak_by_increments(Breaking([-1.0], 1), search())
+    with pytest.raises(SystemExit, match="carries no load in this direction"):
+        peak_by_increments(Breaking([0.0], 1), search())
+    with pytest.raises(SystemExit, match="grows without a peak"):
+        peak_by_increments(Breaking([], 1), search())
+
+
+def test_a_known_load_is_tried_again_in_steps_and_with_all_permanent_loads() -> None:
+    model = Breaking([100.0], 1)
+    assert outcome_at(model, 99.0) is Outcome.EQUILIBRIUM
+    assert model.permanent == 1.0
+    assert outcome_at(Breaking([100.0], 1), 101.0) is Outcome.COLLAPSE
+
+
+# --- from failure to failure ---------------------------------------------------------------------
+class Cut:
+    """Bonds that share a load by stiffness: equal shares of it, over strengths (N)."""
+
+    def __init__(
+        self,
+        strengths: Sequence[float],
+        slides_at: float = math.inf,
+        drifts_at: float = math.inf,
+    ) -> None:
+        self.strengths, self.slides_at, self.drifts_at = strengths, slides_at, drifts_at
+        self.load, self.events = 0.0, [(0.0, tuple(range(len(strengths))))]
+        self.stages: list[str] = []
+
+    @property
+    def bonds(self) -> tuple[int, ...]:
+        return self.events[-1][1]
+
+    def _outcome(self) -> Outcome:
+        if not self.bonds or self.load > self.slides_at:
+            return Outcome.COLLAPSE
+        return Outcome.UNSETTLED if self.load > self.drifts_at else Outcome.EQUILIBRIUM
+
+    def raised(self, load: float) -> Outcome:
+        self.events.append((load, self.bonds))
+        self.load = load
+        return self._outcome()
+
+    def cut(self, nodes: Iterable[int]) -> Outcome:
+        gone = set(nodes)
+        self.events.append((self.load, tuple(b for b in self.bonds if b not in gone)))
+        return self._outcome()
+
+    def back(self) -> None:
+        self.events.pop()
+        self.load = self.events[-1][0]
+
+    def utilisation(self) -> dict[int, float]:
+        share = self.load / len(self.bonds)
+        return {bond: share / self.strengths[bond] for bond in self.bonds}
+
+    def record(self, load: float, stage: str) -> Sequence[NodeForce]:
+        self.stages.append(stage)
+        return []
+
+    def check_flat(self, nodes: Sequence[NodeForce]) -> None:
+        pass
+
+
+@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6))
+def test_failures_find_the_peak_of_bonds_in_parallel(strengths: list[float]) -> None:
+    # With k bonds left, of which the weakest is s, the load is at most k s.
+    ordered = sorted(strengths)
+    left = range(len(ordered), 0, -1)
+    expected = max(k * s for k, s in zip(left, ordered, strict=True))
+    peak = peak_by_failures(Cut(strengths), search())
+    assert peak.load == pytest.approx(expected, rel=2e-3)
+    assert peak.load < peak.failed_load <= peak.load * 1.0011
+    assert peak.first_failure_load == pytest.approx(len(ordered) * ordered[0], rel=1.1e-3)
+    assert peak.mode == BONDS
+
+
+def test_failures_that_do_not_come_are_a_mechanism_or_no_answer() -> None:
+    peak = peak_by_failures(Cut([100.0], slides_at=70.0), search())
+    assert peak.load <= 70.0 <= peak.failed_load
+    assert (peak.mode, peak.first_failure_load) == (MECHANISM, None)
+    with pytest.raises(SystemExit, match="no bond breaks"):
+        peak_by_failures(Cut([100.0], drifts_at=70.0), search())
+
+
+def test_every_stage_is_recorded() -> None:
+    model = Cut([10.0, 100.0])
+    peak_by_failures(model, search())
+    assert model.stages[0] == "equilibrium"
+    assert model.stages[-1] == "collapse"
+
+
+@given(
+    st.floats(1.0, 1e3),
+    st.floats(0.05, 0.9),
+    st.floats(0.01, 0.9),
+    st.sampled_from([1e-2, 1e-3]),
+)
+def test_the_next_load_of_a_linear_model_is_never_past_its_failure(
+    strength: float, used: float, share: float, tolerance: float
+) -> None:
+    before = [(share * used * strength, share * used), (used * strength, used)]
+    load = next_load(before, increment=10 * strength, tolerance=tolerance)
+    assert used * strength < load <= strength * (1 - tolerance / 2) * (1 + 1e-9)
+
+
+def test_the_next_load_goes_by_the_increment_where_nothing_can_be_told() -> None:
+    assert next_load([(0.0, 0.0)], 12.0, 1e-3) == 12.0
+    assert next_load([(0.0, 0.0), (12.0, math.inf)], 12.0, 1e-3) == 24.0
+
+
+def test_bonds_at_their_strength_fail_together_and_no_others() -> None:
+    assert failing({0: 1.0, 1: 0.99995, 2: 0.9998}) == [0, 1]
+    # Below strength by the tolerance: the most used one, and what is as good as equal.
+    assert failing({0: 0.9995, 1: 0.9994, 2: 0.99}) == [0]
+    # Overstressed ones go together.
+    assert failing({0: 1.2, 1: 1.05, 2: 0.99}) == [0, 1]
