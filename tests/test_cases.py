@@ -21,8 +21,8 @@ from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
-from workflow.models import detailed
 from workflow.engines.numerics import Numerics
+from workflow.models import detailed
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 

@@ -1,5 +1,6 @@
 """What code a step runs is read from the code."""
 
+import json
 import os
 import subprocess
 import sys
@@ -114,8 +115,6 @@ def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: s
 
 
 def _assert_covered(job, results: Path) -> None:
-    import json
-
     plan = results / "plan.json"
     plan.write_text(json.dumps(job.plan(job.digest(), results)))
     found = subprocess.run(

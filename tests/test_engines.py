@@ -87,7 +87,7 @@ def test_pieces_that_drift_off_round_contacts_are_not_taken_for_failed(
 ) -> None:
     # Without friction nothing holds the upper pieces along x; the bonds would carry 60 % more.
     joint = Joint(3, dry=replace(DRY, friction=0.0))
-    with pytest.raises(EngineError, match="no peak: at .* N"):
+    with pytest.raises(EngineError, match=r"no peak: at .* N"):
         run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
 
 
@@ -124,7 +124,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     numerics = Numerics(time_step_ratio=20.0)  # over the largest stable one
     assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
     loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
-    with pytest.raises(EngineError, match="diverged|does not stand|LIGGGHTS has ended"):
+    with pytest.raises(EngineError, match=r"diverged|does not stand|LIGGGHTS has ended"):
         run_engine(ENGINES[engine], assembly, loads, numerics, "block", tmp_path, 120)
     assert not (tmp_path / "result.json").exists()
 
@@ -140,9 +140,9 @@ def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
 
 @pytest.mark.parametrize("push", Push)
 def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
-    weights = run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))).weights[
-        "weight"
-    ].tolist()
+    weights = (
+        run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))).weights["weight"].tolist()
+    )
     ordered = weights if push is Push.PLUS_Y else weights[::-1]
     assert ordered == pytest.approx([0.74, 1.0, 0.01], abs=0.02)
 

@@ -2,11 +2,11 @@
 
 from types import SimpleNamespace
 
+import analysis.weights
 import pandas as pd
 import pytest
-
-import analysis.weights
 from analysis.weights import lock_weights
+
 from sidmacib.joint import Joint
 
 

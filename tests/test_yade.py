@@ -21,18 +21,14 @@ def test_three_locks_reach_the_published_peak_within_3_and_a_half_percent(run) -
     result = run(a_case("yade", Joint(3), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(240.76, rel=0.035)
     published_first_two_swapped = [0.77, 0.99, 0.0]
-    assert result.weights["weight"].tolist() == pytest.approx(
-        published_first_two_swapped, abs=0.06
-    )
+    assert result.weights["weight"].tolist() == pytest.approx(published_first_two_swapped, abs=0.06)
 
 
 def test_five_locks_reach_the_published_peak_within_2_percent(run) -> None:
     result = run(a_case("yade", Joint(5), Loading(Direction(0.0)), mesh=0.02))
     assert result.shear == pytest.approx(408.26, rel=0.02)
     published_first_two_swapped = [0.57, 0.99, 0.68, 0.68, 0.0]
-    assert result.weights["weight"].tolist() == pytest.approx(
-        published_first_two_swapped, abs=0.06
-    )
+    assert result.weights["weight"].tolist() == pytest.approx(published_first_two_swapped, abs=0.06)
 
 
 @pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 2.0), (3, float("inf"))])

@@ -14,7 +14,6 @@ import numpy as np
 from numba import njit
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.mechanics.contact_law import Flags
 
 STEPS = 60  # of Newton's method
 LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient

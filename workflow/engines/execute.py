@@ -15,8 +15,8 @@ from pathlib import Path
 from workflow.engines import Engine
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
+from workflow.results.files import OUTPUTS
 
-OUTPUTS = ("history.csv", "nodes.csv", "result.json")
 TAIL_LINES = 20
 
 
