@@ -62,7 +62,9 @@ def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> Non
 def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(own.structure, state.slip, np.ones_like(state.bonded), unknowns, own.matrix)
+    tangent_stiffness(
+        own.structure, state.slip, np.ones_like(state.bonded), unknowns, 0.0, own.matrix
+    )
     expected = Springs.of(model).elastic_stiffness()
     assert dense(own)[np.ix_(own.place, own.place)] == pytest.approx(expected, rel=1e-9, abs=1e-5)
 
@@ -93,7 +95,7 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(own.structure, state.slip, state.bonded, unknowns, own.matrix)
+    tangent_stiffness(own.structure, state.slip, state.bonded, unknowns, 0.0, own.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     after, before = np.empty_like(unknowns), np.empty_like(unknowns)
     for sign, residual in ((1, after), (-1, before)):

@@ -125,7 +125,8 @@ class Face:
     @property
     def area(self) -> float:
         """Area in m2."""
-        return math.prod(h - l for l, h in zip(self.low, self.high, strict=True) if h > l)
+        sides = [high - low for low, high in zip(self.low, self.high, strict=True)]
+        return math.prod(side for side in sides if side > 0.0)
 
 
 @dataclass(frozen=True)
@@ -170,9 +171,10 @@ class Assembly:
 class Loads:
     """Forces and moments on the pieces, about their centroids, both of shape (P, 6).
 
-    ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is raised,
-    per newton of load. ``scale`` in N: a load of the order of what the assembly carries, which first
-    increments are parts of. ValueError if a number is not finite, or the scale not positive.
+    ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is
+    raised, per newton of load. ``scale`` in N: a load of the order of what the assembly carries,
+    which first increments are parts of. ValueError if a number is not finite, or the scale not
+    positive.
     """
 
     permanent: Floats
@@ -203,7 +205,7 @@ def shared_face(
     first, second = pieces[pair[0]], pieces[pair[1]]
     low = [*map(max, first.low, second.low)]
     high = [*map(min, first.high, second.high)]
-    near = CLOSE * max(h - l for h, l in zip(first.high, first.low, strict=True))
+    near = CLOSE * max(high - low for low, high in zip(first.low, first.high, strict=True))
     touching = [k for k in range(3) if abs(first.high[k] - second.low[k]) <= near]
     sides = [k for k in range(3) if high[k] - low[k] > near]
     if len(touching) != 1 or len(sides) != 2:

@@ -8,6 +8,8 @@ finds, in m; forces in N. A piece's unknowns are a slice that begins at ``Struct
 move by six components of it, which is where pieces that deform would enter.
 """
 
+# mypy: allow-untyped-defs
+
 from typing import NamedTuple
 
 import numpy as np
@@ -16,23 +18,20 @@ from numba import njit
 from sidmacib.mechanics.assembly import Floats, Integers
 
 STEPS = 60  # of Newton's method
-LEAST_SHARES = 0.1, 0.01  # of a step; the first is quicker, the second more patient
-FLOOR = 1e-10  # of the largest stiffness
+QUICK, PATIENT = 0.1, 0.01  # least shares of a step
 
 
 class Structure(NamedTuple):
     """What does not change along a path, see `sidmacib.mechanics.springs.Springs`.
 
+    ``nodes``: normal and shear stiffness (N/m), friction coefficient and place of each, (N, 5).
     ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
     ``inner`` unknowns come first, and those that share an entry of the stiffness are at most
     ``band`` apart; the ``outer`` ones behind them may share one with all.
     """
 
-    normal_stiffness: Floats
-    shear_stiffness: Floats
-    friction: Floats
+    nodes: Floats
     start: Integers
-    place: Floats
     motion: Floats
     begin: Integers
     inner: int
@@ -53,9 +52,12 @@ class Matrix(NamedTuple):
     below: Floats
 
 
+compiled = njit(cache=True, error_model="numpy")  # division by zero gives inf, as in numpy
+
+
 # --- the law of a node ---------------------------------------------------------------------------
-@njit(cache=True)
-def node_force(normal, shear, friction, bonded, d0, d1, d2):  # type: ignore[no-untyped-def]
+@compiled
+def node_force(normal, shear, friction, bonded, d0, d1, d2):
     """Force (N) of a node at displacement d (m), less its slip: return mapping to its cone.
 
     ``normal``, ``shear``: stiffness in N/m.
@@ -69,8 +71,8 @@ def node_force(normal, shear, friction, bonded, d0, d1, d2):  # type: ignore[no-
     return normal * d0, share * d1, share * d2
 
 
-@njit(cache=True)
-def node_tangent(normal, shear, friction, bonded, d0, d1, d2):  # type: ignore[no-untyped-def]
+@compiled
+def node_tangent(normal, shear, friction, bonded, d0, d1, d2):
     """Derivatives (N/m) of `node_force`.
 
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
@@ -80,25 +82,15 @@ def node_tangent(normal, shear, friction, bonded, d0, d1, d2):  # type: ignore[n
         return normal, 0.0, 0.0, shear, 0.0, shear
     if d0 <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    slip = np.sqrt(d1 * d1 + d2 * d2)
-    cone = friction * normal * d0
+    slip, cone = np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0
     if shear * slip <= cone:
         return normal, 0.0, 0.0, shear, 0.0, shear
-    x, y, across = d1 / slip, d2 / slip, cone / slip
-    cross = -across * x * y
-    rise = friction * normal
-    return normal, rise * x, rise * y, across * y * y, cross, across * x * x
+    x, y, across, rise = d1 / slip, d2 / slip, cone / slip, friction * normal
+    return normal, rise * x, rise * y, across * y * y, -across * x * y, across * x * x
 
 
-@njit(cache=True)
-def put(values, target):  # type: ignore[no-untyped-def]
-    """Copy ``values`` into ``target``."""
-    for i in range(len(target)):
-        target[i] = values[i]
-
-
-@njit(cache=True)
-def norm(vector):  # type: ignore[no-untyped-def]
+@compiled
+def norm(vector):
     """Euclidean norm."""
     square = 0.0
     for value in vector:
@@ -107,8 +99,8 @@ def norm(vector):  # type: ignore[no-untyped-def]
 
 
 # --- faces ---------------------------------------------------------------------------------------
-@njit(cache=True)
-def face_motion(structure, face, unknowns, w):  # type: ignore[no-untyped-def]
+@compiled
+def face_motion(structure, face, unknowns, w):
     """Relative motion ``w`` (6,) of the middle of ``face``."""
     w[:] = 0.0
     for side in range(2):
@@ -119,34 +111,26 @@ def face_motion(structure, face, unknowns, w):  # type: ignore[no-untyped-def]
                     w[i] += structure.motion[face, side, i, j] * unknowns[begin + j]
 
 
-@njit(cache=True)
-def node_displacement(structure, node, slip, w):  # type: ignore[no-untyped-def]
-    """Relative displacement (m) of ``node``, less its slip, when its face moves by ``w``."""
-    p, q = structure.place[node]
+@compiled
+def node_displacement(p, q, slip, node, w):
+    """Displacement (m) of ``node`` at (p, q), less its slip, when its face moves by ``w``."""
     d1, d2 = w[1] - q * w[3] - slip[node, 0], w[2] + p * w[3] - slip[node, 1]
     return w[0] + q * w[4] - p * w[5], d1, d2
 
 
-@njit(cache=True)
-def node_law(structure, node):  # type: ignore[no-untyped-def]
-    """Stiffnesses (N/m) and friction coefficient of ``node``."""
-    normal, shear = structure.normal_stiffness[node], structure.shear_stiffness[node]
-    return normal, shear, structure.friction[node]
-
-
-@njit(cache=True)
-def unbalanced(structure, slip, bonded, unknowns, target, residual):  # type: ignore[no-untyped-def]
+@compiled
+def unbalanced(structure, slip, bonded, unknowns, target, residual):
     """Put ``target`` less the nodes' forces into ``residual``; returns its norm (N)."""
     w, force = np.empty(6), np.empty(6)
-    put(target, residual)
+    for i in range(len(target)):
+        residual[i] = target[i]
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         force[:] = 0.0
         for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction = node_law(structure, node)
-            d0, d1, d2 = node_displacement(structure, node, slip, w)
+            normal, shear, friction, p, q = structure.nodes[node]
+            d0, d1, d2 = node_displacement(p, q, slip, node, w)
             f0, f1, f2 = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
-            p, q = structure.place[node]
             force[0] += f0
             force[1] += f1
             force[2] += f2
@@ -162,49 +146,43 @@ def unbalanced(structure, slip, bonded, unknowns, target, residual):  # type: ig
     return norm(residual)
 
 
-@njit(cache=True)
-def face_stiffness(structure, face, slip, bonded, w, k):  # type: ignore[no-untyped-def]
+@compiled
+def face_stiffness(structure, face, slip, bonded, w, k):
     """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6)."""
     k[:] = 0.0
     for node in range(structure.start[face], structure.start[face + 1]):
-        normal, shear, friction = node_law(structure, node)
-        d0, d1, d2 = node_displacement(structure, node, slip, w)
+        normal, shear, friction, p, q = structure.nodes[node]
+        d0, d1, d2 = node_displacement(p, q, slip, node, w)
         t00, t10, t20, t11, t12, t22 = node_tangent(
             normal, shear, friction, bonded[node], d0, d1, d2
         )
-        p, q = structure.place[node]
-        t30 = p * t20 - q * t10  # moment about the normal
-        k[0, 0] += t00
-        k[0, 4] += t00 * q
-        k[0, 5] -= t00 * p
-        k[4, 4] += t00 * q * q
-        k[4, 5] -= t00 * p * q
-        k[5, 5] += t00 * p * p
-        k[1, 0] += t10
-        k[1, 4] += t10 * q
-        k[1, 5] -= t10 * p
-        k[2, 0] += t20
-        k[2, 4] += t20 * q
-        k[2, 5] -= t20 * p
-        k[3, 0] += t30
-        k[3, 4] += t30 * q
-        k[3, 5] -= t30 * p
+        # All six forces of the face by the normal displacement, then its shear forces by shear.
+        rises = t00, t10, t20, p * t20 - q * t10, q * t00, -p * t00
+        for i in range(6):
+            k[i, 0] += rises[i]
+            k[i, 4] += rises[i] * q
+            k[i, 5] -= rises[i] * p
         k[1, 1] += t11
         k[1, 2] += t12
         k[2, 2] += t22
         k[1, 3] += p * t12 - q * t11
         k[2, 3] += p * t22 - q * t12
         k[3, 3] += p * p * t22 - 2.0 * p * q * t12 + q * q * t11
-    k[4, 0], k[5, 0], k[5, 4] = k[0, 4], k[0, 5], k[4, 5]
     k[2, 1], k[3, 1], k[3, 2] = k[1, 2], k[1, 3], k[2, 3]
 
 
-@njit(cache=True)
-def tangent_stiffness(structure, slip, bonded, unknowns, matrix):  # type: ignore[no-untyped-def]
-    """Put the derivative of the nodes' forces on the pieces into ``matrix``."""
+@compiled
+def tangent_stiffness(structure, slip, bonded, unknowns, floor, matrix):
+    """Put the derivative of the nodes' forces on the pieces into ``matrix``.
+
+    ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds for a moment from
+    flying off, and changes no equilibrium.
+    """
     w, k, moved, block = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
-    motion = structure.motion
+    matrix.band[:, structure.band] = floor
+    for i in range(structure.outer):
+        matrix.below[i, structure.inner + i] = floor
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         face_stiffness(structure, face, slip, bonded, w, k)
@@ -216,7 +194,7 @@ def tangent_stiffness(structure, slip, bonded, unknowns, matrix):  # type: ignor
                 for j in range(6):
                     value = 0.0
                     for n in range(6):
-                        value += k[i, n] * motion[face, right, n, j]
+                        value += k[i, n] * structure.motion[face, right, n, j]
                     moved[i, j] = value
             for left in range(2):
                 row = structure.begin[face, left]
@@ -226,52 +204,28 @@ def tangent_stiffness(structure, slip, bonded, unknowns, matrix):  # type: ignor
                     for j in range(6):
                         value = 0.0
                         for n in range(6):
-                            value += motion[face, left, n, i] * moved[n, j]
+                            value += structure.motion[face, left, n, i] * moved[n, j]
                         block[i, j] = value
                 add(structure, matrix, row, column, block)
 
 
-@njit(cache=True)
-def add(structure, matrix, row, column, block):  # type: ignore[no-untyped-def]
+@compiled
+def add(structure, matrix, row, column, block):
     """Add ``block``, (6, 6), to ``matrix`` where its first element is at ``row``, ``column``."""
     inner, width = structure.inner, structure.band
-    if row >= inner:
-        for i in range(6):
-            for j in range(6):
+    for i in range(6):
+        for j in range(6):
+            if row >= inner:
                 matrix.below[row - inner + i, column + j] += block[i, j]
-    elif column >= inner:
-        for i in range(6):
-            for j in range(6):
+            elif column >= inner:
                 matrix.right[row + i, column - inner + j] += block[i, j]
-    else:
-        for i in range(6):
-            for j in range(6):
+            else:
                 matrix.band[row + i, width + column - row - i + j] += block[i, j]
 
 
 # --- linear equations ----------------------------------------------------------------------------
-@njit(cache=True)
-def add_diagonal(structure, matrix, value):  # type: ignore[no-untyped-def]
-    """Add ``value`` to the diagonal of ``matrix``."""
-    for i in range(structure.inner):
-        matrix.band[i, structure.band] += value
-    for i in range(structure.outer):
-        matrix.below[i, structure.inner + i] += value
-
-
-@njit(cache=True)
-def largest(structure, matrix):  # type: ignore[no-untyped-def]
-    """The largest element on the diagonal of ``matrix``."""
-    value = 0.0
-    for i in range(structure.inner):
-        value = max(value, matrix.band[i, structure.band])
-    for i in range(structure.outer):
-        value = max(value, matrix.below[i, structure.inner + i])
-    return value
-
-
-@njit(cache=True)
-def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
+@compiled
+def solve_linear(structure, matrix, x):
     """Turn the right side ``x`` into the solution, and destroy ``matrix``.
 
     Gaussian elimination; rows are exchanged within the band, and within the border after it.
@@ -283,24 +237,13 @@ def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
     for i in range(inner):
         reach[i] = min(i + width, inner - 1)
     for j in range(inner):
-        last = min(j + width, inner - 1)  # row with an element in this column
-        pivot = j
-        for i in range(j + 1, last + 1):
-            if abs(band[i, width + j - i]) > abs(band[pivot, width + j - pivot]):
-                pivot = i
-        if band[pivot, width + j - pivot] == 0.0:
-            return False
-        if pivot != j:
-            shift = pivot - j
-            for c in range(width, width + max(reach[j], reach[pivot]) - j + 1):
-                band[j, c], band[pivot, c - shift] = band[pivot, c - shift], band[j, c]
-            for c in range(outer):
-                right[j, c], right[pivot, c] = right[pivot, c], right[j, c]
-            x[j], x[pivot] = x[pivot], x[j]
-            reach[j], reach[pivot] = reach[pivot], reach[j]
+        exchange(structure, matrix, x, reach, j)
         count = reach[j] - j + 1
         own = band[j, width : width + count]
-        for i in range(j + 1, last + 1):
+        if own[0] == 0.0:
+            return False
+        # Zeros are not skipped: where they are is hard to foresee, for a processor as well.
+        for i in range(j + 1, min(j + width, inner - 1) + 1):
             row = band[i, width + j - i : width + j - i + count]
             factor = row[0] / own[0]
             reach[i] = max(reach[i], reach[j])
@@ -319,17 +262,43 @@ def solve_linear(structure, matrix, x):  # type: ignore[no-untyped-def]
             x[inner + i] -= factor * x[j]
     if not solve_dense(below[:, inner:], x[inner:]):
         return False
-    for j in range(inner - 1, -1, -1):
-        for c in range(outer):
-            x[j] -= right[j, c] * x[inner + c]
-        for c in range(1, reach[j] - j + 1):
-            x[j] -= band[j, width + c] * x[j + c]
-        x[j] /= band[j, width]
+    substitute(structure, matrix, x, reach)
     return True
 
 
-@njit(cache=True)
-def solve_dense(matrix, x):  # type: ignore[no-untyped-def]
+@compiled
+def substitute(structure, matrix, x, reach):
+    """The inner part of the solution from the last one on, after elimination."""
+    inner, width = structure.inner, structure.band
+    for j in range(inner - 1, -1, -1):
+        for c in range(structure.outer):
+            x[j] -= matrix.right[j, c] * x[inner + c]
+        for c in range(1, reach[j] - j + 1):
+            x[j] -= matrix.band[j, width + c] * x[j + c]
+        x[j] /= matrix.band[j, width]
+
+
+@compiled
+def exchange(structure, matrix, x, reach, j):
+    """Exchange row ``j`` for the one of the band with the largest element in column ``j``."""
+    width, band, right = structure.band, matrix.band, matrix.right
+    pivot = j
+    for i in range(j + 1, min(j + width, structure.inner - 1) + 1):
+        if abs(band[i, width + j - i]) > abs(band[pivot, width + j - pivot]):
+            pivot = i
+    if pivot == j:
+        return
+    shift = pivot - j
+    for c in range(width, width + max(reach[j], reach[pivot]) - j + 1):
+        band[j, c], band[pivot, c - shift] = band[pivot, c - shift], band[j, c]
+    for c in range(structure.outer):
+        right[j, c], right[pivot, c] = right[pivot, c], right[j, c]
+    x[j], x[pivot] = x[pivot], x[j]
+    reach[j], reach[pivot] = reach[pivot], reach[j]
+
+
+@compiled
+def solve_dense(matrix, x):
     """`solve_linear` without a band."""
     size = len(x)
     for j in range(size):
@@ -339,10 +308,9 @@ def solve_dense(matrix, x):  # type: ignore[no-untyped-def]
                 pivot = i
         if matrix[pivot, j] == 0.0:
             return False
-        if pivot != j:
-            for c in range(j, size):
-                matrix[j, c], matrix[pivot, c] = matrix[pivot, c], matrix[j, c]
-            x[j], x[pivot] = x[pivot], x[j]
+        for c in range(j, size):
+            matrix[j, c], matrix[pivot, c] = matrix[pivot, c], matrix[j, c]
+        x[j], x[pivot] = x[pivot], x[j]
         for i in range(j + 1, size):
             factor = matrix[i, j] / matrix[j, j]
             for c in range(j + 1, size):
@@ -356,54 +324,42 @@ def solve_dense(matrix, x):  # type: ignore[no-untyped-def]
 
 
 # --- equilibrium ---------------------------------------------------------------------------------
-@njit(cache=True)
-def elastic(structure, matrix, target, slip, bonded):  # type: ignore[no-untyped-def]
-    """Displacements (m) under ``target`` (N) where all nodes are ``bonded``.
-
-    Returns them and the stiffness (N/m) that is added to the diagonal here and in `newton`. It
-    keeps pieces that nothing holds from flying off and changes no equilibrium.
-    """
-    unknowns = np.zeros(len(target))
-    tangent_stiffness(structure, slip, bonded, unknowns, matrix)
-    floor = FLOOR * largest(structure, matrix)
-    add_diagonal(structure, matrix, floor)
-    put(target, unknowns)
+@compiled
+def elastic(structure, matrix, target, slip, bonded, floor):
+    """Displacements (m) under ``target`` (N) where all nodes are ``bonded``."""
+    tangent_stiffness(structure, slip, bonded, np.zeros(len(target)), floor, matrix)
+    unknowns = target.copy()
     solve_linear(structure, matrix, unknowns)
-    return unknowns, floor
+    return unknowns
 
 
-@njit(cache=True)
-def stepped(  # type: ignore[no-untyped-def]
-    structure, slip, bonded, unknowns, step, share, target, trial, residual
-):
+@compiled
+def stepped(structure, slip, bonded, unknowns, step, share, target, trial, residual):
     """Put ``unknowns`` after a ``share`` of ``step`` into ``trial``; see `unbalanced`."""
     for i in range(len(trial)):
         trial[i] = unknowns[i] + share * step[i]
     return unbalanced(structure, slip, bonded, trial, target, residual)
 
 
-@njit(cache=True)
-def newton(  # type: ignore[no-untyped-def]
-    structure, matrix, target, guess, slip, bonded, floor, allowed, farthest, least_share
-):
+@compiled
+def newton(structure, matrix, target, guess, slip, bonded, limits, least_share):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
-    ``slip``, ``bonded``: of the nodes. ``floor``: see `elastic` (N/m). ``allowed``: largest norm of
-    the unbalanced forces (N); ``farthest``: of a step (m). Where a whole step would not bring
+    ``slip``, ``bonded``: of the nodes. ``limits``: the floor of `tangent_stiffness` (N/m) and the
+    largest norms of unbalanced forces (N) and of a step (m). Where a whole step would not bring
     equilibrium closer it is halved, down to ``least_share``. Returns whether equilibrium was found,
     and the displacements.
     """
-    unknowns, trial = guess.copy(), np.empty_like(guess)
-    residual, step = np.empty_like(guess), np.empty_like(guess)
+    floor, allowed, farthest = limits
+    unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
     size = unbalanced(structure, slip, bonded, unknowns, target, residual)
     for _ in range(STEPS):
         if size <= allowed:
             return True, unknowns
-        tangent_stiffness(structure, slip, bonded, unknowns, matrix)
-        add_diagonal(structure, matrix, floor)
+        tangent_stiffness(structure, slip, bonded, unknowns, floor, matrix)
         if not solve_linear(structure, matrix, residual):
             break
-        put(residual, step)
+        step = residual.copy()
         if not norm(step) <= farthest:  # or no number
             break
         before, share = size, 2.0
@@ -412,20 +368,20 @@ def newton(  # type: ignore[no-untyped-def]
             size = stepped(structure, slip, bonded, unknowns, step, share, target, trial, residual)
         if size > before:
             size = stepped(structure, slip, bonded, unknowns, step, 1.0, target, trial, residual)
-        put(trial, unknowns)
+        unknowns, trial = trial, unknowns
     return False, unknowns
 
 
-@njit(cache=True)
-def settled(structure, slip, bonded, unknowns):  # type: ignore[no-untyped-def]
+@compiled
+def settled(structure, slip, bonded, unknowns):
     """Forces (N) of all nodes, (N, 3), and their slip (m) from here on, (N, 2)."""
     w = np.empty(6)
     force, after = np.empty((len(slip), 3)), slip.copy()
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction = node_law(structure, node)
-            d0, d1, d2 = node_displacement(structure, node, slip, w)
+            normal, shear, friction, p, q = structure.nodes[node]
+            d0, d1, d2 = node_displacement(p, q, slip, node, w)
             f0, f1, f2 = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
             force[node, 0], force[node, 1], force[node, 2] = f0, f1, f2
             if not bonded[node]:
@@ -434,25 +390,11 @@ def settled(structure, slip, bonded, unknowns):  # type: ignore[no-untyped-def]
     return force, after
 
 
-@njit(cache=True)
-def equilibrium(  # type: ignore[no-untyped-def]
-    structure, matrix, target, guess, slip, bonded, floor, allowed, farthest
-):
+@compiled
+def equilibrium(structure, matrix, target, guess, slip, bonded, limits):
     """`newton` and then `settled`: whether there is equilibrium, displacements, forces, slip."""
-    for least_share in LEAST_SHARES:
-        found, unknowns = newton(
-            structure,
-            matrix,
-            target,
-            guess,
-            slip,
-            bonded,
-            floor,
-            allowed,
-            farthest,
-            least_share,
-        )
-        if found:
-            break
+    found, unknowns = newton(structure, matrix, target, guess, slip, bonded, limits, QUICK)
+    if not found:
+        found, unknowns = newton(structure, matrix, target, guess, slip, bonded, limits, PATIENT)
     force, after = settled(structure, slip, bonded, unknowns)
     return found, unknowns, force, after

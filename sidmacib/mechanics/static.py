@@ -28,6 +28,7 @@ LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is les
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
 TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
+FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -49,7 +50,7 @@ class Equilibrium:
 class Mode(StrEnum):
     """Why the load cannot rise beyond the peak."""
 
-    FAILURE = "failure"  # bonds fail, and no equilibrium follows
+    BONDS = "bonds"  # they fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
 
 
@@ -94,10 +95,9 @@ class Solver:
         self.units = springs.units
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
-        slip, bonded = np.zeros((len(springs.place), 2)), np.ones(len(springs.place), bool)
-        self.rest, self.floor = elastic(self.structure, self.matrix, self.weight, slip, bonded)
-        most = loads.scale * self.load
-        reach, _ = elastic(self.structure, self.matrix, most, slip, bonded)
+        per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
+        self.floor = FLOOR * float(per_face.max())
+        self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
         self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
     def start(self) -> Equilibrium:
@@ -119,13 +119,18 @@ class Solver:
             begin,
             state.slip,
             state.bonded,
-            self.floor,
-            allowed,
-            self.farthest,
+            (self.floor, allowed, self.farthest),
         )
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return Equilibrium(load, self._outside(unknowns), force, NodeState(slip, state.bonded))
+
+    def _elastic(self, target: Floats) -> Floats:
+        """Unknowns under ``target`` (N) with every node closed and bonded."""
+        count = len(self.law.friction)
+        slip, bonded = np.zeros((count, 2)), np.ones(count, bool)
+        found = elastic(self.structure, self.matrix, target, slip, bonded, self.floor)
+        return np.asarray(found)
 
     def _inside(self, values: Floats) -> Floats:
         inside = np.empty_like(values)
@@ -156,7 +161,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
         try:
             path.append(_redistributed(solver, path[-1], failing))
         except NoEquilibriumError:
-            mode = Mode.FAILURE
+            mode = Mode.BONDS
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
     return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
@@ -236,11 +241,8 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
 def _structure(springs: Springs, order: Ordering) -> Structure:
     law = springs.law
     return Structure(
-        law.normal_stiffness,
-        law.shear_stiffness,
-        law.friction,
+        np.column_stack([law.normal_stiffness, law.shear_stiffness, law.friction, springs.place]),
         springs.start,
-        springs.place,
         springs.motion,
         np.where(springs.piece < 0, -1, order.begin[springs.piece]),
         order.inner,

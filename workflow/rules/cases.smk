@@ -17,15 +17,16 @@ for model, jobs in OF_CASES.items():
             others=lambda wildcards, model=model: below(JOBS[f"{model}/{wildcards.job}"].inputs),
         output:
             below(outputs),
-        wildcard_constraints:
-            job="|".join(map(re.escape, jobs)),
         log:
             f"{RESULTS}/logs/{model}/{{job}}.log",
+        wildcard_constraints:
+            job="|".join(map(re.escape, jobs)),
         threads: max(job.threads for job in jobs.values())
         message:
             f"{model}: {{wildcards.job}}"
         shell:
             RUN
+
 
 # A case that was solved in a batch has a folder of its own where one asks for it.
 BATCH_OF = {case: job for job in JOBS.values() if len(job.finds) > 1 for case in job.finds}
@@ -41,10 +42,10 @@ for model in {model for model, _ in BATCH_OF}:
             ),
         output:
             f"{RESULTS}/cases/{model}/{{case}}/result.json",
-        wildcard_constraints:
-            case="|".join(re.escape(case) for own, case in BATCH_OF if own == model),
         log:
             f"{RESULTS}/logs/{model}/{{case}}.files.log",
+        wildcard_constraints:
+            case="|".join(re.escape(case) for own, case in BATCH_OF if own == model),
         message:
             f"{model}: files of {{wildcards.case}}"
         shell:
