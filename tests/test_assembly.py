@@ -22,25 +22,25 @@ def test_a_material_has_no_negative_or_infinite_property(name: str, value: float
 
 @pytest.mark.parametrize("name", ["normal_stiffness", "shear_stiffness"])
 def test_a_material_without_stiffness_is_refused(name: str) -> None:
-    with pytest.raises(ValueError, match=f"{name}: 0.0 Pa/m"):
+    with pytest.raises(ValueError, match=f"{name}: 0.0 is"):
         replace(DRY, **{name: 0.0})
 
 
 @pytest.mark.parametrize("value", [*NONE, -1.0])
 def test_a_piece_has_a_size_and_a_mass(joint: Joint, value: float) -> None:
     piece = block_on_ground(joint, Kind.DRY, 0.02).pieces[1]
-    with pytest.raises(ValueError, match=f"block: {value} kg"):
+    with pytest.raises(ValueError, match=f"block, mass .*: {value} is"):
         replace(piece, mass=value)
-    with pytest.raises(ValueError, match="block: an edge of"):
+    with pytest.raises(ValueError, match="block, edge x"):
         replace(piece, high=(value, 1.0, 1.0))
 
 
 @pytest.mark.parametrize("value", [*NONE, -1.0, 0.0])
 def test_scales_are_positive(joint: Joint, value: float) -> None:
     model = block_on_ground(joint, Kind.DRY, 0.02)
-    with pytest.raises(ValueError, match=f"length: {value} m"):
+    with pytest.raises(ValueError, match=f"length: {value} is"):
         replace(model, length=value)
-    with pytest.raises(ValueError, match=f"scale: {value} N"):
+    with pytest.raises(ValueError, match=f"scale: {value} is"):
         replace(load_on_block(model, (0.0, 1.0, 0.0), 0.0), scale=value)
 
 

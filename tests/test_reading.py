@@ -275,15 +275,11 @@ def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
     assert read_study(config).dem.numerics.damping == 0.3
 
 
-@pytest.mark.parametrize("module", ["workflow.configuration", "workflow.cases"])
-def test_commands_end_with_the_line_and_no_traceback(module: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("what", [["study"], ["case", "--case", "n3-mesh0.02-e0a"], ["decks"]])
+def test_commands_end_with_the_line_and_no_traceback(what: list[str], tmp_path: Path) -> None:
     path = written(tmp_path, f"{STUDY}geometry: {{a: true}}")
-    arguments = {
-        "workflow.configuration": ["folder", str(path)],
-        "workflow.cases": [str(path), "n3-mesh0.02-e0a"],
-    }
     found = subprocess.run(
-        [sys.executable, "-m", module, *arguments[module]],
+        [sys.executable, "-m", "workflow", what[0], str(path), *what[1:]],
         check=False,
         cwd=ROOT,
         capture_output=True,
