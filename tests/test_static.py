@@ -18,14 +18,11 @@ from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
-    FaceMaterial,
     Failure,
     Kind,
     Loads,
     Piece,
-    contact_nodes,
     self_weight,
-    shared_face,
 )
 from sidmacib.mechanics.complementary import FrictionRule, first_failure_load, least_energy_forces
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
@@ -116,69 +113,6 @@ def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> N
     assert 0.0 < found.peak.load < 1.001 * tough.peak.load
 
 
-# --- which bonds fail, one after the other --------------------------------------------------------
-def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> Assembly:
-    """A block glued to supports in a row, pushed along it: all slide by the same, without twist.
-
-    ``strength`` (Pa) and ``stiffness`` (Pa/m) of the bonds along the face, of 1 m2 each.
-    """
-    count = len(strength)
-    pieces = (
-        *(
-            Piece(f"support{i}", (i, 0.0, -1.0), (i + 1, 1.0, 0.0), 1.0, fixed=True)
-            for i in range(count)
-        ),
-        Piece("block", (0.0, 0.0, 0.0), (count, 1.0, 1.0), 1.0),
-    )
-    faces = tuple(
-        shared_face(f"bond{i}", Kind.INNER, FaceMaterial(1e9, k, 0.0, s, 1e12), pieces, (i, count))
-        for i, (s, k) in enumerate(zip(strength, stiffness, strict=True))
-    )
-    return Assembly(pieces, faces, contact_nodes(faces, 0.5), 1.0)
-
-
-def pushed(model: Assembly) -> StaticSolution:
-    none = np.zeros((len(model.pieces), 6))
-    variable = none.copy()
-    variable[-1, 0] = 1.0
-    return static_peak(model, Loads(none, variable, 1.0))
-
-
-@pytest.mark.parametrize("second", [1.01, 1.5, 1.97, 1.995])
-def test_a_bond_that_cannot_take_over_fails_at_once(second: float) -> None:
-    found = pushed(on_supports((1.0, second), (1e9, 1e9)))
-    assert found.first_failure_load == pytest.approx(2.0, rel=1e-5)
-    assert found.peak.load == pytest.approx(2.0, rel=1e-5)
-
-
-@pytest.mark.parametrize("second", [2.005, 2.03, 3.0])
-def test_a_bond_that_can_take_over_holds_to_its_own_strength(second: float) -> None:
-    found = pushed(on_supports((1.0, second), (1e9, 1e9)))
-    assert found.first_failure_load == pytest.approx(2.0, rel=1e-5)
-    assert found.peak.load == pytest.approx(second, rel=1e-5)
-
-
-@pytest.mark.parametrize("second", [1.02, 1.45, 1.48])
-def test_a_bond_that_fails_in_turn_does_so_before_the_load_goes_on(second: float) -> None:
-    # A third of 3 N each; when the first has failed a half each; the strong one takes it all.
-    model = on_supports((1.0, second, 10.0), (1e9, 1e9, 1e9))
-    found = pushed(model)
-    assert found.first_failure_load == pytest.approx(3.0, rel=1e-5)
-    assert found.peak.load == pytest.approx(10.0, rel=1e-5)
-    law = NodeLaw.of(model)
-    used = [utilisation(law, point.state, point.force).max() for point in found.path]
-    assert max(used) <= 1.0 + 1e-9
-    assert {int(point.state.bonded.sum()) for point in found.path} == {12, 4}  # never two bonds
-
-
-@pytest.mark.parametrize("used", [0.91, 0.95, 0.97])
-def test_a_bond_that_is_nearly_used_up_does_not_fail_with_its_neighbour(used: float) -> None:
-    # The weak bond is soft and takes a hundredth of what the other does.
-    found = pushed(on_supports((0.01 * used, 1.0), (1e7, 1e9)))
-    assert found.first_failure_load == pytest.approx(1.01 * used, rel=1e-5)
-    assert found.peak.load == pytest.approx(1.0, rel=1e-5)
-
-
 # --- how it ends ----------------------------------------------------------------------------------
 def test_a_bond_ends_in_failure_and_a_dry_block_as_a_mechanism(joint: Joint) -> None:
     for kind, mode in ((Kind.INNER, Mode.BONDS), (Kind.DRY, Mode.MECHANISM)):
@@ -228,6 +162,13 @@ def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:
     ratios = (math.tan(math.radians(angle)) for angle in (75, 80, 85))
     before, found, after = (solved(joint, ratio, 0.005)[1].peak.load for ratio in ratios)
     assert found == pytest.approx((before + after) / 2, rel=0.01)
+
+
+def test_a_joint_of_which_a_piece_is_loose_for_a_moment_stands() -> None:
+    # The first step of Newton's method throws a piece far off, and the second brings it back.
+    one, other = (solved(Joint(4, a=0.11, h=h, H=0.016), 1.0, 0.02)[1] for h in (0.0265, 0.0266))
+    assert one.path[0].load == 0.0
+    assert one.peak.load == pytest.approx(other.peak.load, rel=1e-3)
 
 
 # --- properties ----------------------------------------------------------------------------------

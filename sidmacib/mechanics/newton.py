@@ -18,7 +18,7 @@ from numba import njit
 from sidmacib.mechanics.assembly import Floats, Integers
 
 STEPS = 60  # of Newton's method
-QUICK, PATIENT = 0.1, 0.01  # least shares of a step
+QUICK, PATIENT = (0.1, 0), (0.01, 3)  # least share of a step, and how many may go too far
 
 
 class Structure(NamedTuple):
@@ -94,7 +94,7 @@ def norm(vector):
     """Euclidean norm."""
     square = 0.0
     for value in vector:
-        square += value * value
+        square += value**2
     return np.sqrt(square)
 
 
@@ -122,8 +122,8 @@ def node_displacement(p, q, slip, node, w):
 def unbalanced(structure, slip, bonded, unknowns, target, residual):
     """Put ``target`` less the nodes' forces into ``residual``; returns its norm (N)."""
     w, force = np.empty(6), np.empty(6)
-    for i in range(len(target)):
-        residual[i] = target[i]
+    for i, value in enumerate(target):
+        residual[i] = value
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         force[:] = 0.0
@@ -342,15 +342,15 @@ def stepped(structure, slip, bonded, unknowns, step, share, target, trial, resid
 
 
 @compiled
-def newton(structure, matrix, target, guess, slip, bonded, limits, least_share):
+def newton(structure, matrix, target, guess, slip, bonded, limits, patience):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
     ``slip``, ``bonded``: of the nodes. ``limits``: the floor of `tangent_stiffness` (N/m) and the
-    largest norms of unbalanced forces (N) and of a step (m). Where a whole step would not bring
-    equilibrium closer it is halved, down to ``least_share``. Returns whether equilibrium was found,
-    and the displacements.
+    largest norms of unbalanced forces (N) and of a step (m); what is loose for a moment may return.
+    Where a whole step would not bring equilibrium closer it is halved, with ``patience``. Returns
+    whether equilibrium was found, and the displacements.
     """
-    floor, allowed, farthest = limits
+    (floor, allowed, farthest), (least_share, most_far), far = limits, patience, 0
     unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
     size = unbalanced(structure, slip, bonded, unknowns, target, residual)
     for _ in range(STEPS):
@@ -360,7 +360,8 @@ def newton(structure, matrix, target, guess, slip, bonded, limits, least_share):
         if not solve_linear(structure, matrix, residual):
             break
         step = residual.copy()
-        if not norm(step) <= farthest:  # or no number
+        far += not norm(step) <= farthest  # or no number
+        if far > most_far:
             break
         before, share = size, 2.0
         while share == 2.0 or (size > before and share > least_share):
@@ -375,8 +376,7 @@ def newton(structure, matrix, target, guess, slip, bonded, limits, least_share):
 @compiled
 def settled(structure, slip, bonded, unknowns):
     """Forces (N) of all nodes, (N, 3), and their slip (m) from here on, (N, 2)."""
-    w = np.empty(6)
-    force, after = np.empty((len(slip), 3)), slip.copy()
+    w, force, after = np.empty(6), np.empty((len(slip), 3)), slip.copy()
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         for node in range(structure.start[face], structure.start[face + 1]):
