@@ -32,7 +32,8 @@ if workflow.is_main_process and not workflow.dryrun:
     except LockedError as error:
         sys.exit(str(error))
 # With a limit to the rate of jobs, the scheduler looks again and again for each job that has ended.
-workflow.scheduling_settings.max_jobs_per_timespan = None
+if workflow.scheduling_settings:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 JOBS = PLAN.jobs
 PLANS = {name: str(path) for name, path in prepared(JOBS.values(), Path(RESULTS)).items()}
 

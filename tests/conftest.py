@@ -23,6 +23,7 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.pieces import lock_faces
 from workflow.case import Case
 from workflow.engines import ENGINES
+from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.results.files import RECORD, RESULT, read_records
@@ -149,11 +150,12 @@ def run(tmp_path: Path) -> Callable[[Case], CaseResult]:
 
 
 def run_case(case: Case, folder: Path) -> Path:
-    """Run a case in ``folder``; returns it."""
+    """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
     arguments = {"case": case.to_json(), "time_limit": 300.0}
     fault = engine_step.run(arguments, (), (folder / RECORD, folder / RESULT))
-    assert fault is None, fault
+    if fault is not None:
+        raise EngineError(fault)
     return folder
 
 

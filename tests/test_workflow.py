@@ -314,7 +314,7 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
     fake.chmod(0o755)
     found = workspace.snakemake(YADE_PYTHON=str(fake))
     assert found.returncode != 0
-    reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7"
+    reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
     assert reason in found.stderr
     cases = pd.read_csv(workspace.results / "tables/cases.csv").set_index(["model", "name"])
     assert cases["error"].notna().sum() == 1

@@ -37,9 +37,14 @@ def run(
     except (EngineError, ResultError, CapacityError) as error:
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)
-        reason = f"{case.model}: {error}"
-        first = reason.splitlines()[0]
-        result.write_text(json.dumps({"error": first}) + "\n")
-        write_record(failed_record(case, first), record)
-        return f"{case.name}: {reason}"
+        result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
+        write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
+        return f"{case.name}: {case.model}: {error}"
     return None
+
+
+def in_short(reason: str) -> str:
+    """A reason on one line: how the engine ended, and the last words of its log."""
+    first, *log = reason.splitlines()
+    ending = first.partition("; end of ")[0]
+    return f"{ending}: {log[-1].strip(' |')}" if log else ending
