@@ -37,7 +37,7 @@ WORDS = {
     "Compare with": "validation",
     "Draw": "figures",
     "Sum up": "summary",
-    "See whether": "complete",
+    "Check that every case": "complete",
 }
 
 
@@ -267,7 +267,8 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     held = cases.loc["yade", "difference_to_static"]
     assert held.notna().sum() == 3
     assert held.abs().max() < 0.01
-    assert set(cases.loc["yade", "mode"].dropna()) == {"bonds"}
+    brittle = cases.loc["yade"].drop("n3-mesh0.03-e0a-soft")
+    assert set(brittle["mode"]) == set(cases.loc["static", "mode"]) == {"bonds"}
     assert cases.loc["yade", "versions"].str.startswith("yade ").all()
     assert "Published against computed" in (results / "summary.txt").read_text()
     figures = {path.name for path in (results / "figures").iterdir()}

@@ -46,6 +46,8 @@ def run_job(plan: dict[str, Any]) -> None:
     error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
     if error:  # the results say so too; without a receipt the next run tries again
         print(error, file=sys.stderr)
+        if not all(path.exists() for path in outputs):
+            sys.exit(1)
         return
     made = (*plan["outputs"], *plan["others"])
     write_receipt(receipt, plan["name"], plan["digest"], results, made)
