@@ -24,10 +24,9 @@ from sidmacib.mechanics.assembly import (
     Piece,
     self_weight,
 )
-from sidmacib.mechanics.complementary import FrictionRule, first_failure_load, least_energy_forces
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import NodeLaw, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.static import Mode, Solver, StaticSolution, static_peak
+from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
 from sidmacib.pieces import assemble, lock_faces
 
 
@@ -296,32 +295,6 @@ def test_results_are_the_same_bytes_whatever_the_kernel_of_blas() -> None:
         ).stdout
 
     assert len({printed(kernel) for kernel in ("Haswell", "Nehalem")}) == 1
-
-
-# --- the other formulation -----------------------------------------------------------------------
-@pytest.mark.parametrize("locks", [3, 4, 5])
-@pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
-def test_newton_and_least_complementary_energy_agree(locks: int, e_over_a: float) -> None:
-    joint = Joint(locks)
-    model = assemble(joint, 0.03)
-    loads = lateral_load(joint, model, Loading(Direction(e_over_a)))
-    path = static_peak(model, loads).path
-    load = 0.6 * path[-1].load
-    solver = Solver(model, loads)
-    state = NodeState.initial(solver.law)
-    nearest = min(path, key=lambda point: abs(point.load - load))
-    newton = solver.solve(load, nearest.displacement, state).force  # in one step, as the programme
-    programme = least_energy_forces(model, loads, load)
-    assert programme == pytest.approx(newton, abs=5e-5 * load)
-
-
-def test_associated_friction_overestimates(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
-    loads = lateral_load(joint, model, Loading(Direction(0.0)))
-    coulomb, associated = (first_failure_load(model, loads, rule) for rule in FrictionRule)
-    path = static_peak(model, loads)
-    assert coulomb == pytest.approx(path.first_failure_load, rel=0.01)  # but for its history
-    assert associated > 1.02 * coulomb
 
 
 # --- the published study -------------------------------------------------------------------------
