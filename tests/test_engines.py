@@ -78,7 +78,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
     expected = min(friction, overturning(assembly)) * loads.scale
     run_engine(ENGINES[engine], assembly, loads, Numerics(), "stack", tmp_path, 300)
     result = json.loads((tmp_path / "result.json").read_text())
-    assert result["peak_load_N"] == pytest.approx(expected, rel=2e-3)
+    assert result["peak_load_N"] == pytest.approx(expected, rel=5e-3)
     assert result["mode"] == "mechanism"
 
 
@@ -89,7 +89,7 @@ def test_pieces_that_drift_off_round_contacts_are_not_taken_for_failed(
 ) -> None:
     # Without friction nothing holds the upper pieces along x; the bonds would carry 60 % more.
     joint = Joint(3, dry=replace(DRY, friction=0.0))
-    with pytest.raises(EngineError, match="no peak: at .* N"):
+    with pytest.raises(EngineError, match=r"no peak: at .* N"):
         run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
 
 
@@ -126,7 +126,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     numerics = Numerics(time_step_ratio=20.0)  # over the largest stable one
     assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
     loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
-    with pytest.raises(EngineError, match="diverged|does not stand|LIGGGHTS has ended"):
+    with pytest.raises(EngineError, match=r"diverged|does not stand|LIGGGHTS has ended"):
         run_engine(ENGINES[engine], assembly, loads, numerics, "block", tmp_path, 120)
     assert not (tmp_path / "result.json").exists()
 
