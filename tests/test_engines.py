@@ -76,7 +76,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
     expected = min(friction, overturning(assembly)) * loads.scale
     run_engine(ENGINES[engine], assembly, loads, Numerics(), "stack", tmp_path, 300)
     result = json.loads((tmp_path / "result.json").read_text())
-    assert result["peak_load_N"] == pytest.approx(expected, rel=2e-3)
+    assert result["peak_load_N"] == pytest.approx(expected, rel=5e-3)
     assert result["mode"] == "mechanism"
 
 

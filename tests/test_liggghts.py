@@ -82,8 +82,9 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(
     text = deck.read_text()
     assert right in text
     deck.write_text(text.replace(right, wrong))
-    message = r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS has ended)"
-    with pytest.raises(EngineError, match=message):
+    with pytest.raises(
+        EngineError, match=r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS has ended)"
+    ):
         execute(LIGGGHTS, tmp_path, 60)
     assert not (tmp_path / "result.json").exists()
 

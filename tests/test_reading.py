@@ -132,7 +132,7 @@ VALUES = [
     ("samples: {}", "samples: an empty mapping is not allowed; .* of at least one name"),
     ("results: {x}", "results: a mapping is not allowed; it must be the name of a folder"),
     ('results: "{x}"', "results: '{x}' is not allowed; .* must not begin with - or ~, .* braces"),
-    ("results: -rf", "results: '-rf' is not allowed; a folder's name must not begin with -"),
+    ("results: -rf", "results: '-rf' is not allowed; a folder's name must begin with -"),
     ('results: "a\\0b"', r"results: 'a\\x00b' is not allowed; .* unprintable"),
     ('results: "a\\nb"', r"results: 'a\\nb' is not allowed"),
     ("results: ~/x", "results: '~/x' is not allowed"),

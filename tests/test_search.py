@@ -8,7 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from workflow.engines.scripts.assembly import Search
-from workflow.engines.scripts.increments import outcome_at, peak_by_increments
+from workflow.engines.scripts.increments import (
+    STEPS,
+    displacements_towards,
+    peak_by_increments,
+)
 from workflow.engines.scripts.next_failure import failing, next_load, peak_by_failures
 from workflow.engines.scripts.records import BONDS, MECHANISM, NodeForce, Outcome
 
@@ -42,14 +46,17 @@ class Breaking:
     ) -> None:
         self.strengths, self.needed, self.breakable = sorted(strengths), needed, breakable
         self.slides_at, self.drifts_at, self.flat_up_to = slides_at, drifts_at, flat_up_to
-        self.count, self.kept, self.permanent = 0, 0, 0.0
+        self.count, self.kept, self.permanent, self.load = 0, 0, 0.0, 0.0
 
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
-        self.permanent = permanent[1]
+        self.permanent, self.load = permanent[1], end
         self.count = max(self.count, sum(strength < end for strength in self.strengths))
         if self.count >= self.needed or end > self.slides_at:
             return Outcome.COLLAPSE
         return Outcome.UNSETTLED if end > self.drifts_at else Outcome.EQUILIBRIUM
+
+    def displacement(self) -> float:
+        return 1e-8 * self.load
 
     def broken(self) -> int:
         return self.count if self.breakable else 0
@@ -135,11 +142,11 @@ def test_what_does_not_stand_alone_or_carries_nothing_or_anything_has_no_peak() 
         peak_by_increments(Breaking([], 1), search())
 
 
-def test_a_known_load_is_tried_again_in_steps_and_with_all_permanent_loads() -> None:
+def test_a_load_is_gone_to_in_steps_with_all_permanent_loads() -> None:
     model = Breaking([100.0], 1)
-    assert outcome_at(model, 99.0) is Outcome.EQUILIBRIUM
+    assert displacements_towards(model, 99.0) == pytest.approx([9.9e-8 * k for k in range(1, 11)])
     assert model.permanent == 1.0
-    assert outcome_at(Breaking([100.0], 1), 101.0) is Outcome.COLLAPSE
+    assert len(displacements_towards(Breaking([100.0], 1), 101.0)) == STEPS - 1
 
 
 # --- from failure to failure ---------------------------------------------------------------------

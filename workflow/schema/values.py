@@ -149,10 +149,10 @@ def folder(value: Any) -> str:
     if not isinstance(text, str) or not text.strip():
         raise ValueError(f"{shown(value)} is not allowed; it must be the name of a folder")
     path = os.path.normpath(text)
-    if not path.isprintable() or set("{}") & set(path) or path[0] in "-~" or path[-1].isspace():
+    if not re.fullmatch(r"[\w/. ,+=@%-]+", path) or path[0] in "- " or path[-1] == " ":
         raise ValueError(
-            f"{shown(text)} is not allowed; a folder's name must not begin with - or ~, end with "
-            "a space, or hold braces or unprintable characters"
+            f"{shown(text)} is not allowed; a folder's name must be made of letters, digits, "
+            "spaces and _ . , + - = @ %, and not begin with - or a space or end with one"
         )
     parts = path.split("/")
     if parts[-1] in ("", ".", ".."):

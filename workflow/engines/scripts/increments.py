@@ -23,6 +23,9 @@ class Model(Protocol):
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
 
+    def displacement(self) -> float:
+        """The displacement that the load works on, in m."""
+
     def node_forces(self) -> Sequence[NodeForce]:
         """Forces of all nodes, in their order."""
 
@@ -84,10 +87,16 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         increment *= growth
 
 
-def outcome_at(model: Model, load: float) -> Outcome:
-    """What becomes of a new ``model`` that is raised to ``load`` (N) in equal steps."""
+def displacements_towards(model: Model, load: float) -> list[float]:
+    """Displacements (m) of a new ``model`` at equilibria on the way to ``load`` (N).
+
+    `STEPS` of them, in equal steps of the load, or fewer where it does not come to equilibrium.
+    """
+    found: list[float] = []
     outcome = model.raised(0.0, 0.0, (0.0, 1.0))
     for step in range(STEPS):
         if outcome is Outcome.EQUILIBRIUM:
             outcome = model.raised(load * step / STEPS, load * (step + 1) / STEPS, (1.0, 1.0))
-    return outcome
+        if outcome is Outcome.EQUILIBRIUM:
+            found.append(model.displacement())
+    return found

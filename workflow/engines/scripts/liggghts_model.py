@@ -84,13 +84,14 @@ class LiggghtsModel:
         for event in self.events:
             self._do(event)
 
-    def replay(self, events: Sequence[Event]) -> Outcome:
-        """Do all of that, as long as an equilibrium follows."""
-        outcome = Outcome.EQUILIBRIUM
+    def replayed(self, events: Sequence[Event]) -> list[float]:
+        """Do all of that while an equilibrium follows; displacements (m) at the equilibria."""
+        found = []
         for event in events:
-            if outcome is Outcome.EQUILIBRIUM:
-                outcome = self._new(event)
-        return outcome
+            if self._new(event) is not Outcome.EQUILIBRIUM:
+                break
+            found.append(self.displacement())
+        return found
 
     def _new(self, event: Event) -> Outcome:
         self.history.attempts += 1

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from .assembly import Assembly, Search
-from .flatness import FLATTER, check_mechanism
+from .flatness import FLATTER, MARGIN, check_mechanism
 from .liggghts_deck import Deck
-from .liggghts_model import DATA_FILE, INPUT_SCRIPT, LiggghtsModel
+from .liggghts_model import DATA_FILE, INPUT_SCRIPT, Event, LiggghtsModel
 from .next_failure import peak_by_failures
 from .records import MECHANISM, History
 
@@ -32,6 +32,7 @@ def find_peak(
     model.engine.stop()
     if peak.mode == MECHANISM:
         flatter = new_model(FLATTER * largest_radius_m, History(assembly))
-        check_mechanism(peak, flatter.replay(model.events))
+        events = [*model.events[:-1], Event((1.0 + MARGIN) * peak.failed_load)]
+        check_mechanism(peak, flatter.replayed(events), len(events))
         flatter.engine.stop()
     history.write(peak, "liggghts", model.engine.version)

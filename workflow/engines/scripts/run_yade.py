@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from .assembly import Assembly, Search
-from .flatness import FLATTER, check_mechanism
-from .increments import outcome_at, peak_by_increments
+from .flatness import FLATTER, MARGIN, check_mechanism
+from .increments import STEPS, displacements_towards, peak_by_increments
 from .records import MECHANISM, History
 from .yade_model import Settings, YadeModel
 from .yade_program import VERSION
@@ -17,5 +17,6 @@ def find_peak(assembly: Assembly, search: Search, settings: Settings) -> None:
     if peak.mode == MECHANISM:
         flatter = replace(settings, radius_m=FLATTER * settings.radius_m)
         model = YadeModel(assembly, search, flatter, History(assembly))
-        check_mechanism(peak, outcome_at(model, peak.failed_load))
+        found = displacements_towards(model, (1.0 + MARGIN) * peak.failed_load)
+        check_mechanism(peak, found, STEPS)
     history.write(peak, "yade", VERSION)
