@@ -32,6 +32,12 @@ def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh()
     assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
 
 
+def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
+    study = read_study({"samples": {f"n{n}": {"locks": 3} for n in range(40)}})
+    drawn = {spec.sample for spec in figures_of(study, detailed(study.model_names)).values()}
+    assert drawn == {None, *(f"n{n}" for n in range(12))}
+
+
 def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
     square = np.array([[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]])
     assert first_quadrant(square) == pytest.approx(np.array([[2, 0], [2, 2], [0, 2]]))

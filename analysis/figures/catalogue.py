@@ -8,6 +8,8 @@ from workflow.case import REFERENCE, Case
 from workflow.cases import cases_of
 from workflow.schema import Study
 
+MOST_SAMPLES = 12  # that are drawn: a sweep over many has tables
+
 # Figures of the paper that each kind redraws, by number of locks.
 IN_THE_PAPER = {
     "options": {3: "Figure 6", 5: "Figure 11"},
@@ -39,9 +41,14 @@ def figures_of(study: Study, detailed: tuple[str, ...]) -> dict[str, FigureSpec]
     return {spec.name: spec for spec in _figures(study, detailed)}
 
 
+def shown_samples(study: Study) -> tuple[str, ...]:
+    """The samples that figures show: the first ones."""
+    return tuple(study.samples)[:MOST_SAMPLES]
+
+
 def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
-    for sample in study.samples:
+    for sample in shown_samples(study):
         yield FigureSpec(f"options-{sample}", "options", sample)
         for model in study.dem.engines or detailed[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]

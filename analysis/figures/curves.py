@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures import style
+from analysis.figures.catalogue import shown_samples
 from analysis.figures.material import Material
 from sidmacib.mechanics.assembly import Floats
 
@@ -60,7 +61,7 @@ def options(material: Material) -> Figure:
 def meshes(material: Material) -> Figure:
     """The curves of every model of the pieces and sample, at every mesh."""
     figure = Figure(figsize=(8, 4.6), layout="constrained")
-    samples = list(material.study.samples)
+    samples = shown_samples(material.study)
     axes = figure.subplots(1, len(samples), squeeze=False)[0]
     for axis, sample in zip(axes, samples, strict=True):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
