@@ -31,9 +31,6 @@ if workflow.is_main_process and not workflow.dryrun:
         LOCK = lock(Path(RESULTS))
     except LockedError as error:
         sys.exit(str(error))
-# With a limit to the rate of jobs, the scheduler looks again and again for each job that has ended.
-if workflow.scheduling_settings:
-    workflow.scheduling_settings.max_jobs_per_timespan = None
 JOBS = PLAN.jobs
 PLANS = {name: str(path) for name, path in prepared(JOBS.values(), Path(RESULTS)).items()}
 

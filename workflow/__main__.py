@@ -13,15 +13,20 @@ from workflow.results.files import RECORD, case_folder
 
 def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
     """Have Snakemake make ``targets`` (none: the whole study); returns whether it did."""
-    from snakemake.cli import main as run
+    from snakemake.cli import args_to_api, parse_args
+    from snakemake.exceptions import print_exception
 
     options = ["--configfile", str(config), "--config", f"results={results}"]
     options.append(f"dem={{engines: [{', '.join(engines)}]}}")
+    parser, arguments = parse_args([*targets, *options])
+    # With a limit to the rate of jobs the scheduler looks around once a second for each job that has
+    # ended: a tenth of a core after a hundred of them.
+    arguments.max_jobs_per_timespan = None
     try:
-        run([*targets, *options])
-    except SystemExit as end:
-        return end.code in (0, None)
-    return True
+        return bool(args_to_api(arguments, parser))
+    except Exception as error:  # whatever it is, as Snakemake's own command tells it
+        print_exception(error)
+        return False
 
 
 def study(config: Path, results: str | None) -> str | None:
