@@ -19,8 +19,8 @@ def snakemake(config: Path, results: str, targets: Sequence[str], engines: Seque
     options = ["--configfile", str(config), "--config", f"results={results}"]
     options.append(f"dem={{engines: [{', '.join(engines)}]}}")
     parser, arguments = parse_args([*targets, *options])
-    # With a limit to the rate of jobs the scheduler looks around once a second for each job that has
-    # ended: a tenth of a core after a hundred of them.
+    # With a limit to the rate of jobs the scheduler looks around once a second for each job that
+    # has ended: a tenth of a core after a hundred of them.
     arguments.max_jobs_per_timespan = None
     try:
         return bool(args_to_api(arguments, parser))
