@@ -196,7 +196,7 @@ def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run
     assert history.iloc[-1]["stage"] != "equilibrium"
     assert history["time_step"].is_monotonic_increasing
     assert history["attempt"].is_monotonic_increasing
-    assert {"shear_N", "torque_Nm", "lock2_shear_y_N"} <= set(history.columns)
+    assert {"load_N", "inner-lower-lock2_shear_y_N"} <= set(history.columns)
 
 
 @pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 0.2), (3, float("inf"))])
