@@ -103,6 +103,11 @@ def processes_in(folder: Path) -> set[int]:
     return found
 
 
+def shared_memory() -> set[Path]:
+    """MPI's segments that are left in the system's shared memory."""
+    return set(Path("/dev/shm").glob("vader*"))
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_no_process_of_liggghts_is_left_after_the_time_limit(tmp_path: Path, ranks: int) -> None:
     written(tmp_path, locks=5, mesh=0.004, ranks=ranks)
@@ -116,6 +121,7 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(
     tmp_path: Path, ranks: int
 ) -> None:
     written(tmp_path, locks=5, mesh=0.004, ranks=ranks)
+    before = shared_memory()
     call = (
         "from pathlib import Path; from workflow.engines import ENGINES;"
         "from workflow.engines.execute import execute;"
@@ -134,3 +140,4 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(
     runner.kill()
     runner.wait()
     assert becomes_true(lambda: not processes_in(tmp_path))
+    assert shared_memory() <= before

@@ -27,6 +27,14 @@ def command(ranks: int) -> tuple[str, ...]:
     return (*in_private_network(), *own, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
 
 
+def own_folder() -> dict[str, str]:
+    """Have MPI keep its files here, not in the system's folders, where those of the dead stay."""
+    return {
+        name: str(Path.cwd())
+        for name in ("OMPI_MCA_btl_vader_backing_directory", "OMPI_MCA_orte_tmpdir_base")
+    }
+
+
 class LiggghtsProcess:
     """LIGGGHTS on ``ranks`` processes; what goes wrong ends this script with its last words."""
 
@@ -38,7 +46,7 @@ class LiggghtsProcess:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",  # of its error messages some are not text
-            env={**os.environ, **MPI, **(ALONE if ranks == 1 else {})},
+            env={**os.environ, **MPI, **(ALONE if ranks == 1 else own_folder())},
         )
         self.marks = count()
         self.steps, self.fresh = 0, True
@@ -82,8 +90,7 @@ class LiggghtsProcess:
         return printed_values(self.tell(f'print "values {text}"'))
 
     def stop(self) -> None:
-        """End it."""
-        self.process.terminate()  # not kill: mpirun could not end its ranks
+        """End it, at the end of its input: so it takes its own files away."""
         self.process.communicate()
 
 
