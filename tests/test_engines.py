@@ -10,8 +10,6 @@ import pytest
 from conftest import a_case, block_on_ground, load_on_block, run_case
 from stack import overturning, tilted_stack
 
-from analysis.balance import unbalanced_share
-from analysis.weights import lock_weights
 from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind
@@ -136,15 +134,15 @@ def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
     joint = Joint(locks=2, dry=replace(DRY, friction=0.0))
     result = run(a_case(engine, joint, Loading(Direction(0.0))))
     assert result.shear == pytest.approx(joint.T0, rel=2.5e-3)
-    weights = lock_weights(result).set_index("lock")["weight"]
+    weights = result.weights.set_index("lock")["weight"]
     assert weights[2] == pytest.approx(1.0, abs=3e-3)
 
 
 @pytest.mark.parametrize("push", Push)
 def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
-    weights = lock_weights(run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))))[
-        "weight"
-    ].tolist()
+    weights = (
+        run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))).weights["weight"].tolist()
+    )
     ordered = weights if push is Push.PLUS_Y else weights[::-1]
     assert ordered == pytest.approx([0.74, 1.0, 0.01], abs=0.02)
 
@@ -154,7 +152,7 @@ def test_every_piece_is_in_equilibrium_under_its_stresses(
     engine: str, run, eccentricity: float
 ) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(eccentricity)), mesh=0.02))
-    assert unbalanced_share(result) < 0.0075
+    assert result.unbalanced_share < 0.0075
 
 
 def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> None:
@@ -176,8 +174,8 @@ def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: s
 
 def test_an_inner_face_carries_no_more_than_its_cohesion(engine: str, run) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
-    assert lock_weights(result)["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
-    assert lock_weights(result)["max_shear_ratio"].max() <= 1.0 + 1e-6
+    assert result.weights["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
+    assert result.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
 
 
 def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> None:
@@ -209,7 +207,7 @@ def test_the_static_model_finds_the_same_peak_and_weights(
     peak = static_peak(model, lateral_load(joint, model, loading)).peak
     assert peak.load == pytest.approx(result.peak_load, rel=0.01)
     inner = result.nodes["lock"].to_numpy()
-    for row in lock_weights(result).itertuples():
+    for row in result.weights.itertuples():
         shear = np.linalg.norm(peak.force[inner == row.lock, 1:].sum(axis=0))
         assert shear / joint.T0 == pytest.approx(row.weight, abs=0.01)
 
