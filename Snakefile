@@ -34,9 +34,11 @@ if workflow.is_main_process and not workflow.dryrun:
 JOBS = PLAN.jobs
 PLANS = {name: str(path) for name, path in prepared(JOBS.values(), Path(RESULTS)).items()}
 
-# `exec`: a job ends with Snakemake, not only with the shell between them.
+# `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
+# of linear algebra on small matrices only wait for each other.
 RUN = (
-    f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)} -m workflow.job "
+    f"OPENBLAS_NUM_THREADS=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
+    f"exec {shlex.quote(sys.executable)} -m workflow.job "
     "{input.plan:q} > {log:q} 2>&1"
 )
 
