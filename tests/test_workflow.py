@@ -201,6 +201,14 @@ def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
     assert pd.read_csv(folder / "history.csv")["load_N"].is_monotonic_increasing
 
 
+def test_a_study_of_one_case_has_its_files_on_request(workspace: Workspace) -> None:
+    workspace.configure({**SOLVED, "eccentricities": [0]})
+    target = "results/cases/static/n3-mesh0.03-e0a/result.json"
+    found = workspace.snakemake(target)
+    assert found.returncode == 0, found.stderr
+    assert json.loads((workspace.folder / target).read_text())["mode"] == "bonds"
+
+
 def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
     checkout = tmp_path / "checkout"
     for name in ("sidmacib", "workflow", "analysis", "templates", "profiles"):

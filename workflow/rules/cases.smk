@@ -29,7 +29,9 @@ for model, jobs in OF_CASES.items():
 
 
 # A case that was solved in a batch has a folder of its own where one asks for it.
-BATCH_OF = {case: job for job in JOBS.values() if len(job.finds) > 1 for case in job.finds}
+BATCH_OF = {
+    case: job for job in JOBS.values() if job.step == "workflow.steps.solve" for case in job.finds
+}
 for model in {model for model, _ in BATCH_OF}:
 
     rule:
