@@ -16,14 +16,13 @@ from workflow.engines import ENGINES, Engine
 from workflow.engines.render import sources
 from workflow.models import MODELS, Obtained, detailed
 from workflow.receipts import digest_of
-from workflow.results.files import OUTPUTS, RECORD, case_folder
+from workflow.results.files import BATCH_FILES, OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
 from workflow.threedec import DECK, deck_folder
 
 BATCH = 512  # cases in a batch, on average, at most
 RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
-BATCH_FILES = ("records.jsonl", "nodes.parquet", "history.parquet")
 
 
 @dataclass(frozen=True)
@@ -57,9 +56,14 @@ class Job:
         """Path of its receipt, below the results folder."""
         return f".receipts/{self.name}.json"
 
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """Modules that it starts from; what they import runs too."""
+        return RUNNER, self.step, *self.modules
+
     def code(self) -> str:
         """Digest of the code that it runs."""
-        return code_digest((RUNNER, self.step, *self.modules), self.files)
+        return code_digest(self.runs, self.files)
 
     def digest(self) -> str:
         """Digest of everything that its results depend on, except its inputs."""
@@ -73,7 +77,7 @@ class Job:
             "step": self.step,
             "code": {
                 "digest": self.code(),
-                "modules": (RUNNER, self.step, *self.modules),
+                "modules": self.runs,
                 "files": self.files,
             },
             "results": str(results),

@@ -134,7 +134,7 @@ def _identity(case: Case) -> dict[str, Any]:
         "locks": case.joint.locks,
         "mesh_m": case.mesh,
         "eccentricity_over_a": case.direction.eccentricity,
-        "eccentricity_m": case.direction.eccentricity * case.joint.a,
+        "eccentricity_m": case.eccentricity_m,
         "case_digest": case.digest(),
         "physics": case.physics(),
     }
