@@ -9,18 +9,18 @@ from sidmacib.mechanics.assembly import (
     FaceMaterial,
     Kind,
     Piece,
-    contact_nodes,
     shared_face,
 )
+from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 
 
-def assemble(joint: Joint, mesh: float) -> Assembly:
-    """Cut ``joint`` into pieces and put nodes on their faces, no further apart than ``mesh`` (m).
+def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
+    """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    The nodes are the centres of equal cells. ValueError if the mesh is not positive, or not less
-    than the shorter side of the locks' horizontal faces: one row of nodes would be a hinge.
+    ``mesh`` in m. ValueError if it is not positive, or not less than the shorter side of the locks'
+    horizontal faces: one row of nodes would be a hinge.
     """
     most = min(joint.a, joint.b)
     if not 0 < mesh < most:
@@ -30,7 +30,7 @@ def assemble(joint: Joint, mesh: float) -> Assembly:
         )
     pieces = rigid_pieces(joint)
     faces = tuple(_faces(joint, pieces))
-    return Assembly(pieces, faces, contact_nodes(faces, mesh), joint.a, joint.failure)
+    return Assembly(pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure)
 
 
 def rigid_pieces(joint: Joint) -> tuple[Piece, ...]:

@@ -16,10 +16,10 @@ from sidmacib.mechanics.assembly import (
     Kind,
     Loads,
     Piece,
-    contact_nodes,
     self_weight,
     shared_face,
 )
+from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
 from sidmacib.pieces import lock_faces
 from workflow.case import Case
 from workflow.engines import ENGINES
@@ -52,7 +52,7 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     )
     material = joint.inner if kind is Kind.INNER else joint.dry
     faces = (shared_face("face", kind, material, pieces, (0, 1)),)
-    return Assembly(pieces, faces, contact_nodes(faces, mesh), joint.a)
+    return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
 
 
 def renumbered(assembly: Assembly) -> Assembly:
@@ -129,7 +129,12 @@ class CaseResult:
 
 
 def a_case(
-    engine: str, joint: Joint, loading: Loading, mesh: float = 0.03, **numerics: float
+    engine: str,
+    joint: Joint,
+    loading: Loading,
+    mesh: float = 0.03,
+    nodes: NodeLayout = NodeLayout.CENTRES,
+    **numerics: float,
 ) -> Case:
     return Case(
         name="case",
@@ -138,6 +143,7 @@ def a_case(
         sample="n",
         joint=joint,
         mesh=mesh,
+        nodes=nodes,
         loading=loading,
         numerics=Numerics(**numerics),
     )

@@ -13,6 +13,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.complementary import least_energy_forces
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from sidmacib.polygon import envelope
@@ -33,7 +34,7 @@ def kernel() -> str:
 def numbers(locks: int) -> dict[str, list[float]]:
     """Loads (N) and forces (N) of a joint, by model."""
     joint = Joint(locks)
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     found: dict[str, list[float]] = {}
     for direction in DIRECTIONS:
         loads, name = lateral_load(joint, model, Loading(direction)), f"{direction.eccentricity:g}"

@@ -8,10 +8,10 @@ from sidmacib.mechanics.assembly import (
     Kind,
     Loads,
     Piece,
-    contact_nodes,
     self_weight,
     shared_face,
 )
+from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
 
 
 def tilted_stack(
@@ -49,7 +49,7 @@ def tilted_stack(
     variable = np.zeros_like(weight)
     variable[1:, 0] = 1.0 / blocks
     total = -float(weight[:, 2].sum())
-    return Assembly(pieces, faces, contact_nodes(faces, mesh), width), Loads(
+    return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), width), Loads(
         weight, variable, total
     )
 

@@ -9,10 +9,10 @@ from sidmacib.mechanics.assembly import (
     Kind,
     Loads,
     Piece,
-    contact_nodes,
     shared_face,
 )
 from sidmacib.mechanics.contact_law import NodeLaw, utilisation
+from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
 from sidmacib.mechanics.static import StaticSolution, static_peak
 
 
@@ -33,7 +33,7 @@ def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> As
         shared_face(f"bond{i}", Kind.INNER, FaceMaterial(1e9, k, 0.0, s, 1e12), pieces, (i, count))
         for i, (s, k) in enumerate(zip(strength, stiffness, strict=True))
     )
-    return Assembly(pieces, faces, contact_nodes(faces, 0.5), 1.0)
+    return Assembly(pieces, faces, contact_nodes(faces, 0.5, NodeLayout.CENTRES), 1.0)
 
 
 def pushed(model: Assembly) -> StaticSolution:

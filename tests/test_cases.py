@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure
+from sidmacib.mechanics.quadrature import NodeLayout
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
@@ -176,7 +177,7 @@ SIZE = st.floats(1e-300, 1e300)
 def test_a_case_survives_json_exactly(
     joint: Joint, mesh: float, loading: Loading, numerics: Numerics | None
 ) -> None:
-    case = Case("n", "yade", "reference", "s", joint, mesh, loading, numerics)
+    case = Case("n", "yade", "reference", "s", joint, mesh, NodeLayout.CENTRES, loading, numerics)
     again = Case.from_json(case.to_json())
     assert again == case
     assert again.digest() == case.digest()

@@ -16,6 +16,7 @@ from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.complementary import FrictionRule, first_failure_load, least_energy_forces
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import Solver, static_peak
 from sidmacib.pieces import assemble
 
@@ -24,7 +25,7 @@ from sidmacib.pieces import assemble
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: float) -> None:
     joint = Joint(locks)
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     path = static_peak(model, loads).path
     load = 0.6 * path[-1].load
@@ -42,7 +43,7 @@ def test_newton_and_least_complementary_energy_agree(locks: int, eccentricity: f
 def test_the_forces_balance_every_piece_and_keep_the_law_of_dry_nodes(
     joint: Joint, rule: FrictionRule, eccentricity: float
 ) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     force = least_energy_forces(model, loads, 50.0, rule)
     target = (loads.permanent + 50.0 * loads.variable).ravel()
@@ -65,7 +66,7 @@ def test_a_face_under_a_torque_carries_shear_in_proportion_to_the_arm(joint: Joi
 
 
 def test_associated_friction_overestimates(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(0.0)))
     coulomb, associated = (first_failure_load(model, loads, rule) for rule in FrictionRule)
     path = static_peak(model, loads)
@@ -90,7 +91,7 @@ def test_forces_scale_with_lengths_and_stresses_over_twelve_orders_of_magnitude(
     )
 
     def forces(joint: Joint, mesh: float, load: float) -> np.ndarray:
-        model = assemble(joint, mesh)
+        model = assemble(joint, mesh, NodeLayout.CENTRES)
         loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
         return least_energy_forces(model, loads, load)
 

@@ -30,13 +30,13 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 def static_outcome(case: Case) -> Outcome:
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     return solve(assembly, lateral_load(case.joint, assembly, case.loading))
 
 
 def returned(case: Case, load: float) -> str:
     """What 3DEC would print if it found what the static model finds."""
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     peak = static_outcome(case).path[-1]
     assert peak.force is not None
     nodes = assembly.nodes
@@ -57,7 +57,7 @@ def returned(case: Case, load: float) -> str:
 
 
 def discretised(case: Case) -> Assembly:
-    return assemble(case.joint, case.mesh)
+    return assemble(case.joint, case.mesh, case.nodes)
 
 
 def test_there_is_a_deck_for_every_case_of_the_reference() -> None:

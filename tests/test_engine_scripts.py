@@ -17,6 +17,7 @@ from stack import tilted_stack
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics import assembly as mechanics
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines.render import assembly_data
 from workflow.engines.scripts import assembly as scripts
@@ -32,6 +33,7 @@ from workflow.engines.scripts.liggghts_deck import (
     Deck,
     common_gravity,
     handle_forces,
+    patches,
     pitch,
     sphere_radii,
 )
@@ -57,7 +59,7 @@ def as_read(assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path) -> 
 @pytest.fixture
 def three(tmp_path: Path) -> scripts.Assembly:
     joint = Joint(3)
-    assembly = assemble(joint, 0.02)
+    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
     loads = lateral_load(joint, assembly, Loading(Direction(0.5)))
     return as_read(assembly, loads, tmp_path)
 
@@ -102,10 +104,10 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
     for pair, node in zip(deck.atoms.spheres, three.nodes, strict=True):
         below, above = centre[pair[0] - 1], centre[pair[1] - 1]
         assert (below + above) / 2 == pytest.approx(np.array(node.position_m))
-        assert np.linalg.norm(above - below) == pytest.approx(2 * deck.radii[node.face])
-    for face, radius in enumerate(deck.radii):
-        own = [n for n, node in enumerate(three.nodes) if node.face == face]
-        for one, other in itertools.permutations(own, 2):
+        radius = deck.patch_radii[deck.patch_of[three.nodes.index(node)]]
+        assert np.linalg.norm(above - below) == pytest.approx(2 * radius)
+    for patch, radius in zip(deck.patches, deck.patch_radii, strict=True):
+        for one, other in itertools.permutations(patch.nodes, 2):
             apart = np.linalg.norm(
                 centre[deck.atoms.spheres[one][0] - 1] - centre[deck.atoms.spheres[other][1] - 1]
             )
@@ -113,17 +115,34 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
 
 
 def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(stack: scripts.Assembly) -> None:
-    assert sphere_radii(stack, 1.0) == [1.0, 1.0]
+    def radii(assembly: scripts.Assembly) -> list[float]:
+        return sphere_radii(assembly, patches(assembly), 1.0)
+
+    assert radii(stack) == [1.0, 1.0]
     soft = replace(stack.faces[0].material, normal_stiffness=1e5)
     faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
-    first, second = sphere_radii(replace(stack, faces=faces), 1.0)
+    first, second = radii(replace(stack, faces=faces))
     assert first < second == 1.0
     pressed = stack.permanent_N / (1e5 * 0.2 * 0.2)
     assert 0.05**2 / (4 * first) == pytest.approx(2 * pressed)
 
 
-def test_the_pitch_of_nodes_is_their_least_distance_along_an_axis() -> None:
+def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
     assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
+    assert pitch([(0.0, 0.03, 0.0), (0.04, 0.0, 0.0)]) == pytest.approx(0.05)
+    assert pitch([(0.0, 0.0, 0.0)]) == math.inf
+
+
+def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
+    own = assemble(joint, 0.03, NodeLayout.LOBATTO)
+    three = as_read(own, lateral_load(joint, own, Loading(Direction(0.0))), tmp_path)
+    found = patches(three)
+    assert sorted(n for patch in found for n in patch.nodes) == [*range(len(three.nodes))]
+    for patch in found:
+        areas = [three.nodes[n].area_m2 for n in patch.nodes]
+        assert areas == pytest.approx([patch.area_m2] * len(areas))
+    # A corner of a cell, or two, or four; a middle of an edge, of one cell or two; a cell's middle.
+    assert len({patch.area_m2 for patch in found if patch.face == 0}) == 5
 
 
 def test_only_the_two_sides_of_a_face_touch(three: scripts.Assembly) -> None:
@@ -133,7 +152,7 @@ def test_only_the_two_sides_of_a_face_touch(three: scripts.Assembly) -> None:
     every = set(
         map(frozenset, itertools.combinations_with_replacement(range(1, deck.types + 1), 2))
     )
-    assert every - excluded == set(map(frozenset, deck.face_types))
+    assert every - excluded == set(map(frozenset, deck.patch_types))
 
 
 def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
@@ -171,12 +190,6 @@ def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None
     many = as_read(*tilted_stack(15), tmp_path)
     with pytest.raises(SystemExit, match="30 places to put the loads; it can have 28"):
         list(Deck(many, SEARCH, 0.4).input_script())
-
-
-def test_unequal_nodes_of_a_face_are_refused(stack: scripts.Assembly) -> None:
-    nodes = [replace(stack.nodes[0], area_m2=1e-6), *stack.nodes[1:]]
-    with pytest.raises(SystemExit, match="the nodes of bed1 must have equal areas"):
-        list(Deck(replace(stack, nodes=nodes), SEARCH, 0.4).input_script())
 
 
 # --- LIGGGHTS' answers ---------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from stack import overturning, tilted_stack
 from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
@@ -112,7 +113,7 @@ def test_soft_faces_end_with_a_reason(
 def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -> None:
     # In the static model, the limit of ever smaller tensile strengths.
     joint, loading = Joint(3, inner=replace(INNER, tensile_strength=1e-3)), Loading(Direction(0.0))
-    assembly = assemble(joint, 0.03)
+    assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
     expected = static_peak(assembly, lateral_load(joint, assembly, loading))
     none = replace(joint, inner=replace(INNER, tensile_strength=0.0))
     found = run(a_case(engine, none, loading, mesh=0.03))
@@ -203,7 +204,7 @@ def test_the_static_model_finds_the_same_peak_and_weights(
 ) -> None:
     joint, loading = Joint(locks), Loading(Direction(eccentricity))
     result = run(a_case(engine, joint, loading, mesh=0.02))
-    model = assemble(joint, 0.02)
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
     peak = static_peak(model, lateral_load(joint, model, loading)).peak
     assert peak.load == pytest.approx(result.peak_load, rel=0.01)
     inner = result.nodes["lock"].to_numpy()

@@ -18,9 +18,9 @@ from sidmacib.mechanics.assembly import (
     FaceMaterial,
     Kind,
     Piece,
-    contact_nodes,
 )
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, wrenches
+from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
 from sidmacib.pieces import assemble
 
@@ -36,7 +36,7 @@ def test_a_wrench_is_the_force_and_its_moment(point: np.ndarray, about: np.ndarr
 
 
 def test_frames_are_right_handed_and_start_with_the_normal(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     frames = face_frames(model)
     assert np.linalg.det(frames) == pytest.approx(1.0)
     normals = [model.faces[face].normal for face in model.nodes.face]
@@ -44,7 +44,7 @@ def test_frames_are_right_handed_and_start_with_the_normal(joint: Joint) -> None
 
 
 def test_every_node_force_acts_on_two_pieces_in_balance(joint: Joint) -> None:
-    model = assemble(joint, 0.02)
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
     matrix = equilibrium_matrix(model).reshape(len(model.pieces), 6, -1)
     centres = np.array([piece.centre for piece in model.pieces])
     forces, moments = matrix[:, :3], matrix[:, 3:]
@@ -54,7 +54,7 @@ def test_every_node_force_acts_on_two_pieces_in_balance(joint: Joint) -> None:
 
 
 def test_a_rigid_motion_of_all_pieces_moves_no_node(joint: Joint) -> None:
-    model = assemble(joint, 0.02)
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
     shift, turn = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.7])
     motion = np.concatenate(
         [np.concatenate([shift + np.cross(turn, p.centre), turn]) for p in model.pieces]
@@ -81,7 +81,7 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
     )
     material = FaceMaterial(stiffness, stiffness, 0.0, 0.0, 0.0)
     face = Face("middle", Kind.DRY, material, 0, 1, 2, (-half, -half, 0.0), (half, half, 0.0))
-    cube = Assembly(pieces, (face,), contact_nodes((face,), side / 40), side)
+    cube = Assembly(pieces, (face,), contact_nodes((face,), side / 40, NodeLayout.CENTRES), side)
     around = np.sqrt(stiffness * side**4 / 12 / (mass * side**2 / 6))  # second moment of area
     twist = np.sqrt(2.0) * around  # polar moment
     straight = np.sqrt(stiffness * side**2 / mass)
@@ -101,7 +101,7 @@ def test_inertia_is_that_of_a_cuboid() -> None:
 
 
 def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     other = replace(model, length=37.0 * model.length)
     assert natural_frequencies(other) == pytest.approx(natural_frequencies(model), rel=1e-9)
 

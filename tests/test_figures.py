@@ -10,6 +10,7 @@ from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
 from sidmacib.joint import Joint
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble, lock_faces
 from workflow.configuration import read_study, read_study_file
 from workflow.models import detailed
@@ -45,7 +46,7 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
 
 @pytest.fixture
 def face_and_nodes():
-    model = assemble(Joint(3), 0.005)
+    model = assemble(Joint(3), 0.005, NodeLayout.CENTRES)
     own = lock_faces(Joint(3))
     number, face = next((i, f) for i, f in enumerate(model.faces) if own.get(f.name) == 1)
     positions = model.nodes.position[model.nodes.face == number]

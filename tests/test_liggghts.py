@@ -12,6 +12,7 @@ from test_execute import becomes_true
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
@@ -41,7 +42,7 @@ def test_both_engines_find_the_same_first_failure_and_weights(
 def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
     joint, loading = Joint(3), Loading(Direction(2.0))
     found = run(a_case("liggghts", joint, loading, mesh=0.01))
-    model = assemble(joint, 0.01)
+    model = assemble(joint, 0.01, NodeLayout.CENTRES)
     expected = static_peak(model, lateral_load(joint, model, loading))
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
     assert found.peak_load == pytest.approx(expected.peak.load, rel=0.01)
@@ -50,7 +51,7 @@ def test_corners_that_fail_first_leave_a_joint_that_carries_more(run) -> None:
 def test_more_than_fifteen_locks_work(run) -> None:
     joint = Joint(17)
     found = run(a_case("liggghts", joint, Loading(Direction(0.0))))
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     peak = static_peak(model, lateral_load(joint, model, Loading(Direction(0.0)))).peak
     assert found.peak_load == pytest.approx(peak.load, rel=0.01)
 
@@ -65,7 +66,7 @@ def test_two_ranks_find_what_one_finds(run) -> None:
 
 def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int) -> Path:
     joint = Joint(locks)
-    assembly = assemble(joint, mesh)
+    assembly = assemble(joint, mesh, NodeLayout.CENTRES)
     loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
     write_script(LIGGGHTS, assembly, loads, Numerics(**numerics), "case", tmp_path)
     return tmp_path

@@ -16,12 +16,13 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import NodeLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:
-    model = assemble(joint, mesh)
+    model = assemble(joint, mesh, NodeLayout.CENTRES)
     return limit_load(model, lateral_load(joint, model, loading)).load
 
 
@@ -98,13 +99,13 @@ def test_a_joint_without_cohesion_carries_nothing_without_friction() -> None:
 
 
 def test_associated_friction_under_a_fixed_plate_is_refused(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ValueError, match=r"^friction: true is not possible under a fixed plate"):
         limit_load(model, lateral_load(joint, model, Loading(Direction(0.0))), friction=True)
 
 
 def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     given = pressed(joint, model, lateral_load(joint, model, Loading(Direction(0.0))), 1000.0)
     smooth, rough = (limit_load(*given, friction=friction).load for friction in (False, True))
     assert smooth == pytest.approx(joint.T0, rel=1e-7)
@@ -181,7 +182,7 @@ def masonry(count: int) -> list[tuple[Joint, float]]:
 
 
 def solved(joint: Joint, eccentricity: float, mesh: float) -> tuple[Assembly, Loads, LimitState]:
-    model = assemble(joint, mesh)
+    model = assemble(joint, mesh, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     return model, loads, limit_load(model, loads)
 
@@ -216,7 +217,7 @@ def test_a_large_strong_joint_has_a_limit(eccentricity: float, pairs: float | No
 
 
 def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(0.3)))
     one, other = limit_load(model, loads), limit_load(renumbered(model), loads)
     assert other.load == pytest.approx(one.load, rel=2e-8)
@@ -267,6 +268,6 @@ def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
     joint: Joint, eccentricity: float
 ) -> None:
     smooth = replace(joint, dry=replace(joint.dry, friction=0.0))
-    model = assemble(smooth, 0.02)
+    model = assemble(smooth, 0.02, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     assert limit_load(model, loads).load >= static_peak(model, loads).peak.load * (1 - 1e-5)

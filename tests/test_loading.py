@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.loading import Loading, LoadShare, Push, lateral_load, pressed
 from sidmacib.mechanics.assembly import Kind
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 
 loadings = st.builds(
@@ -24,7 +25,7 @@ loadings = st.builds(
 @given(loadings, st.integers(2, 6))
 def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks: int) -> None:
     joint = Joint(locks)
-    loads = lateral_load(joint, assemble(joint, 0.03), loading)
+    loads = lateral_load(joint, assemble(joint, 0.03, NodeLayout.CENTRES), loading)
     sign = 1 if loading.push is Push.PLUS_Y else -1
     direction = loading.direction
     # All centroids lie at x = 0, so the forces add nothing to the torque about z.
@@ -35,7 +36,7 @@ def test_loads_on_the_pieces_add_up_to_shear_and_torque(loading: Loading, locks:
 @given(loadings, st.integers(2, 6))
 def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, locks: int) -> None:
     joint = Joint(locks)
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     permanent = lateral_load(joint, model, loading).permanent
     volume = [math.prod(np.subtract(piece.high, piece.low)) for piece in model.pieces]
     assert permanent[:, 2] == pytest.approx(-9.81 * 1400.0 * np.array(volume))
@@ -44,7 +45,7 @@ def test_every_piece_carries_its_own_weight_and_nothing_else(loading: Loading, l
 
 def loaded(joint: Joint, loading: Loading) -> dict[str, float]:
     """Force in y on each loaded piece, per newton of load."""
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     force = lateral_load(joint, model, loading).variable[:, 1]
     return {p.name: float(f) for p, f in zip(model.pieces, force, strict=True) if f}
 
@@ -75,12 +76,12 @@ def test_a_load_on_the_body_spares_the_lock(joint: Joint) -> None:
 
 def test_a_joint_without_cohesion_has_its_weight_for_a_scale(joint: Joint) -> None:
     weak = replace(joint, inner=replace(INNER, cohesion=0.0))
-    found = lateral_load(weak, assemble(weak, 0.03), Loading(Direction(0.0)))
+    found = lateral_load(weak, assemble(weak, 0.03, NodeLayout.CENTRES), Loading(Direction(0.0)))
     assert found.scale == pytest.approx(9.81 * 1400.0 * 0.06 * 0.15 * 0.035)
 
 
 def test_a_force_takes_the_place_of_the_plate(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(0.0)))
     other, more = pressed(joint, model, loads, 900.0)
     assert all(face.kind is not Kind.PLATE for face in other.faces)

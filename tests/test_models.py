@@ -7,6 +7,7 @@ import pytest
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Ability, Model, Need, Obtained, detailed, obtained_by
@@ -18,7 +19,7 @@ STIFF = Need(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
 
 
 def loaded(joint: Joint) -> tuple[Assembly, Loads]:
-    assembly = assemble(joint, 0.03)
+    assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
     return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
 
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import GRAVITY, Face, FaceMaterial, Kind, Piece, shared_face
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble, lock_faces, upper_block
 
 joints = st.builds(
@@ -22,14 +23,14 @@ joints = st.builds(
 
 @given(joints, st.floats(0.005, 0.019))
 def test_node_areas_add_up_to_the_area_of_their_face(joint: Joint, mesh: float) -> None:
-    model = assemble(joint, mesh)
+    model = assemble(joint, mesh, NodeLayout.CENTRES)
     found = np.bincount(model.nodes.face, weights=model.nodes.area)
     assert found == pytest.approx([face.area for face in model.faces])
 
 
 @given(joints)
 def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
-    model = assemble(joint, 0.99 * min(joint.a, joint.b))
+    model = assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES)
     locks = lock_faces(joint)
     inner = {locks[face.name]: face for face in model.faces if face.name in locks}
     assert sorted(inner) == list(range(1, joint.locks + 1))
@@ -42,7 +43,9 @@ def test_every_lock_has_one_inner_face_of_area_ab(joint: Joint) -> None:
 @given(joints)
 def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
     free = [
-        piece for piece in assemble(joint, 0.99 * min(joint.a, joint.b)).pieces if not piece.fixed
+        piece
+        for piece in assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES).pieces
+        if not piece.fixed
     ]
     volume = joint.a * joint.b * joint.locks * (joint.h + joint.H)
     assert sum(piece.mass for piece in free) == pytest.approx(joint.density * volume)
@@ -50,7 +53,7 @@ def test_pieces_fill_the_upper_block_and_the_locks(joint: Joint) -> None:
 
 @given(joints)
 def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
-    model = assemble(joint, 0.99 * min(joint.a, joint.b))
+    model = assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES)
     for face in model.faces:
         below, above = model.pieces[face.below], model.pieces[face.above]
         assert below.high[face.axis] == pytest.approx(above.low[face.axis])
@@ -60,7 +63,7 @@ def test_faces_lie_on_both_of_their_pieces(joint: Joint) -> None:
 
 
 def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint) -> None:
-    model = assemble(joint, 0.02)
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
     upper = set(upper_block(joint))
     for face in model.faces:
         ends = [model.pieces[face.below].name, model.pieces[face.above].name]
@@ -69,7 +72,7 @@ def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint)
 
 
 def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None:
-    model = assemble(joint, 0.02)
+    model = assemble(joint, 0.02, NodeLayout.CENTRES)
     own = model.nodes.position[model.nodes.face == 0]
     assert len(own) == 3 * 3  # 0.06 / 0.02 by 0.05 / 0.02, rounded up
     assert np.diff(np.unique(own[:, 1])).max() <= 0.02
@@ -78,12 +81,12 @@ def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None
 @pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])
 def test_a_mesh_that_does_not_fit_an_inner_face_is_refused(joint: Joint, mesh: float) -> None:
     with pytest.raises(ValueError, match=rf"mesh: {mesh} m is .* 0.05 m"):
-        assemble(joint, mesh)
+        assemble(joint, mesh, NodeLayout.CENTRES)
 
 
 @given(joints)
 def test_the_pieces_weigh_what_their_volume_weighs(joint: Joint) -> None:
-    for piece in assemble(joint, 0.99 * min(joint.a, joint.b)).pieces:
+    for piece in assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES).pieces:
         edges = [high - low for low, high in zip(piece.low, piece.high, strict=True)]
         volume = edges[0] * edges[1] * edges[2]
         assert piece.weight == pytest.approx(joint.density * volume * GRAVITY)

@@ -9,6 +9,7 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
@@ -74,7 +75,7 @@ def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
     if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
         pytest.skip("this system allows no private network")
     engine, joint = ENGINES[name], Joint(2)
-    assembly = assemble(joint, 0.03)
+    assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
     write_script(engine, assembly, loads, Numerics(ranks=ranks), "case", tmp_path)
     with (tmp_path / "log").open("w") as log:

@@ -12,6 +12,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.outcome import Outcome, State
@@ -33,11 +34,11 @@ JOINT = Joint(3)
 
 def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> Case:
     loading = Loading(Direction(ratio))
-    return Case("n3-case", model, "reference", "n3", joint, 0.03, loading, None)
+    return Case("n3-case", model, "reference", "n3", joint, 0.03, NodeLayout.CENTRES, loading, None)
 
 
 def parts(case: Case) -> tuple[Assembly, Outcome]:
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     return assembly, static.solve(assembly, lateral_load(case.joint, assembly, case.loading))
 
 
@@ -131,7 +132,7 @@ def test_a_table_that_is_cut_short_is_refused(tmp_path: Path, keep: float) -> No
 
 def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
     write_engine_files(tmp_path, case_of(joint=replace(JOINT, a=0.07)))
-    assembly = assemble(JOINT, 0.03)
+    assembly = assemble(JOINT, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ResultError, match=r"nodes.csv"):
         read_outcome(tmp_path, assembly)
 
@@ -145,7 +146,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 
 def test_an_outcome_may_lack_stresses_and_displacements() -> None:
     case = case_of()
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     loads = lateral_load(case.joint, assembly, case.loading)
     record = record_of(case, assembly, loads, Outcome((State(100.0),), 100.0), {})
     assert record.load_N == 100.0
@@ -154,7 +155,7 @@ def test_an_outcome_may_lack_stresses_and_displacements() -> None:
 
 
 def test_stresses_and_forces_are_the_same_thing() -> None:
-    assembly = assemble(JOINT, 0.03)
+    assembly = assemble(JOINT, 0.03, NodeLayout.CENTRES)
     frames = face_frames(assembly)
     force = np.random.default_rng(1).normal(size=(len(assembly.nodes.area), 3))
     stress = force_to_stress(assembly.nodes, frames, force)
@@ -163,7 +164,7 @@ def test_stresses_and_forces_are_the_same_thing() -> None:
 
 def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
     case = case_of()
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     area = assembly.nodes.area * np.linspace(0.5, 1.5, len(assembly.nodes.area))
     assembly = replace(assembly, nodes=replace(assembly.nodes, area=area))
     stress = np.zeros((len(area), 4))

@@ -15,6 +15,7 @@ from stack import tilted_stack
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES, Engine
 from workflow.engines.numerics import Numerics
@@ -37,7 +38,7 @@ def engine(request: pytest.FixtureRequest) -> Engine:
 @pytest.fixture(name="case")
 def three_locks() -> tuple[Assembly, Loads]:
     joint = Joint(3)
-    assembly = assemble(joint, 0.02)
+    assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
     return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
 
 

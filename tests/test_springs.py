@@ -11,13 +11,14 @@ from sidmacib.mechanics.contact_law import NodeLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.newton import settled, solve_linear, tangent_stiffness, unbalanced
 from sidmacib.mechanics.ordering import ordering
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.springs import Springs
 from sidmacib.mechanics.static import Solver
 from sidmacib.pieces import assemble
 
 ASSEMBLIES = {
-    "columns": assemble(Joint(4), 0.03),
-    "monolithic": assemble(Joint(5, upper_body=UpperBody.MONOLITHIC), 0.03),
+    "columns": assemble(Joint(4), 0.03, NodeLayout.CENTRES),
+    "monolithic": assemble(Joint(5, upper_body=UpperBody.MONOLITHIC), 0.03, NodeLayout.CENTRES),
     "stack": tilted_stack(3)[0],
 }
 
@@ -133,17 +134,19 @@ def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: i
 @pytest.mark.parametrize("locks", [7, 31])
 def test_a_body_in_one_piece_goes_into_the_border(locks: int) -> None:
     joint = Joint(locks, upper_body=UpperBody.MONOLITHIC)
-    order = ordering(Springs.of(assemble(joint, 0.03)))
+    order = ordering(Springs.of(assemble(joint, 0.03, NodeLayout.CENTRES)))
     assert (order.inner, order.outer, order.band) == (6 * locks, 6, 11)
 
 
 def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
-    few, many = (ordering(Springs.of(assemble(Joint(n), 0.03))) for n in (7, 31))
+    few, many = (
+        ordering(Springs.of(assemble(Joint(n), 0.03, NodeLayout.CENTRES))) for n in (7, 31)
+    )
     assert few.band == many.band
     assert many.outer == 0
 
 
 def test_the_direction_of_forces_is_that_of_the_loads(joint: Joint) -> None:
-    model = assemble(joint, 0.03)
+    model = assemble(joint, 0.03, NodeLayout.CENTRES)
     own = Solver(model, lateral_load(joint, model, Loading(Direction(0.0))))
     assert own.load[own.place].reshape(-1, 6).sum(axis=0) == pytest.approx([0, 1, 0, 0, 0, 0])

@@ -26,12 +26,13 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_law import NodeLaw, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
 from sidmacib.pieces import assemble, lock_faces
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:
-    model = assemble(joint, mesh)
+    model = assemble(joint, mesh, NodeLayout.CENTRES)
     return model, static_peak(model, lateral_load(joint, model, Loading(Direction(e_over_a))))
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
+from sidmacib.mechanics.quadrature import NodeLayout
 from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
@@ -19,7 +20,10 @@ REFERENCE = "reference"  # the variant without changes; compared with the publis
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """One run of a model of the joint's pieces. ``mesh`` in m; ``numerics``: for engines only."""
+    """One run of a model of the joint's pieces.
+
+    ``mesh`` in m, ``nodes`` on its cells. ``numerics``: for engines only.
+    """
 
     name: str
     model: str
@@ -27,6 +31,7 @@ class Case:
     sample: str
     joint: Joint
     mesh: float
+    nodes: NodeLayout
     loading: Loading
     numerics: Numerics | None
 
@@ -55,7 +60,7 @@ class Case:
     def physics(self) -> str:
         """SHA-256 of joint, nodes and loads: the same for all models of a case."""
         told = _plain(self)
-        shared = {key: told[key] for key in ("joint", "mesh", "loading")}
+        shared = {key: told[key] for key in ("joint", "mesh", "nodes", "loading")}
         return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()
 
     def to_json(self) -> str:

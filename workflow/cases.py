@@ -69,6 +69,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                         sample=sample,
                         joint=joint(sample, assembly),
                         mesh=mesh,
+                        nodes=change.nodes or study.nodes,
                         loading=loading(ratio, assembly),
                         numerics=_numerics(model, numerics, study.overrides.get(name)),
                     )
@@ -81,7 +82,8 @@ def _runs(
     for model in (MODELS[name] for name in models):
         for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
-            own = variant == REFERENCE or assembly != study.assembly
+            nodes = change.nodes or study.nodes
+            own = variant == REFERENCE or (assembly, nodes) != (study.assembly, study.nodes)
             if (own or Ability.NUMERICS in model.abilities) and not model.refusal(
                 needs(study, assembly)
             ):

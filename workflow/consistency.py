@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Failure
+from sidmacib.mechanics.quadrature import RULES, NodeLayout
 from sidmacib.revision import REDUCTIONS
 from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
@@ -29,7 +30,7 @@ def faults(study: Study) -> Iterator[str]:
     yield from _joints(study, joints)
     yield from _lists(study)
     for key, meshes in _everywhere(study, "meshes"):
-        yield from _meshes(key, meshes, joints)
+        yield from _meshes(key, meshes, _densest(study), joints)
     yield from _models(study)
     yield from _calibration(study)
     if study.figures.mesh not in (None, *study.meshes):
@@ -61,14 +62,15 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
     return tuple(found)
 
 
-def node_estimate(joint: Joint, mesh: float) -> float:
-    """About how many nodes ``joint`` has with cells of ``mesh`` (m); never an underestimate."""
+def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
+    """About how many nodes ``joint`` has on cells of ``mesh`` (m); never an underestimate."""
 
-    def cells(side: float) -> float:
-        return side / mesh + 1.0
+    def along(side: float) -> float:
+        step = max(1, len(RULES[nodes][0]) - 1)
+        return step * (side / mesh + 1.0) + 1.0
 
-    upright = cells(joint.h) + cells(joint.H)  # between neighbours
-    return joint.locks * cells(joint.a) * (3.0 * cells(joint.b) + upright)
+    upright = along(joint.h) + along(joint.H)  # between neighbours
+    return joint.locks * along(joint.a) * (3.0 * along(joint.b) + upright)
 
 
 def notes(study: Study) -> list[str]:
@@ -121,7 +123,15 @@ def _lists(study: Study) -> Iterator[str]:
                 seen[f"{value:g}"] = value
 
 
-def _meshes(key: str, meshes: tuple[float, ...], joints: dict[str, Joint]) -> Iterator[str]:
+def _densest(study: Study) -> NodeLayout:
+    """Of the study's and its variants' layouts, the one with most nodes."""
+    every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
+    return max(every, key=lambda layout: len(RULES[layout][0]))
+
+
+def _meshes(
+    key: str, meshes: tuple[float, ...], nodes: NodeLayout, joints: dict[str, Joint]
+) -> Iterator[str]:
     for name, joint in joints.items():
         side = min(joint.a, joint.b)
         if max(meshes) >= side:
@@ -129,10 +139,10 @@ def _meshes(key: str, meshes: tuple[float, ...], joints: dict[str, Joint]) -> It
                 f"{key}: {max(meshes)} m is too coarse for sample {name}; it must be less than "
                 f"{side} m, the shorter side of an inner face"
             )
-        if (nodes := node_estimate(joint, min(meshes))) > MAX_NODES:
+        if (count := node_estimate(joint, min(meshes), nodes)) > MAX_NODES:
             yield (
                 f"{key}: {min(meshes)} m is too fine for sample {name}, which would have "
-                f"{nodes:.2g} nodes; it must have {MAX_NODES:,} or fewer"
+                f"{count:.2g} nodes; it must have {MAX_NODES:,} or fewer"
             )
 
 

@@ -50,7 +50,7 @@ def deck_folder(name: str) -> str:
 
 def deck(case: Case) -> str:
     """3DEC's commands for ``case``: pieces, faces, loads."""
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     faces = [
         {
             "below": assembly.pieces[face.below].name,
@@ -112,7 +112,7 @@ def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
     `ResultError` if the text is incomplete, or is not of ``case`` as it is now.
     """
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     numbers = {
         frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): number
         for number, face in enumerate(assembly.faces)

@@ -214,18 +214,3 @@ def shared_face(
     low[axis] = high[axis] = first.high[axis]
     corners = (low[0], low[1], low[2]), (high[0], high[1], high[2])
     return Face(name, kind, material, *pair, axis, *corners)
-
-
-def contact_nodes(faces: tuple[Face, ...], mesh: float) -> Nodes:
-    """Nodes at the centres of equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
-    low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
-    cells = np.maximum(1, np.ceil((high - low) / mesh - CLOSE)).astype(np.int64)
-    count = cells.prod(axis=1)
-    face = np.repeat(np.arange(len(faces)), count)
-    number = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)  # in its own face
-    cells, low, high = cells[face], low[face], high[face]
-    # The last axis runs fastest.
-    cell = np.stack([number // cells[:, 1] // cells[:, 2], number // cells[:, 2], number], axis=1)
-    position = low + (cell % cells + 0.5) * (high - low) / cells
-    area = np.array([face.area for face in faces]) / count
-    return Nodes(face, position, area[face])

@@ -96,6 +96,7 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
                 "below": face.below,
                 "above": face.above,
                 "normal": face.normal.tolist(),
+                "size_m": [high - low for low, high in zip(face.low, face.high, strict=True)],
                 "material": names[face.material],
             }
             for face in assembly.faces

@@ -46,6 +46,7 @@ class CaseRecord:
     name: str
     locks: int
     mesh_m: float
+    nodes: str
     eccentricity_over_a: float
     eccentricity_m: float
     case_digest: str
@@ -133,6 +134,7 @@ def _identity(case: Case) -> dict[str, Any]:
         "name": case.name,
         "locks": case.joint.locks,
         "mesh_m": case.mesh,
+        "nodes": str(case.nodes),
         "eccentricity_over_a": case.direction.eccentricity,
         "eccentricity_m": case.eccentricity_m,
         "case_digest": case.digest(),

@@ -54,7 +54,7 @@ WEIGHT_SUMS = Table(
 CASES = Table(
     "cases",
     (
-        *("name", *_CASE, "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
+        *("name", *_CASE, "nodes", "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
         *("failed_load_N", "first_failure_load_N", "mode", "unbalanced_share"),
         *("static_load_N", "difference_to_static", "error", "versions", "case"),
     ),

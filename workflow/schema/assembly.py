@@ -5,6 +5,7 @@ from typing import Any
 from sidmacib.joint import UpperBody
 from sidmacib.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure
+from sidmacib.mechanics.quadrature import NodeLayout
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section, changes_to
 from workflow.schema.values import Eccentricities, Lengths
@@ -26,6 +27,7 @@ class VariantSection(_CHANGES):
     """What differs from the study, and at which meshes and eccentricities (None: at all)."""
 
     numerics: NumericsChanges = NumericsChanges()
+    nodes: NodeLayout | None = None
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
 

@@ -6,6 +6,7 @@ from typing import Annotated
 from pydantic import Field
 
 from sidmacib.joint import Joint
+from sidmacib.mechanics.quadrature import NodeLayout
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
@@ -26,6 +27,7 @@ class Study(Section):
     geometry: GeometrySection = GeometrySection()
     materials: MaterialsSection = MaterialsSection()
     meshes: Lengths = (0.02, 0.005)
+    nodes: NodeLayout = NodeLayout.LOBATTO
     eccentricities: Eccentricities = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
     assembly: AssemblySection = AssemblySection()
     models: Annotated[tuple[str, ...], Several]

@@ -28,7 +28,7 @@ def run(
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     try:
-        assembly = assemble(case.joint, case.mesh)
+        assembly = assemble(case.joint, case.mesh, case.nodes)
         loads = lateral_load(case.joint, assembly, case.loading)
         run_engine(engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"])
         found = read_outcome(folder, assembly)

@@ -50,7 +50,7 @@ def run(
 
 def solved(case: Case, solve: Any) -> tuple[CaseRecord, Assembly, Outcome]:
     """The checked record of ``case``, its assembly and what the model found."""
-    assembly = assemble(case.joint, case.mesh)
+    assembly = assemble(case.joint, case.mesh, case.nodes)
     loads = lateral_load(case.joint, assembly, case.loading)
     found = solve(assembly, loads)
     return record_of(case, assembly, loads, found, {}), assembly, found

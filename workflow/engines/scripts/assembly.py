@@ -50,13 +50,17 @@ class Piece:
 
 @dataclass(frozen=True)
 class Face:
-    """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index."""
+    """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index.
+
+    ``size_m``: along x, y and z.
+    """
 
     name: str
     kind: str
     below: int
     above: int
     normal: Vector
+    size_m: Vector
     material: Material
 
     @property

@@ -14,11 +14,10 @@ off in it, where flat faces would leave them alone. So a mechanism counts only w
 show it as well. There pieces that fall over find another equilibrium on round feet, but far away.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from .assembly import Assembly, Node, Vector, cross, dot, length, plus
+from .assembly import Assembly, Vector, cross, dot, length, plus
 from .records import NodeForce, Peak
 
 LARGEST_SHARE = 0.1  # of spurious forces in the load
@@ -109,16 +108,8 @@ def contact_shift(
         if any(forces[n].bonded or forces[n].normal > 0 for n in numbers):
             turn = plus(motions[face.above].rotation, motions[face.below].rotation, -1.0)
             shift = radius * across(turn, face.normal) / 2
-            largest = max(largest, shift / half_length([assembly.nodes[n] for n in numbers]))
+            largest = max(largest, 2 * shift / max(face.size_m))
     return largest
-
-
-def half_length(nodes: Sequence[Node]) -> float:
-    """Distance (m) from the centre of a face to its edge, along its longer side, by its nodes."""
-    spans = [
-        max(values) - min(values) for values in zip(*(n.position_m for n in nodes), strict=True)
-    ]
-    return (max(spans) + math.sqrt(nodes[0].area_m2)) / 2
 
 
 def moved(position: Vector, centre: Vector, motion: Motion) -> list[float]:

@@ -8,7 +8,6 @@ zero; when the spring is cut, the spheres come into play.
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 from .assembly import Assembly, Material, Piece, Search, Vector, plus
 
@@ -29,32 +28,53 @@ def reach(piece: Piece) -> float:
     return math.sqrt(1.5 * piece.inertia_kgm2 / piece.mass_kg)
 
 
+@dataclass(frozen=True)
+class Patch:
+    """The nodes of one face, by index, that have the same area (m2).
+
+    A contact's stiffness is a property of the types of its atoms, and so of a patch.
+    """
+
+    face: int
+    area_m2: float
+    nodes: tuple[int, ...]
+
+
+def patches(assembly: Assembly) -> list[Patch]:
+    """The patches of all faces, in the order of their first nodes."""
+    found: dict[tuple[int, float], list[int]] = {}
+    for number, node in enumerate(assembly.nodes):
+        found.setdefault((node.face, float(f"{node.area_m2:.9g}")), []).append(number)
+    return [Patch(face, area, tuple(nodes)) for (face, area), nodes in found.items()]
+
+
 def pitch(places: Sequence[Vector]) -> float:
-    """Least distance along an axis between points of a grid (m)."""
-    gaps = [math.inf]
-    for values in zip(*places, strict=True):
-        ordered = sorted({round(value, 9) for value in values})
-        gaps += [high - low for low, high in pairwise(ordered)]
-    return min(gaps)
+    """Least distance between two of ``places`` (m); inf if there are fewer."""
+    ordered, least = sorted(map(tuple, places)), math.inf
+    for number, one in enumerate(ordered):
+        for other in ordered[number + 1 :]:
+            if other[0] - one[0] >= least:
+                break
+            least = min(least, math.dist(one, other))
+    return least
 
 
-def sphere_radii(assembly: Assembly, largest: float) -> list[float]:
-    """Radius of the contact spheres of each face (m), at most ``largest``.
+def sphere_radii(assembly: Assembly, every: Sequence[Patch], largest: float) -> list[float]:
+    """Radius of the contact spheres of each patch (m), at most ``largest``.
 
     Spheres that face each other at different nodes have a gap of pitch^2 / (4 radius): twice what
     the face is pressed together by the largest strength of a face.
     """
-    places: list[list[Vector]] = [[] for _ in assembly.faces]
     area = [0.0] * len(assembly.faces)
     for node in assembly.nodes:
-        places[node.face].append(node.position_m)
         area[node.face] += node.area_m2
     strength = max(f.material.cohesion * a for f, a in zip(assembly.faces, area, strict=True))
-    result = []
-    for face, own, whole in zip(assembly.faces, places, area, strict=True):
-        force = max(strength, assembly.permanent_N)
-        pressed = force / (face.material.normal_stiffness * whole)
-        result.append(min(largest, pitch(own) ** 2 / (8 * pressed)))
+    force, result = max(strength, assembly.permanent_N), []
+    for patch in every:
+        stiffness = assembly.faces[patch.face].material.normal_stiffness
+        pressed = force / (stiffness * area[patch.face])
+        apart = pitch([assembly.nodes[node].position_m for node in patch.nodes])
+        result.append(min(largest, apart**2 / (8 * pressed)))
     return result
 
 
@@ -89,16 +109,18 @@ class Deck:
         self.assembly, self.search = assembly, search
         free = assembly.free
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
-        # for each face, below and above, that touch each other.
+        # for each patch, below and above, that touch each other.
         self.handle_type = {piece: number for number, piece in enumerate(free, start=1)}
         self.lone = len(free) + 1
-        self.face_types = [
-            (self.lone + 2 * face + 1, self.lone + 2 * face + 2)
-            for face in range(len(assembly.faces))
+        self.patches = patches(assembly)
+        self.patch_of = {n: k for k, patch in enumerate(self.patches) for n in patch.nodes}
+        self.patch_types = [
+            (self.lone + 2 * patch + 1, self.lone + 2 * patch + 2)
+            for patch in range(len(self.patches))
         ]
-        self.types = self.lone + 2 * len(assembly.faces)
+        self.types = self.lone + 2 * len(self.patches)
         self.largest_radius = radius
-        self.radii = sphere_radii(assembly, radius)
+        self.patch_radii = sphere_radii(assembly, self.patches, radius)
         self.reach = [reach(piece) for piece in assembly.pieces]
         self.atoms = self._build()
         self.bond = {node: number for number, node in enumerate(self.atoms.ends, start=1)}
@@ -117,9 +139,9 @@ class Deck:
             )
         light = 1e-9 * min(piece.mass_kg for piece in assembly.pieces)
         for number, node in enumerate(assembly.nodes):
-            face, radius = assembly.faces[node.face], self.radii[node.face]
-            lone = (self.lone, self.lone)
-            types = lone if face.cohesive else self.face_types[node.face]
+            face, patch = assembly.faces[node.face], self.patch_of[number]
+            radius, lone = self.patch_radii[patch], (self.lone, self.lone)
+            types = lone if face.cohesive else self.patch_types[patch]
             below, above = (
                 atoms.add(kind, plus(node.position_m, face.normal, shift), radius, light, piece)
                 for kind, piece, shift in zip(
@@ -192,9 +214,7 @@ class Deck:
 
     def _laws(self) -> Iterator[str]:
         """Who touches whom, and the laws of contacts and springs."""
-        assembly = self.assembly
-        area = common_areas(assembly)
-        touching = {frozenset(pair) for pair in self.face_types}
+        touching = {frozenset(pair) for pair in self.patch_types}
         for one in range(1, self.types + 1):
             for other in range(one, self.types + 1):
                 if frozenset((one, other)) not in touching:
@@ -205,28 +225,28 @@ class Deck:
         )
         yield "pair_coeff * *"
 
-        def stiffness(name: str) -> Callable[[int], float]:
-            return lambda face: getattr(assembly.faces[face].material, name) * area[face]
+        def stiffness(name: str) -> Callable[[Patch], float]:
+            return lambda patch: getattr(self._material(patch), name) * patch.area_m2
 
         yield self._matrix("kn", stiffness("normal_stiffness"))
         yield self._matrix("kt", stiffness("shear_stiffness"))
         yield self._matrix("gamman_abs", lambda _: 0.0)
         yield self._matrix("gammat_abs", lambda _: 0.0)
-        yield self._matrix("coefficientFriction", lambda face: self._material(face).friction)
+        yield self._matrix("coefficientFriction", lambda patch: self._material(patch).friction)
         if self.bond:
             yield "bond_style harmonic"
         for node, number in self.bond.items():
             # The energy is coefficient * length^2.
             yield f"bond_coeff {number} {self.spring_stiffness(node) / 2:.12g} 0.0"
 
-    def _material(self, face: int) -> Material:
-        return self.assembly.faces[face].material
+    def _material(self, patch: Patch) -> Material:
+        return self.assembly.faces[patch.face].material
 
-    def _matrix(self, name: str, value_of_face: Callable[[int], float]) -> str:
-        """A property of pairs of types, 0 but between the two sides of a face."""
+    def _matrix(self, name: str, value_of: Callable[[Patch], float]) -> str:
+        """A property of pairs of types, 0 but between the two sides of a patch."""
         values = [[0.0] * self.types for _ in range(self.types)]
-        for face, (one, other) in enumerate(self.face_types):
-            values[one - 1][other - 1] = values[other - 1][one - 1] = value_of_face(face)
+        for patch, (one, other) in zip(self.patches, self.patch_types, strict=True):
+            values[one - 1][other - 1] = values[other - 1][one - 1] = value_of(patch)
         numbers = " ".join(f"{v:.12g}" for row in values for v in row)
         return f"fix {name} all property/global {name} peratomtypepair {self.types} {numbers}"
 
@@ -286,6 +306,14 @@ class Deck:
         yield from (f"variable load_{name} equal 0.0" for name in ("before", "rise", "start"))
 
     @property
+    def radii(self) -> list[float]:
+        """Radius (m) of the smallest contact spheres of each face."""
+        least = [math.inf] * len(self.assembly.faces)
+        for patch, radius in zip(self.patches, self.patch_radii, strict=True):
+            least[patch.face] = min(least[patch.face], radius)
+        return least
+
+    @property
     def place_variables(self) -> list[str]:
         """Names of the variables that hold the handles' positions, 18 of each free piece."""
         return [
@@ -299,19 +327,6 @@ class Deck:
     def force_variables(self) -> list[str]:
         """Names of the variables that hold the unbalanced force of each free piece."""
         return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]
-
-
-def common_areas(assembly: Assembly) -> dict[int, float]:
-    """Tributary area (m2) of the nodes of each face; exits where they differ within a face.
-
-    A contact's stiffness is a property of the types of its atoms, and so of its face.
-    """
-    area: dict[int, float] = {}
-    for node in assembly.nodes:
-        if not math.isclose(area.setdefault(node.face, node.area_m2), node.area_m2):
-            name = assembly.faces[node.face].name
-            raise SystemExit(f"liggghts: the nodes of {name} must have equal areas")
-    return area
 
 
 def common_gravity(assembly: Assembly) -> float:

@@ -122,7 +122,7 @@ class LiggghtsModel:
         commands = []
         for node in nodes:
             commands.append(f"bond_coeff {self.deck.bond[node]} 0.0 0.0")
-            types = self.deck.face_types[self.assembly.nodes[node].face]
+            types = self.deck.patch_types[self.deck.patch_of[node]]
             commands += [
                 f"set atom {atom} type {kind}"
                 for atom, kind in zip(self.deck.atoms.spheres[node], types, strict=True)
