@@ -8,7 +8,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.joint import Direction, Joint
     from sidmacib.loading import Loading, lateral_load
-    from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
+    from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
     from sidmacib.mechanics.static import static_peak
     from sidmacib.pieces import assemble
@@ -24,13 +24,14 @@ _HOME = {
     "CapacityError": "errors",
     "ContactOption": "contact_points",
     "Direction": "joint",
+    "Elastic": "mechanics.assembly",
     "Envelope": "polygon",
     "FaceMaterial": "mechanics.assembly",
     "InfeasibleError": "errors",
     "Joint": "joint",
     "Loading": "loading",
     "Loads": "mechanics.assembly",
-    "NodeLayout": "mechanics.quadrature",
+    "NodeLayout": "mechanics.assembly",
     "Sidmacib": "programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -50,6 +51,7 @@ __all__ = [
     "CapacityError",
     "ContactOption",
     "Direction",
+    "Elastic",
     "Envelope",
     "FaceMaterial",
     "InfeasibleError",

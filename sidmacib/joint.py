@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
-from sidmacib.mechanics.assembly import FaceMaterial, Failure
+from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
 from sidmacib.validation import (
     is_number,
     refused,
@@ -27,7 +27,8 @@ class UpperBody(StrEnum):
     """How the main body of the upper block is cut."""
 
     COLUMNS = "columns"  # one column above each lock, as in the paper
-    MONOLITHIC = "monolithic"  # one rigid piece
+    JOINED = "joined"  # columns that can come apart, without the compliance of a joint
+    MONOLITHIC = "monolithic"  # one piece
 
 
 INNER = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
@@ -43,7 +44,8 @@ class Joint:
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
     upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y. Odd
-    locks belong to the upper block, even locks to the lower one. ValueError for anything but at
+    locks belong to the upper block, even locks to the lower one. ``block``: the material of pieces
+    that deform; they are rigid if it is None. ValueError for anything but at
     least two locks, sizes above 0 and a density that is not negative.
     """
 
@@ -57,6 +59,7 @@ class Joint:
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
     upper_body: UpperBody = UpperBody.COLUMNS
+    block: Elastic | None = None
 
     def __post_init__(self) -> None:
         require_whole(2, locks=self.locks)
@@ -67,6 +70,8 @@ class Joint:
                 raise refused(name, getattr(self, name), "a FaceMaterial")
         require_member(Failure, failure=self.failure)
         require_member(UpperBody, upper_body=self.upper_body)
+        if not isinstance(self.block, Elastic | None):
+            raise refused("block", self.block, "an Elastic, or None for rigid pieces")
 
     @property
     def T0(self) -> float:

@@ -58,7 +58,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     variable[loaded, 1] = sign * direction.shear * part
     variable[loaded, 5] = direction.torque * joint.a * part
     weight = sum(piece.weight for piece in assembly.pieces if not piece.fixed)
-    return Loads(self_weight(assembly.pieces), variable, joint.T0 or weight)
+    sides = tuple((piece, 1, sign < 0.0) for piece in loaded)
+    return Loads(self_weight(assembly.pieces), variable, joint.T0 or weight, sides)
 
 
 def pressed(

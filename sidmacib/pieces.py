@@ -1,6 +1,7 @@
 """The joint as an assembly: cut into rigid pieces that meet across inner and dry faces."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
@@ -8,12 +9,14 @@ from sidmacib.mechanics.assembly import (
     Face,
     FaceMaterial,
     Kind,
+    NodeLayout,
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
+from sidmacib.mechanics.quadrature import contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
+JOINED = 1e3  # stiffness between joined columns over that of inner faces: all but none is lost
 
 
 def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
@@ -28,12 +31,14 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
             f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
             f"than 0 and less than {most} m, the shorter side of a lock's horizontal face"
         )
-    pieces = rigid_pieces(joint)
-    faces = tuple(_faces(joint, pieces))
-    return Assembly(pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure)
+    pieces = cut_pieces(joint)
+    faces, nodes = tuple(_faces(joint, pieces)), NodeLayout(nodes)
+    return Assembly(
+        pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure, mesh, nodes
+    )
 
 
-def rigid_pieces(joint: Joint) -> tuple[Piece, ...]:
+def cut_pieces(joint: Joint) -> tuple[Piece, ...]:
     """Lower body, plate, locks and upper body (or its columns), in this order."""
     return tuple(_pieces(joint))
 
@@ -82,9 +87,10 @@ def _pieces(joint: Joint) -> Iterator[Piece]:
     ) -> Piece:
         volume = joint.a * (y[1] - y[0]) * (z[1] - z[0])
         low, high = (-x, y[0], z[0]), (x, y[1], z[1])
-        return Piece(name, low, high, joint.density * volume, fixed)
+        elastic = None if fixed else joint.block
+        return Piece(name, low, high, joint.density * volume, fixed, elastic)
 
-    # The lower body and the plate are fixed: their thickness is immaterial.
+    # The lower body and the plate are fixed and rigid: their thickness is immaterial.
     yield cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)
     yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
     for lock in range(1, joint.locks + 1):
@@ -106,10 +112,19 @@ def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
     dry = joint.dry
     smooth = FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
     material = {Kind.INNER: joint.inner, Kind.DRY: dry, Kind.PLATE: smooth}
+    between = joint.inner
+    if joint.upper_body is UpperBody.JOINED:
+        between = replace(
+            between,
+            normal_stiffness=JOINED * between.normal_stiffness,
+            shear_stiffness=JOINED * between.shear_stiffness,
+        )
 
-    def face(kind: Kind, below: str, above: str, name: str = "") -> Face:
-        pair = index[below], index[above]
-        return shared_face(name or f"{kind}-{below}-{above}", kind, material[kind], pieces, pair)
+    def face(
+        kind: Kind, below: str, above: str, name: str = "", law: FaceMaterial | None = None
+    ) -> Face:
+        pair, law = (index[below], index[above]), law or material[kind]
+        return shared_face(name or f"{kind}-{below}-{above}", kind, law, pieces, pair)
 
     for lock in range(1, joint.locks + 1):
         foot, head = (Kind.DRY, Kind.INNER) if joint.is_upper(lock) else (Kind.INNER, Kind.DRY)
@@ -121,6 +136,7 @@ def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
     for lock in range(1, joint.locks):
         yield face(Kind.DRY, lock_name(lock), lock_name(lock + 1))
         if not monolithic:
-            yield face(Kind.INNER, body_above(joint, lock), body_above(joint, lock + 1))
+            pair = body_above(joint, lock), body_above(joint, lock + 1)
+            yield face(Kind.INNER, *pair, law=between)
     if monolithic:
         yield face(Kind.PLATE, BODY, PLATE, "plate-body")

@@ -22,7 +22,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.pieces import rigid_pieces, upper_block
+from sidmacib.pieces import cut_pieces, upper_block
 from sidmacib.validation import refused, require_not_negative
 
 
@@ -151,7 +151,7 @@ def _friction(model: Sidmacib) -> float:
 def _upper_block(joint: Joint) -> tuple[float, Floats]:
     """Self-weight (N) and centroid (m, shape (3,)) of the upper block."""
     names = upper_block(joint)
-    pieces = [piece for piece in rigid_pieces(joint) if piece.name in names]
+    pieces = [piece for piece in cut_pieces(joint) if piece.name in names]
     weight = sum(piece.weight for piece in pieces)
     # By volume: without density there is a centroid too.
     volumes = [float(np.prod(piece.size)) for piece in pieces]

@@ -15,11 +15,12 @@ from sidmacib.mechanics.assembly import (
     Assembly,
     Kind,
     Loads,
+    NodeLayout,
     Piece,
     self_weight,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
+from sidmacib.mechanics.quadrature import contact_nodes
 from sidmacib.pieces import lock_faces
 from workflow.case import Case
 from workflow.engines import ENGINES

@@ -11,9 +11,9 @@ import numpy as np
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.complementary import least_energy_forces
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from sidmacib.polygon import envelope

@@ -7,11 +7,12 @@ from sidmacib.mechanics.assembly import (
     FaceMaterial,
     Kind,
     Loads,
+    NodeLayout,
     Piece,
     self_weight,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
+from sidmacib.mechanics.quadrature import contact_nodes
 
 
 def tilted_stack(

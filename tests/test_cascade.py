@@ -8,11 +8,12 @@ from sidmacib.mechanics.assembly import (
     FaceMaterial,
     Kind,
     Loads,
+    NodeLayout,
     Piece,
     shared_face,
 )
 from sidmacib.mechanics.contact_law import NodeLaw, utilisation
-from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
+from sidmacib.mechanics.quadrature import contact_nodes
 from sidmacib.mechanics.static import StaticSolution, static_peak
 
 

@@ -16,8 +16,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare, Push
-from sidmacib.mechanics.assembly import Failure
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study

@@ -17,7 +17,7 @@ from stack import tilted_stack
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics import assembly as mechanics
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines.render import assembly_data
 from workflow.engines.scripts import assembly as scripts

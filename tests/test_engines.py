@@ -12,8 +12,7 @@ from stack import overturning, tilted_stack
 
 from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.assembly import Kind
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES

@@ -17,10 +17,11 @@ from sidmacib.mechanics.assembly import (
     Face,
     FaceMaterial,
     Kind,
+    NodeLayout,
     Piece,
 )
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, wrenches
-from sidmacib.mechanics.quadrature import NodeLayout, contact_nodes
+from sidmacib.mechanics.quadrature import contact_nodes
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
 from sidmacib.pieces import assemble
 

@@ -10,7 +10,7 @@ from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
 from sidmacib.joint import Joint
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble, lock_faces
 from workflow.configuration import read_study, read_study_file
 from workflow.models import detailed

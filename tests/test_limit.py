@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load, pressed
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import NodeLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.limit import LimitState, limit_load
-from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.loading import Loading, LoadShare, Push, lateral_load, pressed
-from sidmacib.mechanics.assembly import Kind
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.pieces import assemble
 
 loadings = st.builds(

@@ -6,8 +6,7 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Ability, Model, Need, Obtained, detailed, obtained_by

@@ -6,8 +6,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.mechanics.assembly import GRAVITY, Face, FaceMaterial, Kind, Piece, shared_face
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import (
+    GRAVITY,
+    Face,
+    FaceMaterial,
+    Kind,
+    NodeLayout,
+    Piece,
+    shared_face,
+)
 from sidmacib.pieces import assemble, lock_faces, upper_block
 
 joints = st.builds(

@@ -9,7 +9,7 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.quadrature import NodeLayout, cell_counts, contact_nodes, side_rule
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.quadrature import cell_counts, contact_nodes, side_rule
 from sidmacib.mechanics.static import StaticSolution, static_peak
 from sidmacib.pieces import assemble
 

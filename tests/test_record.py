@@ -10,9 +10,8 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.outcome import Outcome, State

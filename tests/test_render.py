@@ -14,8 +14,7 @@ from stack import tilted_stack
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES, Engine
 from workflow.engines.numerics import Numerics

@@ -6,14 +6,13 @@ from stack import tilted_stack
 
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.newton import settled, solve_linear, tangent_stiffness, unbalanced
 from sidmacib.mechanics.ordering import ordering
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.springs import Springs
-from sidmacib.mechanics.static import Solver
 from sidmacib.pieces import assemble
 
 ASSEMBLIES = {
@@ -28,12 +27,12 @@ def model(request: pytest.FixtureRequest) -> Assembly:
     return ASSEMBLIES[request.param]
 
 
-def solver(model: Assembly) -> Solver:
+def solver(model: Assembly) -> RigidSolver:
     none = np.zeros((len(model.pieces), 6))
-    return Solver(model, Loads(none, none + 1.0, 1.0))
+    return RigidSolver(model, Loads(none, none + 1.0, 1.0))
 
 
-def dense(solver: Solver) -> np.ndarray:
+def dense(solver: RigidSolver) -> np.ndarray:
     """The solver's matrix, with rows and columns in its own order."""
     inner, outer, band = solver.structure.inner, solver.structure.outer, solver.structure.band
     full = np.zeros((inner + outer, inner + outer))
@@ -148,5 +147,5 @@ def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
 
 def test_the_direction_of_forces_is_that_of_the_loads(joint: Joint) -> None:
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    own = Solver(model, lateral_load(joint, model, Loading(Direction(0.0))))
+    own = RigidSolver(model, lateral_load(joint, model, Loading(Direction(0.0))))
     assert own.load[own.place].reshape(-1, 6).sum(axis=0) == pytest.approx([0, 1, 0, 0, 0, 0])

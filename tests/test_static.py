@@ -21,12 +21,12 @@ from sidmacib.mechanics.assembly import (
     Failure,
     Kind,
     Loads,
+    NodeLayout,
     Piece,
     self_weight,
 )
 from sidmacib.mechanics.contact_law import NodeLaw, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.quadrature import NodeLayout
 from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
 from sidmacib.pieces import assemble, lock_faces
 

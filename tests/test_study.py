@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study

@@ -12,7 +12,7 @@ from typing import Any
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers

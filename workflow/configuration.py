@@ -8,9 +8,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from workflow.consistency import faults
+from workflow.consistency import faults, needs
 from workflow.engines import ENGINES
-from workflow.models import Obtained, obtained_by
+from workflow.models import MODELS, Obtained, obtained_by
 from workflow.schema import Study
 from workflow.schema.values import shown, shown_key
 from workflow.yaml_text import MAX_BYTES, TextError, parsed
@@ -73,9 +73,12 @@ def read_config_text(path: Path) -> dict[str, Any]:
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
-    """The study in ``config``, with all models if it names none; raises `ConfigError`."""
+    """The study in ``config``, with all models that can do it if it names none.
+
+    Raises `ConfigError`.
+    """
     try:
-        study = Study.model_validate(_with_all_models(config))
+        study = _with_able_models(Study.model_validate(_with_all_models(config)), config)
     except ValidationError as error:
         found = error.errors(include_url=False)
         lines = [_one_line(fault) for fault in found[:MAX_LINES]]
@@ -114,6 +117,21 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(dem, Mapping):
         dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
     return {"models": obtained_by(Obtained.SOLVED), **config, "dem": dem}
+
+
+def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
+    """``study`` without models that it does not name in ``config`` and that cannot do it."""
+    asked = needs(study, study.assembly)
+
+    def able(names: tuple[str, ...]) -> tuple[str, ...]:
+        return tuple(name for name in names if not MODELS[name].refusal(asked))
+
+    if "models" not in config:
+        study = study.model_copy(update={"models": able(study.models)})
+    if "engines" not in config.get("dem", {}):
+        dem = study.dem.model_copy(update={"engines": able(study.dem.engines)})
+        study = study.model_copy(update={"dem": dem})
+    return study
 
 
 def _unfit_folder(folder: Path) -> list[str]:

@@ -3,14 +3,14 @@
 import math
 from collections.abc import Iterable, Iterator
 
-from sidmacib.joint import Joint
-from sidmacib.mechanics.assembly import Failure
-from sidmacib.mechanics.quadrature import RULES, NodeLayout
+from sidmacib.joint import Joint, UpperBody
+from sidmacib.mechanics.assembly import Failure, NodeLayout
+from sidmacib.mechanics.quadrature import RULES
 from sidmacib.revision import REDUCTIONS
 from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection
+from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.numerics import NumericsSection
 from workflow.schema.values import shown, shown_key
 
@@ -50,6 +50,13 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
         found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
     else:
         found.append(Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile"))
+    if assembly.pieces is Pieces.ELASTIC:
+        found.append(Need(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid"))
+    else:
+        found.append(Need(Ability.RIGID, "assembly.pieces", "rigid", "elastic"))
+    if assembly.upper_body is UpperBody.JOINED:
+        allowed = "columns or monolithic"
+        found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
     if inner.normal_stiffness != inner.shear_stiffness:
         found.append(
             Need(

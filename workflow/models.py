@@ -32,6 +32,9 @@ class Ability(StrEnum):
     FRICTION = auto()  # on dry faces
     PROGRESSIVE = auto()  # follows failure from node to node up to the peak
     NUMERICS = auto()  # has settings of its own for the search, dem.numerics
+    RIGID = auto()  # pieces
+    ELASTIC = auto()  # pieces
+    JOINED = auto()  # columns without the compliance of a joint
     RANKS = auto()  # runs one case on several processes
     STRESSES = auto()  # gives them at all nodes
     DISPLACEMENTS = auto()  # gives the one that the load does work on
@@ -90,13 +93,18 @@ def _of_engine(engine: Engine) -> Model:
         Ability.DUCTILE: engine.brittle_only,
         Ability.TWO_STIFFNESSES: engine.one_stiffness,
         Ability.RANKS: not engine.shares_out,
+        Ability.ELASTIC: True,
+        Ability.JOINED: True,
     }
     can = frozenset(ability for ability in Ability if not lacks.get(ability, False))
     return Model(engine.name, Obtained.ENGINE, can, ignores=frozenset(engine.ignores))
 
 
 WITNESS = "static"  # every engine is compared with it, on the same nodes
-_OF_THE_PIECES = {Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES}
+_OF_THE_PIECES = {
+    *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES),
+    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
+}
 
 MODELS = {
     model.name: model
@@ -128,7 +136,10 @@ MODELS = {
             "sidmacib",
             Obtained.RULE,
             frozenset(
-                {Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION}
+                {
+                    *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES),
+                    *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
+                }
             ),
         ),
     )

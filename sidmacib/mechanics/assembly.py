@@ -11,7 +11,7 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.validation import require_not_negative, require_positive
+from sidmacib.validation import refused, require_member, require_not_negative, require_positive
 
 GRAVITY = 9.81  # m/s2
 CLOSE = 1e-9  # of a size: what is no further apart is in the same place
@@ -52,6 +52,23 @@ class Failure(StrEnum):
     DUCTILE = "ductile"  # it goes on to carry its strength
 
 
+@dataclass(frozen=True)
+class Elastic:
+    """Linear elastic, isotropic material: Young's modulus in Pa and Poisson's ratio.
+
+    ValueError unless the modulus is above 0 and the ratio from 0 to less than 0.5.
+    """
+
+    young: float
+    poisson: float = 0.2
+
+    def __post_init__(self) -> None:
+        require_positive(young=self.young)
+        require_not_negative(poisson=self.poisson)
+        if self.poisson >= 0.5:
+            raise refused("poisson", self.poisson, "from 0 to less than 0.5")
+
+
 class Kind(StrEnum):
     """The kind of a face."""
 
@@ -60,9 +77,20 @@ class Kind(StrEnum):
     PLATE = "plate"  # frictionless and unilateral, under a fixed plate
 
 
+class NodeLayout(StrEnum):
+    """Where the contact nodes of a cell lie, and how its area is shared among them.
+
+    Stresses are largest at a face's edges, so a layout without nodes there finds failure late.
+    """
+
+    CENTRES = "centres"  # one, in the middle: midpoint rule, no node on an edge
+    VERTICES = "vertices"  # four, shared with other cells: trapezoidal rule, as in 3DEC
+    LOBATTO = "lobatto"  # nine, those on edges shared: Gauss-Lobatto rule (Simpson's)
+
+
 @dataclass(frozen=True)
 class Piece:
-    """A rigid cuboid, given by two opposite corners in m.
+    """A cuboid, given by two opposite corners in m; rigid, unless it has an elastic material.
 
     ValueError if it has no size, or if that or its mass is no finite number.
     """
@@ -72,6 +100,7 @@ class Piece:
     high: Vector
     mass: float  # kg
     fixed: bool = False
+    elastic: Elastic | None = None
 
     def __post_init__(self) -> None:
         edges = zip("xyz", self.low, self.high, strict=True)
@@ -154,7 +183,8 @@ class Assembly:
     """Pieces, their faces and the nodes on them.
 
     ``length`` (m) is the size that rotations and moments are measured by. ``failure`` is that of
-    all inner faces. ValueError if the length is not positive.
+    all inner faces. ``mesh`` (m) and ``layout`` tell how the nodes were made, which elements of
+    elastic pieces follow. ValueError if a length is not positive.
     """
 
     pieces: tuple[Piece, ...]
@@ -162,9 +192,14 @@ class Assembly:
     nodes: Nodes
     length: float
     failure: Failure = Failure.BRITTLE
+    mesh: float = math.inf
+    layout: NodeLayout = NodeLayout.LOBATTO
 
     def __post_init__(self) -> None:
         require_positive(length=self.length)
+        require_member(NodeLayout, layout=self.layout)
+        if not self.mesh > 0.0:
+            raise refused("mesh", self.mesh, "more than 0")
 
 
 @dataclass(frozen=True)
@@ -173,13 +208,16 @@ class Loads:
 
     ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is
     raised, per newton of load. ``scale`` in N: a load of the order of what the assembly carries,
-    which first increments are parts of. ValueError if a number is not finite, or the scale not
+    which first increments are parts of. ``sides``: of pieces, by index, whose variable load acts
+    on one side only: its axis and whether it is the far one. That matters where pieces deform; all
+    other loads are spread over the volume. ValueError if a number is not finite, or the scale not
     positive.
     """
 
     permanent: Floats
     variable: Floats
     scale: float
+    sides: tuple[tuple[int, int, bool], ...] = ()
 
     def __post_init__(self) -> None:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):

@@ -90,6 +90,25 @@ def node_tangent(normal, shear, friction, bonded, d0, d1, d2):
 
 
 @compiled
+def node_laws(stiffness, friction, bonded, displacement):
+    """Forces (N), (N, 3), and tangents (N/m), (N, 3, 3), of nodes at ``displacement`` (m), (N, 3).
+
+    ``stiffness``: normal and shear (N/m), (N, 2). Displacements are less the slip.
+    """
+    count = len(friction)
+    force, tangent = np.empty((count, 3)), np.zeros((count, 3, 3))
+    for n in range(count):
+        normal, shear = stiffness[n]
+        d0, d1, d2 = displacement[n]
+        law = normal, shear, friction[n], bonded[n], d0, d1, d2
+        force[n, 0], force[n, 1], force[n, 2] = node_force(*law)
+        t = tangent[n]
+        t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*law)
+        t[2, 1] = t[1, 2]
+    return force, tangent
+
+
+@compiled
 def norm(vector):
     """Euclidean norm."""
     square = 0.0

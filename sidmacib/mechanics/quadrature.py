@@ -4,23 +4,9 @@ Every face is divided into equal cells, and both of its sides have a rule: point
 and weights that add up to 1. Nodes are the points of one side by those of the other.
 """
 
-from enum import StrEnum
-
 import numpy as np
 
-from sidmacib.mechanics.assembly import CLOSE, Face, Floats, Nodes
-
-
-class NodeLayout(StrEnum):
-    """Where the contact nodes of a cell lie, and how its area is shared among them.
-
-    Stresses are largest at a face's edges, so a layout without nodes there finds failure late.
-    """
-
-    CENTRES = "centres"  # one, in the middle: midpoint rule, no node on an edge
-    VERTICES = "vertices"  # four, shared with other cells: trapezoidal rule, as in 3DEC
-    LOBATTO = "lobatto"  # nine, those on edges shared: Gauss-Lobatto rule (Simpson's)
-
+from sidmacib.mechanics.assembly import CLOSE, Face, Floats, NodeLayout, Nodes
 
 # The rule of one cell: places in the cell, and weights.
 RULES = {

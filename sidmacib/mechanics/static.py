@@ -1,144 +1,54 @@
 """Static brittle model of an assembly: equilibrium of pieces on springs that can fail.
 
-The unknowns are the displacements of every free piece. A node's force follows from the relative
-displacement of its two pieces by `sidmacib.mechanics.contact_law`, so Newton's method needs
-matrices of the size of the pieces, however fine the mesh. The load rises in increments, which gives
-friction its history. When the first node fails, all of its strength goes at once (those that fail
-together go together) and a new equilibrium is sought at the same load; where none exists is the
-peak.
+The load rises in increments, which gives friction its history. When the first node fails, all of
+its strength goes at once (those that fail together go together) and a new equilibrium is sought at
+the same load; where none exists is the peak. How an equilibrium is found is up to a solver: one for
+rigid pieces, one for pieces that deform.
 """
 
-from dataclasses import dataclass, replace
-from enum import StrEnum
+import importlib
+from dataclasses import replace
+from typing import Protocol
 
 import numpy as np
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
-from sidmacib.mechanics.contact_law import Flags, NodeState, utilisation
-from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
-from sidmacib.mechanics.ordering import Ordering, ordering
-from sidmacib.mechanics.springs import Springs
+from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.path import LEAST_INCREMENT, Equilibrium, Mode, StaticSolution
+from sidmacib.mechanics.rigid import RigidSolver
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
-LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends,
 LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
 TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
-RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
-FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
-FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """An equilibrium of the assembly.
-
-    ``load``: along the direction of loading, in N. ``displacement``: of the free pieces, (6 F,), in
-    m and rad. ``force``: (N, 3) in N, what the piece below each node exerts on the piece above in
-    the frame of the face: normal (compression positive) and two tangents. ``state``: of the nodes.
-    """
-
-    load: float
-    displacement: Floats
-    force: Floats
-    state: NodeState
-
-
-class Mode(StrEnum):
-    """Why the load cannot rise beyond the peak."""
-
-    BONDS = "bonds"  # they fail, and no equilibrium follows
-    MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
-
-
-@dataclass(frozen=True)
-class StaticSolution:
-    """The path of the assembly to its peak.
-
-    ``first_failure_load`` in N: where the first node fails, or that of the peak if none does.
-    ``path``: the equilibria on the way; the last is the peak. ``mode``: why it is.
-    """
-
-    first_failure_load: float
-    path: tuple[Equilibrium, ...]
-    mode: Mode
+class Solver(Protocol):
+    """Finds equilibria of an assembly."""
 
     @property
-    def peak(self) -> Equilibrium:
-        """The equilibrium at the largest load."""
-        return self.path[-1]
-
-    @property
-    def failed_load(self) -> float:
-        """Just above the peak, where bonds fail and no equilibrium follows, in N."""
-        return self.peak.load * (1.0 + LEAST_INCREMENT)
-
-
-class Solver:
-    """Newton's method on ``assembly`` under ``loads``.
-
-    Inside, unknowns and forces are measured as in `sidmacib.mechanics.springs` and in the order of
-    `sidmacib.mechanics.ordering`.
-    """
-
-    def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        springs = Springs.of(assembly)
-        order, rows = ordering(springs), free_rows(assembly)
-        self.law = springs.law
-        self.structure, self.matrix = _structure(springs, order), _matrix(order)
-        size = np.diff(springs.unknowns)
-        self.place = np.arange(springs.unknowns[-1])
-        self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
-        self.units = springs.units
-        self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
-        self.load = self._inside(loads.variable.ravel()[rows] / self.units)
-        per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
-        self.floor = FLOOR * float(per_face.max())
-        self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
-        self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
+    def law(self) -> NodeLaw:
+        """Of its nodes."""
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        return self.solve(0.0, self._outside(self.rest), NodeState.initial(self.law))
 
     def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
-        """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
+        """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
 
-        Raises `NoEquilibriumError` where Newton's method ends nowhere.
+        Raises `NoEquilibriumError` where none is found.
         """
-        target = load * self.load + self.weight
-        allowed = RESIDUAL * float(np.abs(target).max())
-        begin = self._inside(guess * self.units)
-        found, unknowns, force, slip = equilibrium(
-            self.structure,
-            self.matrix,
-            target,
-            begin,
-            state.slip,
-            state.bonded,
-            (self.floor, allowed, self.farthest),
-        )
-        if not found:
-            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
-        return Equilibrium(load, self._outside(unknowns), force, NodeState(slip, state.bonded))
 
-    def _elastic(self, target: Floats) -> Floats:
-        """Unknowns under ``target`` (N) with every node closed and bonded."""
-        count = len(self.law.friction)
-        slip, bonded = np.zeros((count, 2)), np.ones(count, bool)
-        found = elastic(self.structure, self.matrix, target, slip, bonded, self.floor)
-        return np.asarray(found)
 
-    def _inside(self, values: Floats) -> Floats:
-        inside = np.empty_like(values)
-        inside[self.place] = values
-        return inside
-
-    def _outside(self, unknowns: Floats) -> Floats:
-        return np.asarray(unknowns[self.place] / self.units)
+def solver_of(assembly: Assembly, loads: Loads) -> Solver:
+    """The solver for ``assembly``: for rigid pieces, unless one of them deforms."""
+    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+        # Imported where it is needed: elements take longer to import than most joints to solve.
+        deformable = importlib.import_module("sidmacib.mechanics.deformable")
+        return deformable.DeformableSolver(assembly, loads)
+    return RigidSolver(assembly, loads)
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
@@ -149,7 +59,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """
     if assembly.failure is not Failure.BRITTLE:
         raise ValueError(f"failure: {assembly.failure} is not known here, only {Failure.BRITTLE}")
-    solver = Solver(assembly, loads)
+    solver = solver_of(assembly, loads)
     path = [solver.start()]
     first_failure: float | None = None
     while True:
@@ -216,13 +126,13 @@ def _raised(
 
 
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
-    """Displacements at ``load``, on a line through the equilibria next to it."""
+    """Unknowns at ``load``, on a line through the equilibria next to it."""
     low = path[-1]
     other = above or (path[-2] if len(path) > 1 else low)
     if other.load == low.load:
-        return low.displacement
+        return low.unknowns
     onward = (load - low.load) / (other.load - low.load)
-    return low.displacement + onward * (other.displacement - low.displacement)
+    return low.unknowns + onward * (other.unknowns - low.unknowns)
 
 
 def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equilibrium:
@@ -233,28 +143,6 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
     state = point.state
     while failing.any():
         state = replace(state, bonded=state.bonded & ~failing)
-        after = solver.solve(point.load, point.displacement, state)
+        after = solver.solve(point.load, point.unknowns, state)
         failing = utilisation(solver.law, state, after.force) > 1.0
     return after
-
-
-def _structure(springs: Springs, order: Ordering) -> Structure:
-    law = springs.law
-    return Structure(
-        np.column_stack([law.normal_stiffness, law.shear_stiffness, law.friction, springs.place]),
-        springs.start,
-        springs.motion,
-        np.where(springs.piece < 0, -1, order.begin[springs.piece]),
-        order.inner,
-        order.outer,
-        order.band,
-    )
-
-
-def _matrix(order: Ordering) -> Matrix:
-    inner, outer = order.inner, order.outer
-    return Matrix(
-        np.empty((inner, 3 * order.band + 1)),
-        np.empty((inner, outer)),
-        np.empty((outer, inner + outer)),
-    )

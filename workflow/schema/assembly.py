@@ -1,19 +1,27 @@
 """How the joint is cut, loaded and fails, in every model of its pieces."""
 
+from enum import StrEnum
 from typing import Any
 
 from sidmacib.joint import UpperBody
 from sidmacib.loading import LoadShare, Push
-from sidmacib.mechanics.assembly import Failure
-from sidmacib.mechanics.quadrature import NodeLayout
+from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section, changes_to
 from workflow.schema.values import Eccentricities, Lengths
 
 
+class Pieces(StrEnum):
+    """What the pieces of the joint are."""
+
+    RIGID = "rigid"
+    ELASTIC = "elastic"  # with the material of the block
+
+
 class AssemblySection(Section):
     """How the joint is cut, loaded and fails."""
 
+    pieces: Pieces = Pieces.RIGID
     failure: Failure = Failure.BRITTLE
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS

@@ -8,7 +8,9 @@ from workflow.schema.section import Section, section_of
 from workflow.schema.values import (
     Density,
     Friction,
+    Modulus,
     NoStrength,
+    Poisson,
     Stiffness,
     Strength,
     StrengthOrNone,
@@ -32,9 +34,11 @@ class DryFaceSection(_DRY):
 
 
 class MaterialsSection(Section):
-    """Density (kg/m3) and faces."""
+    """Density (kg/m3), Young's modulus (Pa) and Poisson's ratio of the block, and its faces."""
 
     density: Density = Joint(locks=3).density
+    young: Modulus = 1e10
+    poisson: Poisson = 0.2
     inner: InnerFaceSection = InnerFaceSection()
     dry: DryFaceSection = DryFaceSection()
 

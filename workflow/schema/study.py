@@ -6,8 +6,8 @@ from typing import Annotated
 from pydantic import Field
 
 from sidmacib.joint import Joint
-from sidmacib.mechanics.quadrature import NodeLayout
-from workflow.schema.assembly import AssemblySection, VariantSection
+from sidmacib.mechanics.assembly import Elastic, NodeLayout
+from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
 from workflow.schema.figures import FiguresSection
@@ -54,7 +54,11 @@ class Study(Section):
             dry=face_material(self.materials.dry),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
+            block=self._block() if assembly.pieces is Pieces.ELASTIC else None,
         )
+
+    def _block(self) -> Elastic:
+        return Elastic(self.materials.young, self.materials.poisson)
 
     def tables_json(self) -> str:
         """What the tables depend on, as JSON; the engines' numerics are not part of it."""

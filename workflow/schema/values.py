@@ -96,6 +96,8 @@ class Number:
 Length = Annotated[float, BeforeValidator(Number(above=0, unit="m"))]
 Density = Annotated[float, BeforeValidator(Number(above=0, unit="kg/m3"))]
 Stiffness = Annotated[float, BeforeValidator(Number(above=0, unit="Pa/m"))]
+Modulus = Annotated[float, BeforeValidator(Number(above=0, unit="Pa"))]
+Poisson = Annotated[float, BeforeValidator(Number(at_least=0, below=0.5))]
 Strength = Annotated[float, BeforeValidator(Number(above=0, unit="Pa"))]
 StrengthOrNone = Annotated[float, BeforeValidator(Number(at_least=0, unit="Pa"))]
 NoStrength = Annotated[float, BeforeValidator(Number(at_least=0, at_most=0, unit="Pa"))]

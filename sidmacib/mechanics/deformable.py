@@ -1,0 +1,274 @@
+"""Equilibrium of elastic pieces on contact nodes, in terms of the jumps at the nodes.
+
+A node's displacement delta (below minus above) is that of the pieces' rigid motions q and of their
+deformation by node forces f and loads. It has an elastic part f / k, k being the node's stiffness,
+and a jump s, the opening and slip there:
+
+    f / k + s = G q - D f + d,    G' f = loads
+
+While all nodes are closed and bonded there are no jumps. Solved once, this gives f = f0 - W s for
+all jumps s and loads: W holds all that the pieces' elements have to say, and is computed once for
+an assembly. Newton's method looks for jumps with which each node's force follows from its
+displacement by `sidmacib.mechanics.contact_law`; only nodes that are open or slip have unknowns.
+Node forces are always in equilibrium with the loads.
+"""
+
+import math
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.linalg import cho_factor, cho_solve, lapack, lu_factor, lu_solve
+
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Integers, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.newton import node_laws
+from sidmacib.mechanics.path import Equilibrium
+from sidmacib.mechanics.quadrature import cell_counts
+
+STEPS = 60  # of Newton's method
+PATIENCE = 16  # steps in which what is wrong must become half of what it was, at least
+SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # of a Newton step that are tried
+RESIDUAL = 1e-9  # of the law, over the loads
+FLOOR = 1e-9  # of a node's stiffness: what is left where it is open
+LOOSE = 1e-13  # of the stiffness against rigid motions: what holds a piece that nothing holds
+FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
+DIGITS = 12  # of places, where shapes are compared
+
+
+class DeformableSolver:
+    """Newton's method on the jumps at the nodes of ``assembly``, with elastic pieces."""
+
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        self.law = NodeLaw.of(assembly)
+        count = len(self.law.friction)
+        stiffness = np.column_stack([self.law.normal_stiffness, *[self.law.shear_stiffness] * 2])
+        # Shear where there never is any is no unknown.
+        rough = self.law.cohesive | (self.law.friction > 0.0)
+        self.kept = np.flatnonzero(np.column_stack([np.ones(count, bool), rough, rough]).ravel())
+        self.stiffness = stiffness.ravel()[self.kept]
+        self.node = self.kept // 3
+        give, moved, self.own = _flexibility(assembly, loads, self.kept)
+        rows = free_rows(assembly)
+        size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6)
+        rigid = (equilibrium_matrix(assembly)[rows][:, self.kept] / size[:, None]).T
+        give[np.diag_indices_from(give)] += 1.0 / self.stiffness
+        inverse, _ = lapack.dpotri(cho_factor(give, lower=True, check_finite=False)[0], lower=1)
+        inverse = np.tril(inverse) + np.tril(inverse, -1).T
+        held = inverse @ rigid
+        whole = rigid.T @ held
+        whole[np.diag_indices_from(whole)] += LOOSE * float(whole.diagonal().max())
+        factor = cho_factor(whole)
+        self.influence = inverse - held @ cho_solve(factor, held.T)
+        balance = [each.ravel()[rows] / size for each in (loads.permanent, loads.variable)]
+        forces = np.column_stack(
+            [
+                self.influence @ own + held @ cho_solve(factor, load)
+                for own, load in zip(moved, balance, strict=True)
+            ]
+        )
+        motions = cho_solve(factor, np.column_stack(balance) - held.T @ np.column_stack(moved))
+        self.forces, self.moved, self.motions = forces, moved, motions
+        self.factor, self.held, self.variable = factor, held, balance[1]
+        self.scale = loads.scale
+        elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
+        self.farthest = FARTHEST * float(elastic[0] + loads.scale * elastic[1])
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+        return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.law))
+
+    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+        """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
+
+        Raises `NoEquilibriumError` where Newton's method ends nowhere.
+        """
+        elastic = self.forces @ np.array([1.0, load])
+        allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
+        slip = np.zeros((len(self.law.friction), 3))
+        slip[:, 1:] = state.slip
+        jump = np.where(state.bonded[self.node], slip.ravel()[self.kept], guess)
+        force, tangent, wrong = self._law(elastic, jump, slip, state.bonded)
+        size = float(np.linalg.norm(wrong))
+        sizes = [size]
+        for _ in range(STEPS):
+            if size <= allowed:
+                return self._equilibrium(load, force, jump, state)
+            if min(sizes[-PATIENCE:]) > min(sizes[:-PATIENCE], default=math.inf) / 2:
+                break
+            step = self._step(tangent, wrong, jump, slip)
+            if not float(np.abs(step).max()) <= self.farthest:  # or no number
+                break
+            before, start = size, jump
+            for share in SHARES:  # the whole step where none brings it closer
+                jump = start + share * step
+                force, tangent, wrong = self._law(elastic, jump, slip, state.bonded)
+                size = float(np.linalg.norm(wrong))
+                if size <= before:
+                    break
+            sizes.append(size)
+        raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+
+    def _law(
+        self, elastic: Floats, jump: Floats, slip: Floats, bonded: Flags
+    ) -> tuple[Floats, Floats, Floats]:
+        """Forces of the law, tangents, and by how much forces in equilibrium differ from them."""
+        moving = np.flatnonzero(jump)
+        balanced = elastic - self.influence[:, moving] @ jump[moving]
+        displacement = np.zeros(slip.size)
+        displacement[self.kept] = balanced / self.stiffness + jump
+        law = self.law
+        force, tangent = node_laws(
+            np.column_stack([law.normal_stiffness, law.shear_stiffness]),
+            law.friction,
+            bonded,
+            displacement.reshape(-1, 3) - slip,
+        )
+        return force, tangent, balanced - force.ravel()[self.kept]
+
+    def _step(self, tangent: Floats, wrong: Floats, jump: Floats, slip: Floats) -> Floats:
+        """Newton step of the jumps."""
+        # Where nodes stick the law is linear and a jump is just the slip.
+        elastic = np.abs(tangent[:, 1, 1] - self.law.shear_stiffness) <= 0.0
+        elastic |= np.isin(np.arange(len(elastic)), self.node[self.kept % 3 == 1], invert=True)
+        elastic &= tangent[:, 0, 0] > 0.0
+        sticks = elastic[self.node]
+        step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
+        free = np.flatnonzero(~sticks)
+        if not len(free):
+            return step
+        # wrong + J step = 0 with J = -W - T (1 - W / k); where open a floor of T keeps J regular.
+        moved = np.flatnonzero(step)
+        target = wrong[free]
+        blocks = self._blocks(tangent, free)
+        if len(moved):
+            change = self.influence[np.ix_(free, moved)] @ step[moved]
+            target = target - change + blocks @ (change / self.stiffness[free])
+        inside = self.influence[np.ix_(free, free)]
+        matrix = inside + blocks - blocks @ (inside / self.stiffness[free][:, None])
+        step[free] = lu_solve(lu_factor(matrix, check_finite=False), target, check_finite=False)
+        return step
+
+    def _blocks(self, tangent: Floats, free: Integers) -> sp.csr_array:
+        """Tangents of the nodes of the components ``free``, as a sparse matrix."""
+        place = np.full(3 * len(tangent), -1)
+        place[self.kept[free]] = np.arange(len(free))
+        by_node = place.reshape(-1, 3)
+        rows = np.repeat(by_node, 3, axis=1).ravel()
+        columns = np.tile(by_node, (1, 3)).ravel()
+        values = tangent.reshape(len(tangent), -1).ravel()
+        inside = (rows >= 0) & (columns >= 0)
+        found = sp.csr_array(
+            (values[inside], (rows[inside], columns[inside])), (len(free), len(free))
+        )
+        return found + sp.diags_array(FLOOR * self.stiffness[free])
+
+    def _equilibrium(
+        self, load: float, force: Floats, jump: Floats, state: NodeState
+    ) -> Equilibrium:
+        slip = np.zeros(force.size)
+        slip[self.kept] = jump
+        found = np.where(state.bonded[:, None], state.slip, slip.reshape(-1, 3)[:, 1:])
+        kept = force.ravel()[self.kept]
+        motion = self.motions @ np.array([1.0, load])
+        motion = motion + cho_solve(self.factor, self.held.T @ jump)
+        along = float(self.variable @ motion - self.moved[1] @ kept)
+        along += float(self.own @ np.array([1.0, load]))
+        return Equilibrium(load, jump, along, force, NodeState(found, state.bonded))
+
+
+def _flexibility(
+    assembly: Assembly, loads: Loads, kept: Integers
+) -> tuple[Floats, tuple[Floats, Floats], Floats]:
+    """What the pieces' deformation does to the node components ``kept``.
+
+    Returns their displacement by unit node forces, less its sign, (K, K); by permanent loads and by
+    the variable one, (K,) each; and the displacement that the variable load does work on, by both.
+    """
+    faces, nodes = assembly.faces, assembly.nodes
+    face = nodes.face[kept // 3]
+    axes = (np.array([each.axis for each in faces])[face] + kept % 3) % 3
+    below, above = np.array([(each.below, each.above) for each in faces])[face].T
+    means, quadratic = (
+        assembly.layout is NodeLayout.CENTRES,
+        assembly.layout is not NodeLayout.VERTICES,
+    )
+    size = np.array([np.subtract(each.high, each.low) for each in faces])
+    cells = (size / cell_counts(faces, assembly.mesh))[face]
+    sides = {piece: (axis, high) for piece, axis, high in loads.sides}
+    give, moved = np.zeros((len(kept), len(kept))), (np.zeros(len(kept)), np.zeros(len(kept)))
+    own = np.zeros(2)
+    for number, piece in enumerate(assembly.pieces):
+        if piece.elastic is None or piece.fixed:
+            continue
+        seen = np.flatnonzero((below == number) | (above == number))
+        sign = np.where(below[seen] == number, 1.0, -1.0)
+        wrenches = (
+            Spread(tuple(map(float, loads.permanent[number]))),
+            Spread(tuple(map(float, loads.variable[number])), *sides.get(number, (None, False))),
+        )
+        place = nodes.position[kept[seen] // 3] - piece.centre
+        components = _Components(place, cells[seen] if means else None, axes[seen])
+        shape = _grid(assembly, number), piece.elastic.poisson, quadratic
+        found = _condensed(*shape, components, wrenches)
+        young = piece.elastic.young
+        give[np.ix_(seen, seen)] += found.contact * sign[:, None] * sign / young
+        for values, column in zip(moved, found.by_load.T, strict=True):
+            values[seen] += sign * column / young
+        own += found.load[1] / young
+    return give, moved, own
+
+
+class _Components:
+    """Components of contact nodes, with a key that is the same for all pieces of a shape."""
+
+    def __init__(self, place: Floats, cell: Floats | None, axis: Integers) -> None:
+        self.place, self.cell, self.axis = np.round(place, DIGITS) + 0.0, cell, axis
+        parts = [self.place, axis] if cell is None else [self.place, axis, np.round(cell, DIGITS)]
+        self.key = tuple(part.tobytes() for part in parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Components) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+
+@lru_cache(maxsize=32)
+def _condensed(
+    grid: Grid,
+    poisson: float,
+    quadratic: bool,
+    components: _Components,
+    loads: tuple[Spread, ...],
+) -> Flexibility:
+    """Once for all pieces of the same shape, and all of their Young's moduli."""
+    cuboid = Cuboid(grid, poisson, quadratic=quadratic)
+    rows = cuboid.values(components.place, components.cell)
+    return cuboid.flexibility(cuboid.contact(rows, components.axis), loads)
+
+
+def _grid(assembly: Assembly, number: int) -> Grid:
+    """Element edges of a piece about its centroid.
+
+    They are where its faces end, and between these no further apart than the mesh.
+    """
+    piece = assembly.pieces[number]
+    own = [face for face in assembly.faces if number in (face.below, face.above)]
+
+    def edges(axis: int) -> tuple[float, ...]:
+        ends = [end[axis] for face in own for end in (face.low, face.high)]
+        places = np.array([piece.low[axis], *ends, piece.high[axis]])
+        places = np.unique(np.round(places - piece.centre[axis], DIGITS))
+        places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-DIGITS]
+        found = [
+            np.linspace(low, high, max(1, math.ceil((high - low) / assembly.mesh - CLOSE)) + 1)[:-1]
+            for low, high in pairwise(places)
+        ]
+        return (*np.concatenate(found).tolist(), float(places[-1]))
+
+    return edges(0), edges(1), edges(2)

@@ -1,0 +1,56 @@
+"""The path of an assembly to its peak: the equilibria on the way, and why it ends."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import NodeState
+
+LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """An equilibrium of the assembly.
+
+    ``load``: along the direction of loading, in N. ``unknowns``: those that its solver looks for,
+    (U,), see there. ``displacement``: the one that the load does work on, in m. ``force``: (N, 3)
+    in N, what the piece below each node exerts on the piece above in the frame of the face: normal
+    (compression positive) and two tangents. ``state``: of the nodes.
+    """
+
+    load: float
+    unknowns: Floats
+    displacement: float
+    force: Floats
+    state: NodeState
+
+
+class Mode(StrEnum):
+    """Why the load cannot rise beyond the peak."""
+
+    BONDS = "bonds"  # they fail, and no equilibrium follows
+    MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
+
+
+@dataclass(frozen=True)
+class StaticSolution:
+    """The path of the assembly to its peak.
+
+    ``first_failure_load`` in N: where the first node fails, or that of the peak if none does.
+    ``path``: the equilibria on the way; the last is the peak. ``mode``: why it is.
+    """
+
+    first_failure_load: float
+    path: tuple[Equilibrium, ...]
+    mode: Mode
+
+    @property
+    def peak(self) -> Equilibrium:
+        """The equilibrium at the largest load."""
+        return self.path[-1]
+
+    @property
+    def failed_load(self) -> float:
+        """Just above the peak, where bonds fail and no equilibrium follows, in N."""
+        return self.peak.load * (1.0 + LEAST_INCREMENT)

@@ -1,0 +1,109 @@
+"""Equilibrium of rigid pieces on contact nodes, in terms of the pieces' displacements.
+
+A node's force follows from the relative displacement of its two pieces by
+`sidmacib.mechanics.contact_law`, so Newton's method needs matrices of the size of the pieces,
+however fine the mesh.
+"""
+
+import numpy as np
+
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
+from sidmacib.mechanics.ordering import Ordering, ordering
+from sidmacib.mechanics.path import Equilibrium
+from sidmacib.mechanics.springs import Springs
+
+RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
+FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
+FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
+
+
+class RigidSolver:
+    """Newton's method on ``assembly`` under ``loads``.
+
+    Its unknowns are the displacements of the free pieces, in m and rad. Inside, they and forces are
+    measured as in `sidmacib.mechanics.springs` and in the order of `sidmacib.mechanics.ordering`.
+    """
+
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        springs = Springs.of(assembly)
+        order, rows = ordering(springs), free_rows(assembly)
+        self.law = springs.law
+        self.structure, self.matrix = _structure(springs, order), _matrix(order)
+        size = np.diff(springs.unknowns)
+        self.place = np.arange(springs.unknowns[-1])
+        self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
+        self.units = springs.units
+        self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
+        self.load = self._inside(loads.variable.ravel()[rows] / self.units)
+        per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
+        self.floor = FLOOR * float(per_face.max())
+        self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
+        self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+        return self.solve(0.0, self._outside(self.rest), NodeState.initial(self.law))
+
+    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+        """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
+
+        Raises `NoEquilibriumError` where Newton's method ends nowhere.
+        """
+        target = load * self.load + self.weight
+        allowed = RESIDUAL * float(np.abs(target).max())
+        begin = self._inside(guess * self.units)
+        found, unknowns, force, slip = equilibrium(
+            self.structure,
+            self.matrix,
+            target,
+            begin,
+            state.slip,
+            state.bonded,
+            (self.floor, allowed, self.farthest),
+        )
+        if not found:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        moved = float(self.load @ unknowns)
+        after = NodeState(slip, state.bonded)
+        return Equilibrium(load, self._outside(unknowns), moved, force, after)
+
+    def _elastic(self, target: Floats) -> Floats:
+        """Unknowns under ``target`` (N) with every node closed and bonded."""
+        count = len(self.law.friction)
+        slip, bonded = np.zeros((count, 2)), np.ones(count, bool)
+        found = elastic(self.structure, self.matrix, target, slip, bonded, self.floor)
+        return np.asarray(found)
+
+    def _inside(self, values: Floats) -> Floats:
+        inside = np.empty_like(values)
+        inside[self.place] = values
+        return inside
+
+    def _outside(self, unknowns: Floats) -> Floats:
+        return np.asarray(unknowns[self.place] / self.units)
+
+
+def _structure(springs: Springs, order: Ordering) -> Structure:
+    law = springs.law
+    return Structure(
+        np.column_stack([law.normal_stiffness, law.shear_stiffness, law.friction, springs.place]),
+        springs.start,
+        springs.motion,
+        np.where(springs.piece < 0, -1, order.begin[springs.piece]),
+        order.inner,
+        order.outer,
+        order.band,
+    )
+
+
+def _matrix(order: Ordering) -> Matrix:
+    inner, outer = order.inner, order.outer
+    return Matrix(
+        np.empty((inner, 3 * order.band + 1)),
+        np.empty((inner, outer)),
+        np.empty((outer, inner + outer)),
+    )

@@ -1,0 +1,150 @@
+"""Elastic cuboids: exact where theory is, and the same as elements in three dimensions."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import skfem
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
+
+SIZE = np.array([0.06, 0.05, 0.027])
+POISSON = 0.2
+
+
+def grid(size: Floats, *cells: int) -> Grid:
+    x, y, z = (
+        tuple(np.linspace(-s / 2, s / 2, n + 1).tolist()) for s, n in zip(size, cells, strict=True)
+    )
+    return x, y, z
+
+
+def ends(cuboid: Cuboid, axis: int) -> tuple[Floats, Floats]:
+    """Nodes of the two sides across ``axis``."""
+    place = cuboid.place[:, axis]
+    return (
+        np.flatnonzero(np.isclose(place, place.min())),
+        np.flatnonzero(np.isclose(place, place.max())),
+    )
+
+
+def seen_at(cuboid: Cuboid, nodes: Floats) -> Flexibility:
+    """Flexibility of all components of some nodes, and of a pull along x on both sides' loads."""
+    rows = cuboid.values(np.repeat(cuboid.place[nodes], 3, axis=0))
+    columns = cuboid.contact(rows, np.tile([0, 1, 2], len(nodes)))
+    return cuboid.flexibility(columns, [])
+
+
+@pytest.mark.parametrize("quadratic", [True, False])
+def test_rigid_motions_are_free_of_stress(quadratic: bool) -> None:
+    cuboid = Cuboid(grid(SIZE, 3, 2, 2), POISSON, quadratic=quadratic)
+    assert np.abs(cuboid.stiffness @ cuboid.rigid).max() < 1e-14 * np.abs(cuboid.stiffness).max()
+    assert abs(cuboid.stiffness - cuboid.stiffness.T).max() == 0.0
+    values = np.linalg.eigvalsh(cuboid.stiffness.toarray())
+    assert np.sum(values < 1e-12 * values[-1]) == 6
+
+
+@pytest.mark.parametrize(
+    ("quadratic", "element"), [(True, skfem.ElementHex2()), (False, skfem.ElementHex1())]
+)
+def test_elements_are_those_of_the_library_in_three_dimensions(
+    quadratic: bool, element: skfem.Element
+) -> None:
+    edges = grid(SIZE, 2, 1, 1)
+    cuboid = Cuboid(edges, POISSON, quadratic=quadratic)
+    mesh = skfem.MeshHex.init_tensor(*map(np.array, edges))
+    basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=4)
+    whole = sp.csr_array(linear_elasticity(*lame_parameters(1.0, POISSON)).assemble(basis))
+    # The library's degrees of freedom by place, then by component: as the cuboid has them.
+    order = np.lexsort([_component(basis), *np.round(basis.doflocs, 9)[::-1]])
+    assert abs(whole[order][:, order] - cuboid.stiffness).max() < 1e-12 * abs(whole).max()
+
+
+def _component(basis: skfem.Basis) -> Floats:
+    """Component of each degree of freedom."""
+    found = np.empty(basis.N)
+    for name, (dofs, per) in {
+        "nodal": (basis.dofs.nodal_dofs, 3),
+        "edge": (basis.dofs.edge_dofs, 3),
+        "facet": (basis.dofs.facet_dofs, 3),
+        "interior": (basis.dofs.interior_dofs, 3),
+    }.items():
+        if dofs is not None and dofs.size:
+            assert dofs.shape[0] == per, name
+            for component in range(3):
+                found[dofs[component]] = component
+    return found
+
+
+@pytest.mark.parametrize("quadratic", [True, False])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_pull_gives_a_uniform_strain(quadratic: bool, axis: int) -> None:
+    cuboid = Cuboid(grid(SIZE, 3, 2, 1), POISSON, quadratic=quadratic)
+    force = np.zeros((2, 6))
+    force[0, axis], force[1, axis] = -1.0, 1.0
+    pull = [Spread(tuple(row), axis, bool(high)) for high, row in enumerate(force)]
+    corners = np.array([0, len(cuboid.place) - 1])
+    rows = cuboid.values(np.repeat(cuboid.place[corners], 3, axis=0))
+    found = cuboid.flexibility(cuboid.contact(rows, np.tile([0, 1, 2], 2)), pull)
+    moved = found.by_load.sum(axis=1).reshape(2, 3)
+    stress = 1.0 / (SIZE.prod() / SIZE[axis])
+    strain = np.where(np.arange(3) == axis, stress, -POISSON * stress)
+    assert moved[1] - moved[0] == pytest.approx(strain * SIZE, rel=1e-9)
+    assert found.load.sum() == pytest.approx(stress * SIZE[axis], rel=1e-9)  # twice the energy
+
+
+def test_a_load_has_its_wrench_on_any_side() -> None:
+    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    wrench = (1.0, -2.0, 3.0, 0.04, 0.05, -0.06)
+    for axis, high in ((None, False), (0, True), (1, False), (2, True)):
+        found = cuboid.rigid.T @ cuboid.load(Spread(wrench, axis, high))
+        assert found == pytest.approx(np.array(wrench))
+
+
+def test_a_linear_pressure_is_linear_in_x() -> None:
+    cuboid = Cuboid(grid(SIZE, 3, 2, 2), POISSON)
+    mean = cuboid.load(Spread((0.0, 1.0, 0.0, 0.0, 0.0, 0.0), 1, False))
+    slope = cuboid.load(Spread((0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 1, False))
+    loaded = np.flatnonzero(mean.reshape(-1, 3)[:, 1])
+    assert set(loaded) == set(ends(cuboid, 1)[0])
+    assert np.abs(slope.reshape(-1, 3)[:, [0, 2]]).max() < 1e-12 * np.abs(slope).max()
+    # M x / (a^3 (h + H) / 12) against V / (a (h + H))
+    middle = loaded[np.isclose(cuboid.place[loaded, 0], 0.0)]
+    assert np.abs(slope.reshape(-1, 3)[middle]).max() < 1e-12 * np.abs(slope).max()
+
+
+def cantilever(cells: int, quadratic: bool) -> float:
+    """Deflection of a slender beam under a force at its end, over that of beam theory."""
+    size = np.array([0.5, 0.02, 0.02])
+    cuboid = Cuboid(grid(size, cells, 1, 1), 0.0, quadratic=quadratic)
+    held, free = ends(cuboid, 0)
+    fixed = np.concatenate([3 * held + k for k in range(3)])
+    own = np.setdiff1d(np.arange(cuboid.stiffness.shape[0]), fixed)
+    # The force acts at the end: the moment about the centroid is that of its lever.
+    force = cuboid.load(Spread((0.0, 0.0, 1.0, 0.0, -0.25, 0.0), 0, True))
+    moved = np.zeros(len(force))
+    moved[own] = sp.linalg.spsolve(cuboid.stiffness[own][:, own], force[own])
+    inertia = 0.02**4 / 12
+    shear = 0.5 * 0.02**2 * 5 / 6
+    return float(moved[3 * free + 2].mean() / (0.5**3 / (3 * inertia) + 0.5 / shear))
+
+
+def test_one_layer_of_elements_bends_without_locking() -> None:
+    assert cantilever(5, quadratic=True) == pytest.approx(1.0, abs=0.01)
+    assert cantilever(5, quadratic=False) < 0.2  # what locking would look like
+
+
+def test_flexibility_is_symmetric_and_positive_but_for_rigid_motions() -> None:
+    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    found = seen_at(cuboid, np.arange(0, len(cuboid.place), 3)).contact
+    assert np.array_equal(found, found.T)
+    values = np.linalg.eigvalsh(found)
+    assert values[0] > -1e-12 * values[-1]
+
+
+def test_displacements_have_no_rigid_part() -> None:
+    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    every = np.arange(len(cuboid.place))
+    found = seen_at(cuboid, every).contact
+    assert np.abs(cuboid.rigid_mass.T @ found).max() < 1e-12 * np.abs(found).max()
