@@ -6,8 +6,13 @@ matrices of the size of the pieces, however fine the mesh. The load rises in inc
 friction its history. When the first node fails, all of its strength goes at once (those that fail
 together go together) and a new equilibrium is sought at the same load; where none exists is the
 peak.
+
+Pieces may also move off with all bonds whole. How they do is seen by pushing on, slightly beyond
+the peak, against drag. They rock where that lifts them against what always acts: sliding along
+plane faces lifts nothing.
 """
 
+import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -30,6 +35,9 @@ TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
+BEYOND = 0.01  # over the peak: load at which pieces are seen to move off
+DRAG = 1e-6  # on them, over a face's stiffness: what they move off by is far from elastic
+LIFT = 1e-3  # part of their motion that lifts, at least; rounding and elasticity make 1e-5
 
 
 @dataclass(frozen=True)
@@ -51,7 +59,8 @@ class Mode(StrEnum):
     """Why the load cannot rise beyond the peak."""
 
     BONDS = "bonds"  # they fail, and no equilibrium follows
-    MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
+    MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
+    ROCKING = "rocking"  # pieces are lifted against what always acts, and no bond is either
 
 
 @dataclass(frozen=True)
@@ -96,7 +105,7 @@ class Solver:
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
         per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
-        self.floor = FLOOR * float(per_face.max())
+        self.floor, self.drag = FLOOR * float(per_face.max()), DRAG * float(per_face.max())
         self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
         self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
@@ -124,6 +133,23 @@ class Solver:
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return Equilibrium(load, self._outside(unknowns), force, NodeState(slip, state.bonded))
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N).
+
+        It is the cosine between their displacements and the opposite of what always acts.
+        """
+        target = load * self.load + self.weight
+        begin = self._inside(point.displacement * self.units)
+        # Newton's steps with drag in place of a floor: as nothing carries the load, they go on.
+        limits = self.drag, 0.0, math.inf
+        state = point.state
+        _, end, _, _ = equilibrium(
+            self.structure, self.matrix, target, begin, state.slip, state.bonded, limits
+        )
+        moved = end - begin
+        size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
+        return -float(self.weight @ moved) / size if size else 0.0
 
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""
@@ -156,7 +182,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
         path, failing = _raised(solver, path, loads.scale)
         first_failure = path[-1].load if first_failure is None else first_failure
         if not failing.any():
-            mode = Mode.MECHANISM
+            mode = _motion(solver, path[-1], loads.scale)
             break
         try:
             path.append(_redistributed(solver, path[-1], failing))
@@ -165,6 +191,12 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
     return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
+
+
+def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
+    """How pieces move off beyond the peak ``point``, no bond being at its strength."""
+    load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
+    return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
 
 def _raised(
