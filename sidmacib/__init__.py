@@ -4,9 +4,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the same names again, for type checkers and completion
-    from sidmacib.contact_points import OPTIONS, ContactOption
+    from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-    from sidmacib.joint import Direction, Joint
+    from sidmacib.hold_down import HoldDown
+    from sidmacib.joint import Block, Direction, Joint, OwnLock
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
     from sidmacib.mechanics.limit import limit_load
@@ -19,17 +20,21 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
 # take longer to import than most models take to run.
 _HOME = {
     "OPTIONS": "contact_points",
+    "READY_OPTIONS": "contact_points",
     "Assembly": "mechanics.assembly",
+    "Block": "joint",
     "Capacity": "programme",
     "CapacityError": "errors",
     "ContactOption": "contact_points",
     "Direction": "joint",
     "Envelope": "polygon",
     "FaceMaterial": "mechanics.assembly",
+    "HoldDown": "hold_down",
     "InfeasibleError": "errors",
     "Joint": "joint",
     "Loading": "loading",
     "Loads": "mechanics.assembly",
+    "OwnLock": "joint",
     "Sidmacib": "programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -44,17 +49,21 @@ _HOME = {
 
 __all__ = [
     "OPTIONS",
+    "READY_OPTIONS",
     "Assembly",
+    "Block",
     "Capacity",
     "CapacityError",
     "ContactOption",
     "Direction",
     "Envelope",
     "FaceMaterial",
+    "HoldDown",
     "InfeasibleError",
     "Joint",
     "Loading",
     "Loads",
+    "OwnLock",
     "Sidmacib",
     "SolverError",
     "UnboundedError",
