@@ -44,14 +44,14 @@ class Study(Section):
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
         """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
-        own = self.samples[sample].model_dump(exclude_none=True)
-        return Joint(
-            **{**self.geometry.model_dump(), **own},
+        return self.samples[sample].joint(
+            self.geometry,
+            self.materials.inner,
             density=self.materials.density,
-            inner=face_material(self.materials.inner),
             dry=face_material(self.materials.dry),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
+            hold_down=assembly.hold_down,
         )
 
     def tables_json(self) -> str:
