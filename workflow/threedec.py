@@ -71,7 +71,8 @@ def deck(case: Case) -> str:
         for face in assembly.faces
     ]
     loads = lateral_load(case.joint, assembly, case.loading)
-    increment = INCREMENT * math.fsum(map(case.joint.strength, case.joint.lower_locks))
+    lower = math.fsum(map(case.joint.strength, case.joint.lower_locks))
+    increment = INCREMENT * (lower or loads.scale)  # one upper lock alone has no lower ones
     return ENVIRONMENT.get_template(TEMPLATE).render(
         title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
         case=fingerprint(case),
