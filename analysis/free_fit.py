@@ -68,7 +68,7 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     for model, curves in detailed_curves(found):
         for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
-            if len(curve) < 3:  # two unknowns fit any two loads
+            if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
                 continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)

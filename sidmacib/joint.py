@@ -127,6 +127,11 @@ class Joint:
         return tuple(range(1, self.locks + 1))
 
     @property
+    def interlocking(self) -> bool:
+        """Whether locks bear against each other: there are at least two."""
+        return self.locks > 1
+
+    @property
     def upper_locks(self) -> tuple[int, ...]:
         """Numbers of the locks that belong to the upper block."""
         return tuple(filter(self.is_upper, self.numbers))

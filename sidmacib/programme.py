@@ -46,7 +46,7 @@ class Sidmacib:
 
     def __post_init__(self) -> None:
         require_not_negative(overload=self.overload)
-        if self.joint.locks < 2:
+        if not self.joint.interlocking:
             raise ValueError(
                 f"locks: {self.joint.locks} is not possible with SiDMACIB, whose locks bear "
                 "against each other; it must be at least 2"

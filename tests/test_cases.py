@@ -153,6 +153,12 @@ def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
     assert own == {meant}
 
 
+def test_one_lock_alone_is_a_sample_for_models_that_know_friction() -> None:
+    study = read_study({"samples": {"n1": {"locks": 1}, "n3": {"locks": 3}}, "models": ["static"]})
+    assert {model for model, _ in cases_of(study)} == {"yade", "liggghts", "static"}
+    assert study.interlocking == ("n3",)
+
+
 # --- names and identity --------------------------------------------------------------------------
 def test_a_key_is_the_same_for_all_models_and_variants_and_apart_from_others() -> None:
     variants = {"body": {"load_share": "body"}}

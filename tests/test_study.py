@@ -145,7 +145,11 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             {"samples": {"n1": {"locks": 1}}},
-            "samples.n1.locks: 1 is not allowed; it must be a whole number from 2 to 101",
+            "samples.n1.locks: 1 is not possible with limit; it must be at least 2",
+        ),
+        (
+            {"samples": {"n0": {"locks": 0}}},
+            "samples.n0.locks: 0 is not allowed; it must be a whole number from 1 to 101",
         ),
         (
             {"samples": {"n": {"locks": 3, "first": "left"}}},

@@ -59,6 +59,11 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
                     f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
                 )
             )
+    found += [
+        Need(Ability.FRICTION, f"samples.{name}.locks", f"{sample.locks}", "at least 2")
+        for name, sample in study.samples.items()
+        if sample.locks == 1  # nothing but friction carries the load
+    ]
     return tuple(found)
 
 
@@ -109,7 +114,7 @@ def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
                     f"samples.{name}: a lock's strength of {strength:g} N, cohesion * a * b, is "
                     "not allowed; it must be greater than 0 and finite"
                 )
-        for rule in study.sidmacib.reductions:
+        for rule in study.sidmacib.reductions if joint.interlocking else ():
             try:
                 REDUCTIONS[rule](joint, (1.0,) * joint.locks)
             except ValueError as error:

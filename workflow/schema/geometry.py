@@ -19,7 +19,7 @@ class GeometrySection(_SIZES):
 
 
 _OWN_SIZES: Any = changes_to(GeometrySection)
-_OF_A_LOCK = Annotated[int, BeforeValidator(Number(at_least=1, at_most=MOST_LOCKS, whole=True))]
+_NUMBER = Annotated[int, BeforeValidator(Number(at_least=1, at_most=MOST_LOCKS, whole=True))]
 
 
 class LockSection(Section):
@@ -42,9 +42,9 @@ class SampleSection(_OWN_SIZES):
     ``first``: the block that lock 1 belongs to. ``different``: locks that differ, by number.
     """
 
-    locks: Annotated[int, BeforeValidator(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
+    locks: _NUMBER
     first: Block = Block.UPPER
-    different: dict[_OF_A_LOCK, LockSection] = Field(default_factory=dict)
+    different: dict[_NUMBER, LockSection] = Field(default_factory=dict)
 
     def joint(self, geometry: GeometrySection, inner: InnerFaceSection, **others: Any) -> Joint:
         """The joint, its sizes from ``geometry`` and its inner faces ``inner`` if not its own."""

@@ -41,6 +41,11 @@ class Study(Section):
         """Names of the models that the study runs: engines, then the others."""
         return *self.dem.engines, *self.models
 
+    @property
+    def interlocking(self) -> tuple[str, ...]:
+        """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
+        return tuple(name for name in self.samples if self.joint(name).interlocking)
+
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
         """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
