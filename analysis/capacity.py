@@ -32,7 +32,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
     A reduction by weights gives one set of rows for each model and mesh that they were read from.
     """
     detailed_models = detailed(study.model_names)
-    for sample in study.samples:
+    for sample in study.interlocking:
         joint = study.joint(sample)
         directions = [Direction(e) for e in study.eccentricities]
         read = {
@@ -102,7 +102,7 @@ def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any
 def envelope_rows(study: Study) -> Iterator[dict[str, Any]]:
     """Vertices of the exact V-M envelopes of all options, every lock counting."""
     for sample, (name, option), friction in product(
-        study.samples, study.sidmacib.options.items(), (False, True)
+        study.interlocking, study.sidmacib.options.items(), (False, True)
     ):
         joint = study.joint(sample)
         model = Sidmacib(joint, option.contact_option(), None, friction, study.sidmacib.overload)
@@ -126,4 +126,5 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
         read_table(kind, path) for kind, path in zip((CASES, WEIGHTS), inputs, strict=True)
     )
     write_table(CAPACITY, capacity_table(study, cases, weights), outputs[0])
-    write_table(ENVELOPES, pd.DataFrame(envelope_rows(study)), outputs[1])
+    envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
+    write_table(ENVELOPES, envelopes, outputs[1])

@@ -1,5 +1,6 @@
 """SiDMACIB with contact points and strength fitted freely to a model's curve of capacities."""
 
+import math
 from collections.abc import Mapping, Sequence
 from itertools import product
 from pathlib import Path
@@ -36,7 +37,7 @@ def best_pair(
         model = Sidmacib(joint, option, strength, friction, overload)
         return np.array([point.load for point in capacities(model, directions)])
 
-    start = [0.25, min(1.0, float(carried.max()) / (joint.locks * joint.T0))]
+    start = [0.25, min(1.0, float(carried.max()) / math.fsum(joint.strengths))]
     found = least_squares(
         lambda unknowns: loads(unknowns) / carried - 1.0,
         start,
@@ -49,7 +50,7 @@ def best_pair(
     return {
         "distance_over_a": distance,
         "distance_m": distance * joint.a,
-        "strength_per_lock_N": factor * joint.T0,
+        "strength_per_lock_N": factor * math.fsum(joint.strengths) / joint.locks,
         "locks_that_count": factor * joint.locks,
         **vars(misfit(loads(np.array([distance, factor])), carried)),
     }
@@ -67,7 +68,7 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     for model, curves in detailed_curves(found):
         for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
             joint = study.joint(str(sample))
-            if len(curve) < 3:  # two unknowns fit any two loads
+            if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
                 continue
             for friction in (False, True):
                 best = best_pair(joint, study.sidmacib.overload, friction, curve)

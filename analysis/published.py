@@ -7,6 +7,7 @@ from typing import Any
 
 import yaml
 
+from sidmacib.joint import Block
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 
@@ -20,14 +21,17 @@ class Published:
     def covers(self, study: Study, sample: str) -> bool:
         """Whether the paper has numbers for ``sample``, loaded as in ``study``.
 
-        Strength, friction, locks, failure, the cut of the body and the load must be the paper's;
-        sizes may differ, as it gives a * b only. Its numbers are for e = 0.
+        Strength, friction, locks, their blocks, failure, the cut of the body, the hold-down and the
+        load must be the paper's; sizes may differ, as it gives a * b only. Its numbers are for
+        e = 0.
         """
         joint, own = study.joint(sample), self.numbers["sample"]
         return (
             math.isclose(joint.T0, own["T0"])
             and math.isclose(joint.dry.friction, own["friction"])
             and joint.locks in self.numbers["weights"]
+            and joint.first is Block.UPPER
+            and not joint.different
             and study.assembly == AssemblySection()
             and 0.0 in study.eccentricities
         )

@@ -117,6 +117,8 @@ def _models(capacity: pd.DataFrame) -> Iterator[str]:
 
 
 def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
+    if not leading:  # no sample that SiDMACIB is a model of
+        return
     yield ""
     yield f"SiDMACIB against {leading}, all directions"
     fit, best = fit[fit["model"] == leading], best[best["model"] == leading]

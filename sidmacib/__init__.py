@@ -4,9 +4,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the same names again, for type checkers and completion
-    from sidmacib.contact_points import OPTIONS, ContactOption
+    from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
-    from sidmacib.joint import Direction, Joint
+    from sidmacib.hold_down import HoldDown
+    from sidmacib.joint import Block, Direction, Joint, OwnLock
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
@@ -19,7 +20,9 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
 # take longer to import than most models take to run.
 _HOME = {
     "OPTIONS": "contact_points",
+    "READY_OPTIONS": "contact_points",
     "Assembly": "mechanics.assembly",
+    "Block": "joint",
     "Capacity": "programme",
     "CapacityError": "errors",
     "ContactOption": "contact_points",
@@ -27,11 +30,13 @@ _HOME = {
     "Elastic": "mechanics.assembly",
     "Envelope": "polygon",
     "FaceMaterial": "mechanics.assembly",
+    "HoldDown": "hold_down",
     "InfeasibleError": "errors",
     "Joint": "joint",
     "Loading": "loading",
     "Loads": "mechanics.assembly",
     "NodeLayout": "mechanics.assembly",
+    "OwnLock": "joint",
     "Sidmacib": "programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -46,7 +51,9 @@ _HOME = {
 
 __all__ = [
     "OPTIONS",
+    "READY_OPTIONS",
     "Assembly",
+    "Block",
     "Capacity",
     "CapacityError",
     "ContactOption",
@@ -54,11 +61,13 @@ __all__ = [
     "Elastic",
     "Envelope",
     "FaceMaterial",
+    "HoldDown",
     "InfeasibleError",
     "Joint",
     "Loading",
     "Loads",
     "NodeLayout",
+    "OwnLock",
     "Sidmacib",
     "SolverError",
     "UnboundedError",

@@ -51,6 +51,16 @@ OPTIONS = {
     "option4": ContactOption.pair(1 / 4),  # resultants of a uniform stress on each half
 }
 
+# Those and more, for studies to take by name. Three points per lock, which the paper calls
+# bi-linear; it prints neither positions nor portions (ASSUMED). A stress across the lock that is
+# linear from each end to the middle is told by its values there, and by their tributary lengths the
+# middle stands for half of the lock, an end for a quarter. Without friction M is n T0 a / 4 as long
+# as V is below n T0 / 2, which the middles carry, and falls to 0 at n T0: two straight parts.
+READY_OPTIONS = {
+    **OPTIONS,
+    "bilinear": ContactOption((-1 / 2, 0.0, 1 / 2), (1 / 4, 1 / 2, 1 / 4)),
+}
+
 
 @dataclass(frozen=True)
 class ContactPoints:

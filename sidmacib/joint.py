@@ -9,9 +9,11 @@ All quantities are in SI units.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from sidmacib.hold_down import HoldDown
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
 from sidmacib.validation import (
     is_number,
@@ -31,8 +33,40 @@ class UpperBody(StrEnum):
     MONOLITHIC = "monolithic"  # one piece
 
 
+class Block(StrEnum):
+    """The block that a lock belongs to."""
+
+    UPPER = "upper"
+    LOWER = "lower"
+
+
+FIXED_PLATE = HoldDown()
 INNER = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
 DRY = FaceMaterial(1e10, 1e10, friction=0.3, cohesion=0.0, tensile_strength=0.0)
+
+
+@dataclass(frozen=True)
+class OwnLock:
+    """What a lock has of its own; None: what the joint's locks have.
+
+    ``width`` (y) in m; ``density`` in kg/m3; ``inner``: the face across which it meets its own
+    block. ValueError as for a `Joint`.
+    """
+
+    width: float | None = None
+    density: float | None = None
+    inner: FaceMaterial | None = None
+
+    def __post_init__(self) -> None:
+        if self.width is not None:
+            require_positive(width=self.width)
+        if self.density is not None:
+            require_not_negative(density=self.density)
+        if not isinstance(self.inner, FaceMaterial | None):
+            raise refused("inner", self.inner, "a FaceMaterial")
+
+
+PLAIN = OwnLock()
 
 
 @dataclass(frozen=True)
@@ -43,10 +77,12 @@ class Joint:
     0.003 m2; a, b, h and H are assumptions.
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
-    upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y. Odd
-    locks belong to the upper block, even locks to the lower one. ``block``: the material of pieces
-    that deform; they are rigid if it is None. ValueError for anything but at
-    least two locks, sizes above 0 and a density that is not negative.
+    upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y; it
+    belongs to the block ``first``, and the locks belong to the blocks in turn. ``different``: what
+    some locks have of their own, by number; it is kept as pairs in the order of the numbers.
+    ``hold_down``: what acts on the upper block's top. ``elastic``: the material of pieces that
+    deform; they are rigid if it is None. ValueError for anything but at least one lock, sizes above
+    0, a density that is not negative, and locks of their own that there are.
     """
 
     locks: int
@@ -59,10 +95,13 @@ class Joint:
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
     upper_body: UpperBody = UpperBody.COLUMNS
-    block: Elastic | None = None
+    first: Block = Block.UPPER
+    different: Mapping[int, OwnLock] | tuple[tuple[int, OwnLock], ...] = ()
+    hold_down: HoldDown = FIXED_PLATE
+    elastic: Elastic | None = None
 
     def __post_init__(self) -> None:
-        require_whole(2, locks=self.locks)
+        require_whole(1, locks=self.locks)
         require_positive(a=self.a, b=self.b, h=self.h, H=self.H)
         require_not_negative(density=self.density)
         for name in ("inner", "dry"):
@@ -70,31 +109,112 @@ class Joint:
                 raise refused(name, getattr(self, name), "a FaceMaterial")
         require_member(Failure, failure=self.failure)
         require_member(UpperBody, upper_body=self.upper_body)
-        if not isinstance(self.block, Elastic | None):
-            raise refused("block", self.block, "an Elastic, or None for rigid pieces")
+        require_member(Block, first=self.first)
+        if not isinstance(self.hold_down, HoldDown):
+            raise refused("hold_down", self.hold_down, "a HoldDown")
+        object.__setattr__(self, "different", _in_order(self.different, self.locks))
+        if not isinstance(self.elastic, Elastic | None):
+            raise refused("elastic", self.elastic, "an Elastic, or None for rigid pieces")
 
     @property
     def T0(self) -> float:
-        """Shear strength of one lock, cohesion times the area of its inner face, in N."""
+        """Shear strength of a lock that has nothing of its own: cohesion times a times b, in N."""
         return self.inner.cohesion * self.a * self.b
 
     @property
+    def strengths(self) -> tuple[float, ...]:
+        """Shear strength of each lock, in N."""
+        return tuple(map(self.strength, self.numbers))
+
+    @property
+    def numbers(self) -> tuple[int, ...]:
+        """Numbers of the locks."""
+        return tuple(range(1, self.locks + 1))
+
+    @property
+    def interlocking(self) -> bool:
+        """Whether locks bear against each other: there are at least two."""
+        return self.locks > 1
+
+    @property
     def upper_locks(self) -> tuple[int, ...]:
-        """Numbers of the locks that belong to the upper block (odd)."""
-        return tuple(range(1, self.locks + 1, 2))
+        """Numbers of the locks that belong to the upper block."""
+        return tuple(filter(self.is_upper, self.numbers))
 
     @property
     def lower_locks(self) -> tuple[int, ...]:
-        """Numbers of the locks that belong to the lower block (even)."""
-        return tuple(range(2, self.locks + 1, 2))
+        """Numbers of the locks that belong to the lower block."""
+        return tuple(lock for lock in self.numbers if not self.is_upper(lock))
+
+    @property
+    def total_width(self) -> float:
+        """Width of all locks together, in m."""
+        return self.edge(self.locks)
+
+    @property
+    def least_side(self) -> float:
+        """The shortest side of the locks' horizontal faces, in m."""
+        return min(self.a, *map(self.width, self.numbers))
+
+    @property
+    def pressing_force(self) -> float | None:
+        """The given force on the upper block's top, in N; None under a plate."""
+        return self.hold_down.force_on(self.a * self.total_width)
+
+    def own(self, lock: int) -> OwnLock:
+        """What lock number ``lock`` has of its own."""
+        return dict(self.different).get(lock, PLAIN)
+
+    def width(self, lock: int) -> float:
+        """Width (y) of lock number ``lock``, in m."""
+        own = self.own(lock).width
+        return self.b if own is None else own
+
+    def lock_density(self, lock: int) -> float:
+        """Density of lock number ``lock``, in kg/m3."""
+        own = self.own(lock).density
+        return self.density if own is None else own
+
+    def inner_of(self, lock: int) -> FaceMaterial:
+        """Law of the face across which lock number ``lock`` meets its own block."""
+        return self.own(lock).inner or self.inner
+
+    def strength(self, lock: int) -> float:
+        """Shear strength of lock number ``lock``: its cohesion times its area, in N."""
+        return self.inner_of(lock).cohesion * self.a * self.width(lock)
+
+    def edge(self, lock: int) -> float:
+        """Position across the joint of the far edge of lock number ``lock``, in m; 0 of none."""
+        return lock * self.b + self._more(lock)
 
     def lock_centre_y(self, lock: int) -> float:
         """Position across the joint of the centreline of lock number ``lock``, in m."""
-        return (lock - 0.5) * self.b
+        more = (self._more(lock - 1) + self._more(lock)) / 2
+        return (lock - 0.5) * self.b + more
+
+    def _more(self, lock: int) -> float:
+        """What the locks up to number ``lock`` are wider than as many plain ones, in m."""
+        wide = dict(self.different)
+        return sum((self.width(each) - self.b for each in wide if each <= lock), start=0.0)
 
     def is_upper(self, lock: int) -> bool:
         """Whether lock number ``lock`` belongs to the upper block."""
-        return lock % 2 == 1
+        return (lock % 2 == 1) is (self.first is Block.UPPER)
+
+
+def _in_order(
+    different: Mapping[int, OwnLock] | tuple[tuple[int, OwnLock], ...], locks: int
+) -> tuple[tuple[int, OwnLock], ...]:
+    """What locks have of their own, in the order of their numbers."""
+    pairs = tuple(different.items() if isinstance(different, Mapping) else different)
+    for number, own in pairs:
+        if isinstance(number, bool) or number not in range(1, locks + 1):
+            raise refused("different", number, f"the number of a lock, 1 to {locks}")
+        if not isinstance(own, OwnLock):
+            raise refused(f"different: lock {number}", own, "an OwnLock")
+    if len(dict(pairs)) < len(pairs):
+        raise refused("different", [number for number, _ in pairs], "one entry for each lock")
+    return tuple(sorted(((int(number), own) for number, own in pairs), key=lambda pair: pair[0]))
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """The lateral load on the joint's pieces."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
 from sidmacib.joint import Direction, Joint
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads, Nodes, self_weight
+from sidmacib.mechanics.assembly import Assembly, Loads, SideLoad, self_weight
 from sidmacib.pieces import lock_name, upper_bodies
 from sidmacib.validation import refused, require_member
 
@@ -41,12 +41,13 @@ class Loading:
 
 
 def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
-    """Self-weight, and 1 N of load along the direction of ``loading`` on the pieces of ``joint``.
+    """What always acts, and 1 N along the direction of ``loading``, on the pieces of ``joint``.
 
-    The paper (section 3) applies a pressure that is uniform in z and linear in x to the lateral
-    face of the upper block: its resultant is V at mid-length and the torque M about z. Each loaded
-    piece takes both in proportion to its height. The scale is the strength of a lock, or the
-    weight of the free pieces where they have no cohesion.
+    Self-weight always acts, and what is given to hold the joint down, evenly on its top. The paper
+    (section 3) applies a pressure that is uniform in z and linear in x to the lateral face of the
+    upper block: its resultant is V at mid-length and the torque M about z. Each loaded piece takes
+    both in proportion to its height. The scale is the strength of the strongest lock, or what
+    always acts on the free pieces where they have no cohesion.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -57,27 +58,17 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     variable = np.zeros((len(assembly.pieces), 6))
     variable[loaded, 1] = sign * direction.shear * part
     variable[loaded, 5] = direction.torque * joint.a * part
+    sides = [SideLoad(i, 1, sign < 0.0, tuple(variable[i].tolist())) for i in loaded]
+    permanent = self_weight(assembly.pieces)
+    pressing, bodies = joint.pressing_force or 0.0, upper_bodies(joint)
+    for i, piece in enumerate(assembly.pieces):
+        if pressing and piece.name in bodies:
+            share = pressing * (piece.size[1] / joint.total_width)
+            permanent[i, 2] -= share
+            sides.append(SideLoad(i, 2, True, (0.0, 0.0, -share, 0.0, 0.0, 0.0), permanent=True))
     weight = sum(piece.weight for piece in assembly.pieces if not piece.fixed)
-    sides = tuple((piece, 1, sign < 0.0) for piece in loaded)
-    return Loads(self_weight(assembly.pieces), variable, joint.T0 or weight, sides)
-
-
-def pressed(
-    joint: Joint, assembly: Assembly, loads: Loads, overload: float
-) -> tuple[Assembly, Loads]:
-    """The joint with a force (N, down, shared by the upper bodies) in place of the fixed plate."""
-    kept = [i for i, face in enumerate(assembly.faces) if face.kind is not Kind.PLATE]
-    own = np.isin(assembly.nodes.face, kept)
-    nodes = Nodes(
-        np.searchsorted(kept, assembly.nodes.face[own]),
-        assembly.nodes.position[own],
-        assembly.nodes.area[own],
-    )
-    bodies = [i for i, p in enumerate(assembly.pieces) if p.name in upper_bodies(joint)]
-    permanent = loads.permanent.copy()
-    permanent[bodies, 2] -= overload / len(bodies)
-    faces = tuple(assembly.faces[i] for i in kept)
-    return replace(assembly, faces=faces, nodes=nodes), replace(loads, permanent=permanent)
+    scale = max(joint.strengths) or weight + pressing
+    return Loads(permanent, variable, scale, tuple(sides))
 
 
 def _loaded(joint: Joint, loading: Loading) -> set[str]:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+from sidmacib.hold_down import Hold
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -25,7 +26,7 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
     ``mesh`` in m. ValueError if it is not positive, or not less than the shorter side of the locks'
     horizontal faces: one row of nodes would be a hinge.
     """
-    most = min(joint.a, joint.b)
+    most = joint.least_side
     if not 0 < mesh < most:
         raise ValueError(
             f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
@@ -39,7 +40,7 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
 
 
 def cut_pieces(joint: Joint) -> tuple[Piece, ...]:
-    """Lower body, plate, locks and upper body (or its columns), in this order."""
+    """Lower body, plate if there is one, locks and upper body or its columns, in this order."""
     return tuple(_pieces(joint))
 
 
@@ -55,7 +56,7 @@ def body_above(joint: Joint, lock: int) -> str:
 
 def upper_bodies(joint: Joint) -> tuple[str, ...]:
     """Names of the pieces of the upper main body, from lock 1 on."""
-    return tuple(dict.fromkeys(body_above(joint, lock) for lock in range(1, joint.locks + 1)))
+    return tuple(dict.fromkeys(body_above(joint, lock) for lock in joint.numbers))
 
 
 def upper_block(joint: Joint) -> tuple[str, ...]:
@@ -69,7 +70,7 @@ def lock_faces(joint: Joint) -> dict[str, int]:
         _inner(lock_name(lock), body_above(joint, lock))
         if joint.is_upper(lock)
         else _inner(LOWER, lock_name(lock)): lock
-        for lock in range(1, joint.locks + 1)
+        for lock in joint.numbers
     }
 
 
@@ -79,39 +80,49 @@ def _inner(below: str, above: str) -> str:
 
 def _pieces(joint: Joint) -> Iterator[Piece]:
     x = joint.a / 2
-    width = joint.locks * joint.b
+    width = joint.total_width
     top = joint.h + joint.H
 
     def cuboid(
-        name: str, y: tuple[float, float], z: tuple[float, float], fixed: bool = False
+        name: str,
+        y: tuple[float, float],
+        z: tuple[float, float],
+        fixed: bool = False,
+        density: float = joint.density,
     ) -> Piece:
         volume = joint.a * (y[1] - y[0]) * (z[1] - z[0])
         low, high = (-x, y[0], z[0]), (x, y[1], z[1])
-        elastic = None if fixed else joint.block
-        return Piece(name, low, high, joint.density * volume, fixed, elastic)
+        elastic = None if fixed else joint.elastic
+        return Piece(name, low, high, density * volume, fixed, elastic)
 
     # The lower body and the plate are fixed and rigid: their thickness is immaterial.
     yield cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)
-    yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
-    for lock in range(1, joint.locks + 1):
-        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h))
+    if _under_a_plate(joint):
+        yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
+    for lock in joint.numbers:
+        own = joint.lock_density(lock)
+        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h), density=own)
     if joint.upper_body is UpperBody.MONOLITHIC:
         yield cuboid(BODY, (0.0, width), (joint.h, top))
         return
-    for lock in range(1, joint.locks + 1):
+    for lock in joint.numbers:
         yield cuboid(body_above(joint, lock), _strip(joint, lock), (joint.h, top))
 
 
 def _strip(joint: Joint, lock: int) -> tuple[float, float]:
-    return (lock - 1) * joint.b, lock * joint.b
+    return joint.edge(lock - 1), joint.edge(lock)
+
+
+def _under_a_plate(joint: Joint) -> bool:
+    return joint.hold_down.kind is Hold.PLATE
 
 
 def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
     index = {piece.name: i for i, piece in enumerate(pieces)}
     monolithic = joint.upper_body is UpperBody.MONOLITHIC
-    dry = joint.dry
+    plate, dry = _under_a_plate(joint), joint.dry
     smooth = FaceMaterial(dry.normal_stiffness, dry.shear_stiffness, 0.0, 0.0, 0.0)
-    material = {Kind.INNER: joint.inner, Kind.DRY: dry, Kind.PLATE: smooth}
+    material = {Kind.DRY: dry, Kind.PLATE: smooth}
     between = joint.inner
     if joint.upper_body is UpperBody.JOINED:
         between = replace(
@@ -121,22 +132,22 @@ def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
         )
 
     def face(
-        kind: Kind, below: str, above: str, name: str = "", law: FaceMaterial | None = None
+        kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = joint.inner
     ) -> Face:
-        pair, law = (index[below], index[above]), law or material[kind]
+        pair, law = (index[below], index[above]), {**material, Kind.INNER: inner}[kind]
         return shared_face(name or f"{kind}-{below}-{above}", kind, law, pieces, pair)
 
-    for lock in range(1, joint.locks + 1):
+    for lock in joint.numbers:
         foot, head = (Kind.DRY, Kind.INNER) if joint.is_upper(lock) else (Kind.INNER, Kind.DRY)
-        body = body_above(joint, lock)
-        yield face(foot, LOWER, lock_name(lock))
-        yield face(head, lock_name(lock), body)
-        if not monolithic:
+        body, own = body_above(joint, lock), joint.inner_of(lock)
+        yield face(foot, LOWER, lock_name(lock), inner=own)
+        yield face(head, lock_name(lock), body, inner=own)
+        if plate and not monolithic:
             yield face(Kind.PLATE, body, PLATE, f"plate-{body}")
     for lock in range(1, joint.locks):
         yield face(Kind.DRY, lock_name(lock), lock_name(lock + 1))
         if not monolithic:
             pair = body_above(joint, lock), body_above(joint, lock + 1)
-            yield face(Kind.INNER, *pair, law=between)
-    if monolithic:
+            yield face(Kind.INNER, *pair, inner=between)
+    if plate and monolithic:
         yield face(Kind.PLATE, BODY, PLATE, "plate-body")

@@ -2,12 +2,13 @@
 
 At point i of lock j act a normal force r_n, a force along the lock r_t1 and one across it r_t2,
 
-    r_n >= 0,    |r_t1| <= mu r_n,    |r_t2| <= w_j p_ij T0,
+    r_n >= 0,    |r_t1| <= mu r_n,    |r_t2| <= w_j p_ij T0_j,
 
 in equilibrium with the loads on the upper block, C_eq r + E = 0. E holds the block's self-weight,
-an overload against rocking, the shear V at the block's centroid and the torque M. w_j is 1, or
-less where a revision reduces a lock. The paper raises V in steps and checks feasibility; the
-linear programme here maximises the load instead, which gives the same answer.
+an overload against rocking, the shear V at the block's centroid and the torque M. T0_j is the
+strength of lock j; w_j is 1, or less where a revision reduces a lock. The paper raises V in steps
+and checks feasibility; the linear programme here maximises the load instead, which gives the same
+answer.
 """
 
 from collections.abc import Iterable
@@ -31,8 +32,10 @@ class Sidmacib:
     """The limit model of a joint.
 
     ``strength``: factor w_j on the strength of each lock, one per lock; None for 1 everywhere.
-    ``overload`` in N, down. ``friction``: whether the locks' dry friction resists along them.
-    ValueError for strengths or an overload that are negative or not finite.
+    ``overload`` in N, down, stands for a fixed plate, which the model has not; a joint that
+    something else holds down has that in its place. ``friction``: whether the locks' dry friction
+    resists along them. ValueError for strengths or an overload that are negative or not finite, and
+    for a single lock, which no other bears against.
     """
 
     joint: Joint
@@ -43,6 +46,11 @@ class Sidmacib:
 
     def __post_init__(self) -> None:
         require_not_negative(overload=self.overload)
+        if not self.joint.interlocking:
+            raise ValueError(
+                f"locks: {self.joint.locks} is not possible with SiDMACIB, whose locks bear "
+                "against each other; it must be at least 2"
+            )
         if not isinstance(self.friction, bool | np.bool_):
             raise refused("friction", self.friction, "true or false")
         if self.strength is None:
@@ -53,6 +61,12 @@ class Sidmacib:
                 f"one for each of the {self.joint.locks} locks"
             )
         require_not_negative(**{f"strength of lock {i}": w for i, w in enumerate(self.strength, 1)})
+
+    @property
+    def pressing_force(self) -> float:
+        """What presses on the upper block besides its weight, in N."""
+        given = self.joint.pressing_force
+        return self.overload if given is None else given
 
 
 @dataclass(frozen=True)
@@ -79,7 +93,7 @@ class _Units:
     def of(cls, model: Sidmacib, limit: Floats, pressure: float, lever: float) -> "_Units":
         """Units from the points' strengths, what presses the joint, and the lever of V (m)."""
         joint = model.joint
-        across, width = float(limit.sum()), joint.locks * joint.b
+        across, width = float(limit.sum()), joint.total_width
         pressure = abs(pressure) or across or 1.0
         along = _friction(model) * pressure
         rocking = pressure * width / lever
@@ -109,9 +123,9 @@ def _programme(model: Sidmacib) -> _Programme:
     points = contact_points(joint, model.option)
     count = len(points.lock)
     weight, centroid = _upper_block(joint)
-    pressure = weight + model.overload
+    pressure = weight + model.pressing_force
     strength = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
-    limit = strength[points.lock - 1] * points.portion * joint.T0
+    limit = strength[points.lock - 1] * points.portion * np.array(joint.strengths)[points.lock - 1]
     units = _Units.of(model, limit, pressure, float(centroid[2] - joint.h / 2))
     loads, forces = cp.Variable(2), cp.Variable((count, 3))
 
@@ -119,10 +133,11 @@ def _programme(model: Sidmacib) -> _Programme:
     along, across, normal = units.forces
     shear, torque = units.plane
     # Of force x, y, z and moment x, y, z: each equation's largest part.
-    width = joint.locks * joint.b
+    width = joint.total_width
     size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
     C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
-    permanent = np.array([0.0, 0.0, -pressure, 0.0, 0.0, 0.0]) / size
+    rocking = -_lever(joint, centroid) * model.pressing_force
+    permanent = np.array([0.0, 0.0, -pressure, rocking, 0.0, 0.0]) / size
     lateral = np.zeros((6, 2))
     lateral[1, 0] = lateral[5, 1] = 1.0
     E = permanent + lateral @ loads
@@ -142,6 +157,14 @@ def _programme(model: Sidmacib) -> _Programme:
             -forces[:, 1] <= limit / across,
         ],
     )
+
+
+def _lever(joint: Joint, centroid: Floats) -> float:
+    """Distance in y of what presses from the upper block's centroid, in m.
+
+    A given force acts in the middle of the top, the overload in a plate's place at the centroid.
+    """
+    return 0.0 if joint.pressing_force is None else joint.total_width / 2 - float(centroid[1])
 
 
 def _friction(model: Sidmacib) -> float:

@@ -1,10 +1,11 @@
 """Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
 
 Every rule returns the factors w_j of `sidmacib.programme.Sidmacib`, one per lock. A lock that does
-not count keeps its normal force and its friction along the lock. It does not
-matter for the V-M curve which locks count, because their forces across the locks act along y
-through points whose x is the same for every lock; the rules start with the lower locks, which carry
-the load to the ground.
+not count keeps its normal force and its friction along the lock. Where all locks are as strong, it
+does not matter for the V-M curve which of them count, because their forces across the locks act
+along y through points whose x is the same for every lock; the rules start with the lower locks,
+which carry the load to the ground. Rules that count locks, rather than weigh them, refuse joints
+whose locks differ in strength.
 """
 
 import math
@@ -21,14 +22,24 @@ def no_reduction(joint: Joint, weights: Weights) -> tuple[float, ...]:
 
 
 def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
-    """As many locks count as the weights (the paper's W_sum) add up to, rounded down."""
+    """As many locks count as the weights (the paper's W_sum) add up to, rounded down.
+
+    ValueError if the locks differ in strength.
+    """
+    _require_alike(joint, "floor_of_sum")
     return active(joint, math.floor(sum(weights)))
 
 
 def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:
-    """(n - 1) / 2 locks count (the paper's rule); ValueError if n is even."""
+    """(n - 1) / 2 locks count (the paper's rule), whichever block the first belongs to.
+
+    ValueError if n is even or 1, or if the locks differ in strength.
+    """
     if joint.locks % 2 == 0:
         raise ValueError(f"locks: {joint.locks} is not possible with (n - 1) / 2; it must be odd")
+    if joint.locks == 1:
+        raise ValueError("locks: 1 is not possible with (n - 1) / 2; it must be at least 3")
+    _require_alike(joint, "(n - 1) / 2")
     return active(joint, (joint.locks - 1) // 2)
 
 
@@ -55,3 +66,13 @@ def active(joint: Joint, count: int) -> tuple[float, ...]:
     """``count`` locks count in full, lower locks before upper ones, the others not at all."""
     chosen = (joint.lower_locks + joint.upper_locks)[:count]
     return tuple(float(lock in chosen) for lock in range(1, joint.locks + 1))
+
+
+def _require_alike(joint: Joint, rule: str) -> None:
+    """ValueError if a ``rule`` that counts locks is asked of locks that differ in strength."""
+    low, high = min(joint.strengths), max(joint.strengths)
+    if not math.isclose(low, high):
+        raise ValueError(
+            f"different: a strength from {low:g} to {high:g} N is not possible with {rule}, which "
+            "counts locks; it must be the same for all"
+        )

@@ -19,9 +19,9 @@ from sidmacib.pieces import lock_faces
 class LockWeight:
     """The shear on the inner face of one lock.
 
-    ``weight``: resultant over T0. ``mean_shear_ratio``: mean magnitude of the shear stress over the
-    cohesion. ``max_shear_ratio``: its largest value over the cohesion. ``shear_x_N`` and
-    ``shear_y_N``: the resultant on the piece above the face.
+    ``weight``: resultant over the lock's own strength. ``mean_shear_ratio``: mean magnitude of the
+    shear stress over the cohesion. ``max_shear_ratio``: its largest value over the cohesion.
+    ``shear_x_N`` and ``shear_y_N``: the resultant on the piece above the face.
     """
 
     lock: int
@@ -48,9 +48,9 @@ def lock_weights(joint: Joint, assembly: Assembly, force: Floats) -> tuple[LockW
         return LockWeight(
             lock,
             "upper" if joint.is_upper(lock) else "lower",
-            float(np.hypot(x, y)) / joint.T0,
-            float(size[own].sum()) / joint.T0,
-            float((size[own] / assembly.nodes.area[own]).max()) / joint.inner.cohesion,
+            float(np.hypot(x, y)) / joint.strength(lock),
+            float(size[own].sum()) / joint.strength(lock),
+            float((size[own] / assembly.nodes.area[own]).max()) / joint.inner_of(lock).cohesion,
             x,
             y,
         )

@@ -328,6 +328,10 @@ def test_numbers_have_as_many_digits_as_are_known(results, tmp_path: Path) -> No
         ({"eccentricities": [0.5]}, False),
         ({"assembly": {"push": "-y"}}, False),
         ({"assembly": {"upper_body": "monolithic"}}, False),
+        ({"assembly": {"hold_down": "plate"}}, True),
+        ({"assembly": {"hold_down": {"force": 1000}}}, False),
+        ({"samples": {"n": {"locks": 3, "first": "lower"}}}, False),
+        ({"samples": {"n": {"locks": 3, "different": {2: {"density": 1}}}}}, False),
     ],
 )
 def test_only_the_papers_samples_and_loads_are_held_against_the_paper(

@@ -14,7 +14,8 @@ from conftest import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.case import Case
@@ -119,6 +120,45 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
         find_case(study, "n3-mesh0.2-e0a")
 
 
+OWN: dict[str, Any] = {2: {"width": 0.06, "density": 2000, "inner": {"cohesion": 1e5}}}
+WEIGHED = {"reductions": ["none", "lower_sum", "per_lock"]}
+
+
+def test_a_sample_may_have_locks_of_its_own_and_begin_with_a_lower_one() -> None:
+    sample = {"locks": 3, "first": "lower", "different": OWN}
+    study = read_study({"samples": {"s": sample}, "sidmacib": WEIGHED, "meshes": [0.02]})
+    strong = replace(INNER, cohesion=1e5)
+    own = OwnLock(width=0.06, density=2000.0, inner=strong)
+    joint = Joint(3, first=Block.LOWER, different={2: own})
+    assert {case.joint for case in cases_of(study).values()} == {joint}
+
+
+@pytest.mark.parametrize(
+    ("spelled", "meant"),
+    [
+        ("plate", HoldDown()),
+        ("weight", HoldDown.weight()),
+        ({"force": 500}, HoldDown.force(500.0)),
+        ({"pressure": "1e5"}, HoldDown.pressure(1e5)),
+    ],
+)
+def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
+    spelled: Any, meant: HoldDown
+) -> None:
+    study = read_study(merged(assembly={"hold_down": spelled}))
+    assert {case.joint.hold_down for case in cases_of(study).values()} == {meant}
+    assert read_study(json.loads(study.model_dump_json())) == study
+    other = read_study(merged(variants={"v": {"hold_down": spelled, "eccentricities": [0]}}))
+    own = {c.joint.hold_down for c in cases_of(other).values() if c.variant == "v"}
+    assert own == {meant}
+
+
+def test_one_lock_alone_is_a_sample_for_models_that_know_friction() -> None:
+    study = read_study({"samples": {"n1": {"locks": 1}, "n3": {"locks": 3}}, "models": ["static"]})
+    assert {model for model, _ in cases_of(study)} == {"yade", "liggghts", "static"}
+    assert study.interlocking == ("n3",)
+
+
 # --- names and identity --------------------------------------------------------------------------
 def test_a_key_is_the_same_for_all_models_and_variants_and_apart_from_others() -> None:
     variants = {"body": {"load_share": "body"}}
@@ -137,6 +177,9 @@ def test_the_digest_tells_what_the_results_depend_on_and_nothing_else() -> None:
     others = [
         replace(case, model="liggghts"),
         replace(case, joint=replace(case.joint, h=case.joint.h * (1 + 1e-15))),
+        replace(case, joint=replace(case.joint, first=Block.LOWER)),
+        replace(case, joint=replace(case.joint, different={2: OwnLock(density=1.0)})),
+        replace(case, joint=replace(case.joint, hold_down=HoldDown.weight())),
         replace(case, mesh=0.021),
         replace(case, loading=Loading(Direction(1e-12))),
         replace(case, loading=replace(case.loading, push=Push.MINUS_Y)),
@@ -163,6 +206,17 @@ SIZE = st.floats(1e-300, 1e300)
         **dict.fromkeys(("a", "b", "h", "H", "density"), SIZE),
         failure=st.sampled_from(Failure),
         upper_body=st.sampled_from(UpperBody),
+        first=st.sampled_from(Block),
+        different=st.dictionaries(
+            st.integers(1, 2),
+            st.builds(
+                OwnLock,
+                st.one_of(st.none(), SIZE),
+                st.one_of(st.none(), SIZE),
+                st.one_of(st.none(), st.just(DRY)),
+            ),
+        ),
+        hold_down=st.one_of(st.just(HoldDown()), st.builds(HoldDown.pressure, SIZE)),
     ),
     mesh=SIZE,
     loading=st.builds(
@@ -195,6 +249,9 @@ def test_a_case_survives_json_exactly(
         (lambda told: told["joint"].update(locks=3.0), "'3.0' is not of the kind int"),
         (lambda told: told["joint"].update(failure="soft"), "'soft' is not a valid Failure"),
         (lambda told: told.update(joint=None), "Joint must have the keys locks, "),
+        (lambda told: told["joint"].update(different={}), "'{}' is not a list"),
+        (lambda told: told["joint"].update(different=[[2]]), "zip"),
+        (lambda told: told["joint"].update(different=[[2, {}]]), "OwnLock must have the keys"),
     ],
 )
 def test_what_is_not_a_case_is_refused(change: Any, message: str) -> None:

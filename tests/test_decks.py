@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Block, OwnLock
 from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.equilibrium import face_frames
@@ -111,6 +113,37 @@ def test_forces_on_the_corners_have_the_resultant_of_the_load(case: Case) -> Non
         moment = np.cross(arm, force).sum(axis=0)
         assert moment[2] == pytest.approx(increment * load[5])
         assert moment[0] == pytest.approx(0.0, abs=1e-12)  # acts at mid-height
+
+
+def corner_forces(text: str) -> list[tuple[str, float, float, float]]:
+    """Pieces, positions across the joint and heights of the corners that are pressed, in N."""
+    before = text[: text.index("fish define raise_load")]
+    pattern = rf"apply force-x {NUMBER} force-y {NUMBER} force-z {NUMBER} .*'(.*)'.* center "
+    return [
+        (piece, float(y), float(z), float(down))
+        for _, _, down, piece, _, y, z in re.findall(
+            rf"{pattern}{NUMBER} {NUMBER} {NUMBER}", before
+        )
+    ]
+
+
+def test_a_given_force_is_on_the_corners_of_the_top_before_the_load_is_raised(case: Case) -> None:
+    own = {2: OwnLock(width=0.06, density=2000.0)}
+    joint = replace(case.joint, hold_down=HoldDown.force(800.0), different=own, first=Block.LOWER)
+    text = deck(replace(case, joint=joint))
+    found = corner_forces(text)
+    assert len(found) == 4 * 3
+    assert {height for _, _, height, _ in found} == {joint.h + joint.H}
+    assert sum(down for *_, down in found) == pytest.approx(-800.0)
+    moment = sum(y * down for _, y, _, down in found)
+    assert moment == pytest.approx(-800.0 * joint.total_width / 2)
+    assert "'plate'" not in text
+    assert re.search(r"block property density 2000\.0\d* range group 'lock2'", text)
+
+
+def test_under_a_plate_nothing_presses_but_the_plate(case: Case) -> None:
+    assert corner_forces(deck(case)) == []
+    assert "'plate'" in deck(case)
 
 
 def test_every_line_is_a_command_or_fish(case: Case) -> None:

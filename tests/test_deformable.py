@@ -20,6 +20,7 @@ from sidmacib.mechanics.assembly import (
     Loads,
     NodeLayout,
     Piece,
+    SideLoad,
     self_weight,
     shared_face,
 )
@@ -50,7 +51,7 @@ def solved(
 
 
 def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMNS) -> Joint:
-    return Joint(locks, upper_body=body, block=Elastic(young))
+    return Joint(locks, upper_body=body, elastic=Elastic(young))
 
 
 # --- the limit of stiff blocks -------------------------------------------------------------------
@@ -94,7 +95,12 @@ def test_uniform_tension_passes_the_patch_test(layout: NodeLayout) -> None:
     model = bonded_block(layout, YOUNG, poisson=0.0)
     variable = np.zeros((2, 6))
     variable[1, 2] = 1.0
-    loads = Loads(np.zeros((2, 6)), variable, 100.0, sides=((1, 2, True),))
+    loads = Loads(
+        np.zeros((2, 6)),
+        variable,
+        100.0,
+        sides=(SideLoad(1, 2, True, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)),),
+    )
     found = DeformableSolver(model, loads).solve(100.0, *_fresh(model, loads))
     area = 0.06 * 0.05
     stress = -found.force[:, 0] / model.nodes.area
@@ -141,7 +147,7 @@ def test_the_work_of_the_load_is_stored_while_all_nodes_hold(
 
 def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tuple[float, float]:
     """Displacement of the load at 10 N, and twice the energy in the springs."""
-    own = replace(joint, block=Elastic(young))
+    own = replace(joint, elastic=Elastic(young))
     model, loads = posed(own, 0.03, NodeLayout.LOBATTO, eccentricity)
     everything = tuple(replace(face, kind=Kind.INNER) for face in model.faces)
     solver = DeformableSolver(replace(model, faces=everything), loads)
@@ -194,7 +200,7 @@ def test_capacity_scales_with_strength_and_stiffness_alike(factor: float) -> Non
         inner=scaled(joint.inner),
         dry=scaled(joint.dry),
         density=factor * joint.density,
-        block=Elastic(factor * YOUNG),
+        elastic=Elastic(factor * YOUNG),
     )
     one, two = (solved(each, 0.03, NodeLayout.LOBATTO, 0.5) for each in (joint, other))
     assert two.peak.load == pytest.approx(factor * one.peak.load, rel=1e-6)
@@ -247,7 +253,7 @@ def test_means_over_cells_fail_where_another_program_found_it(
 def test_joined_columns_are_as_stiff_as_one_piece() -> None:
     for block in (None, Elastic(YOUNG)):
         joined, whole = (
-            solved(Joint(5, upper_body=body, block=block), 0.02, NodeLayout.VERTICES)
+            solved(Joint(5, upper_body=body, elastic=block), 0.02, NodeLayout.VERTICES)
             for body in (UpperBody.JOINED, UpperBody.MONOLITHIC)
         )
         assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)

@@ -174,16 +174,33 @@ def test_springs_are_as_stiff_as_their_nodes(three: scripts.Assembly) -> None:
     assert total == pytest.approx(1e10 * area)
 
 
-def test_weight_is_gravity_and_any_other_permanent_load_is_forces(stack: scripts.Assembly) -> None:
+def test_weight_is_gravity_and_what_else_always_acts_is_forces(stack: scripts.Assembly) -> None:
     assert common_gravity(stack) == pytest.approx(9.81)
     assert any(" gravity " in line for line in Deck(stack, SEARCH, 0.4).input_script())
     pushed = replace(stack.pieces[2], force_N=(1.0, 0.0, stack.pieces[2].force_N[2]))
     leaning = replace(stack, pieces=[*stack.pieces[:2], pushed])
-    assert common_gravity(leaning) == 0.0
+    assert common_gravity(leaning) == common_gravity(stack)
     lines = list(Deck(leaning, SEARCH, 0.4).input_script())
-    assert not any(" gravity " in line for line in lines)
+    assert any(" gravity " in line for line in lines)
     always = [line for line in lines if re.match(r"variable handle\d+_x ", line)]
     assert any(line.endswith("+(0.5)") for line in always)
+
+
+def test_what_presses_on_a_piece_comes_on_top_of_its_gravity(stack: scripts.Assembly) -> None:
+    weight = stack.pieces[2].force_N[2]
+    pressed = replace(stack.pieces[2], force_N=(0.0, 0.0, weight - 8.0))
+    whole = replace(stack, pieces=[*stack.pieces[:2], pressed])
+    assert common_gravity(whole) == pytest.approx(9.81)
+    lines = list(Deck(whole, SEARCH, 0.4).input_script())
+    down = [line for line in lines if re.match(r"variable handle\d+_z ", line)]
+    assert [float(line.rsplit("+(", 1)[1][:-1]) for line in down] == pytest.approx([-4.0, -4.0])
+
+
+def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.Assembly) -> None:
+    floating = replace(stack.pieces[2], force_N=(0.0, 0.0, 1.0))
+    whole = replace(stack, pieces=[*stack.pieces[:2], floating])
+    assert common_gravity(whole) == 0.0
+    assert not any(" gravity " in line for line in Deck(whole, SEARCH, 0.4).input_script())
 
 
 def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None:

@@ -10,7 +10,8 @@ import pytest
 from conftest import a_case, block_on_ground, load_on_block, run_case
 from stack import overturning, tilted_stack
 
-from sidmacib.joint import DRY, INNER, Direction, Joint
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static import static_peak
@@ -19,6 +20,8 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.solvers.static import solve as static_model
+from workflow.steps.solve import solved
 
 pytestmark = pytest.mark.engine
 
@@ -210,6 +213,39 @@ def test_the_static_model_finds_the_same_peak_and_weights(
     for row in result.weights.itertuples():
         shear = np.linalg.norm(peak.force[inner == row.lock, 1:].sum(axis=0))
         assert shear / joint.T0 == pytest.approx(row.weight, abs=0.01)
+
+
+STRONG = replace(INNER, cohesion=1e5, normal_stiffness=2e10, shear_stiffness=2e10)
+
+
+@pytest.mark.parametrize(
+    ("joint", "eccentricity"),
+    [
+        (Joint(3, first=Block.LOWER), 0.2),
+        (Joint(3, different={2: OwnLock(width=0.06, density=2000.0, inner=STRONG)}), 0.0),
+        (Joint(3, hold_down=HoldDown.force(500.0)), 0.5),
+        (Joint(3, hold_down=HoldDown.weight()), 0.0),
+    ],
+    ids=["first lower", "a lock that differs", "a force in place of the plate", "weight alone"],
+)
+def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
+    engine: str, run, joint: Joint, eccentricity: float
+) -> None:
+    case = a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02)
+    result = run(case)
+    expected, _, _ = solved(case, static_model)
+    assert result.peak_load == pytest.approx(expected.load_N, rel=0.01)
+    assert result.record.mode == expected.mode == "bonds"
+    weights = [each.weight for each in expected.weights]
+    assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.01)
+
+
+def test_one_lock_alone_slides_under_a_given_force(run) -> None:
+    joint = Joint(1, hold_down=HoldDown.force(500.0))
+    result = run(a_case("yade", joint, Loading(Direction(0.0)), mesh=0.02))
+    weight = joint.density * 9.81 * joint.a * joint.b * (joint.h + joint.H)
+    assert result.peak_load == pytest.approx(0.3 * (500.0 + weight), rel=2e-3)
+    assert result.record.mode == "mechanism"
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:

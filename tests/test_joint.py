@@ -6,17 +6,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Block, Direction, Joint
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
     assert pytest.approx(240.0) == joint.T0
 
 
-def test_odd_locks_are_upper_and_even_locks_lower() -> None:
-    joint = Joint(locks=5)
-    assert joint.upper_locks == (1, 3, 5)
-    assert joint.lower_locks == (2, 4)
+def test_locks_belong_to_the_blocks_in_turn_from_the_first_on() -> None:
+    joint, other = Joint(locks=5), Joint(locks=5, first=Block.LOWER)
+    assert joint.upper_locks == other.lower_locks == (1, 3, 5)
+    assert joint.lower_locks == other.upper_locks == (2, 4)
 
 
 @given(st.floats(-100, 100))

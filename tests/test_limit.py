@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint
-from sidmacib.loading import Loading, Push, lateral_load, pressed
+from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import NodeLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
@@ -104,12 +105,13 @@ def test_associated_friction_under_a_fixed_plate_is_refused(joint: Joint) -> Non
 
 
 def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -> None:
+    joint = replace(joint, hold_down=HoldDown.force(1000.0))
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    given = pressed(joint, model, lateral_load(joint, model, Loading(Direction(0.0))), 1000.0)
-    smooth, rough = (limit_load(*given, friction=friction).load for friction in (False, True))
+    loads = lateral_load(joint, model, Loading(Direction(0.0)))
+    smooth, rough = (limit_load(model, loads, friction=friction).load for friction in (False, True))
     assert smooth == pytest.approx(joint.T0, rel=1e-7)
     # What presses the two upper locks adds; what presses the lower one loads its own root.
-    pressure = -given[1].permanent[:, 2].sum()
+    pressure = -loads.permanent[:, 2].sum()
     assert 2 / 3 * 0.3 * 1000.0 < rough - smooth < 0.3 * pressure
 
 

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint import INNER, Direction, Joint
-from sidmacib.loading import Loading, LoadShare, Push, lateral_load, pressed
-from sidmacib.mechanics.assembly import Kind, NodeLayout
+from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 
 loadings = st.builds(
@@ -77,17 +77,3 @@ def test_a_joint_without_cohesion_has_its_weight_for_a_scale(joint: Joint) -> No
     weak = replace(joint, inner=replace(INNER, cohesion=0.0))
     found = lateral_load(weak, assemble(weak, 0.03, NodeLayout.CENTRES), Loading(Direction(0.0)))
     assert found.scale == pytest.approx(9.81 * 1400.0 * 0.06 * 0.15 * 0.035)
-
-
-def test_a_force_takes_the_place_of_the_plate(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    loads = lateral_load(joint, model, Loading(Direction(0.0)))
-    other, more = pressed(joint, model, loads, 900.0)
-    assert all(face.kind is not Kind.PLATE for face in other.faces)
-    assert np.bincount(other.nodes.face, other.nodes.area) == pytest.approx(
-        [face.area for face in other.faces]
-    )
-    added = more.permanent - loads.permanent
-    columns = [i for i, piece in enumerate(model.pieces) if piece.name.startswith("column")]
-    assert added[columns, 2] == pytest.approx(-300.0)
-    assert added.sum(axis=0) == pytest.approx([0, 0, -900.0, 0, 0, 0])

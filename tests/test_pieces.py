@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Joint, UpperBody
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Block, Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Face,
@@ -19,7 +20,9 @@ from sidmacib.pieces import assemble, lock_faces, upper_block
 
 joints = st.builds(
     Joint,
-    locks=st.integers(2, 7),
+    locks=st.integers(1, 7),
+    first=st.sampled_from(Block),
+    hold_down=st.sampled_from([HoldDown(), HoldDown.force(9.0), HoldDown.weight()]),
     a=st.floats(0.02, 0.2),
     b=st.floats(0.02, 0.2),
     h=st.floats(0.005, 0.1),

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points import OPTIONS, ContactOption, contact_points
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.errors import InfeasibleError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
@@ -191,6 +191,22 @@ def test_three_points_with_unequal_portions_are_possible(joint: Joint) -> None:
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(720.0)
     torsion = capacity(model, TORSION)
     assert torsion.torque == pytest.approx(3 * joint.T0 * 2 * 0.25 * 0.4 * joint.a)
+
+
+def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:
+    model = Sidmacib(joint, READY_OPTIONS["bilinear"], friction=False)
+    strength, most = 3 * joint.T0, 3 * joint.T0 * joint.a / 4
+    for share in (0.0, 0.25, 0.5, 0.75, 0.9):
+        torque = most * min(1.0, 2.0 * (1.0 - share))
+        direction = Direction(torque / (share * strength * joint.a) if share else math.inf)
+        point = capacity(model, direction)
+        assert point.shear == pytest.approx(share * strength, abs=1e-6)
+        assert point.torque == pytest.approx(torque, rel=1e-7)
+
+
+def test_the_ready_options_are_the_papers_four_and_more() -> None:
+    assert {name: READY_OPTIONS[name] for name in OPTIONS} == OPTIONS
+    assert [*READY_OPTIONS] == [*OPTIONS, "bilinear"]
 
 
 def test_a_lock_that_does_not_count_keeps_its_normal_force(joint: Joint) -> None:

@@ -100,7 +100,7 @@ VALUES = [
     ("samples: {n3: {locks: 1%s}}" % ("0" * 400), "samples.n3.locks: '1000.*' is not a number"),
     ("geometry: {a: 1e999}", "geometry.a: '1e999' is not a number; .* greater than 0 .m."),
     ("geometry: {a: true}", "geometry.a: true is not a number; it must be a number greater than 0"),
-    ("samples: {n3: {locks: true}}", "samples.n3.locks: true is not a number; .* from 2 to 101"),
+    ("samples: {n3: {locks: true}}", "samples.n3.locks: true is not a number; .* from 1 to 101"),
     ("samples: {n3: {locks: 3.5}}", "samples.n3.locks: 3.5 is not allowed; .* a whole number from"),
     ("geometry: {a: .nan}", "geometry.a: nan is not allowed; it must be greater than 0 .m."),
     ("geometry: {a: .inf}", "geometry.a: inf is not allowed"),

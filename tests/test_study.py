@@ -10,8 +10,8 @@ from conftest import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.contact_points import OPTIONS
-from sidmacib.joint import Joint, UpperBody
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS
+from sidmacib.joint import Joint, OwnLock, UpperBody
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.cases import cases_of
@@ -19,7 +19,7 @@ from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
 from workflow.engines.numerics import Numerics
 from workflow.schema import Study
-from workflow.schema.geometry import GeometrySection, SampleSection
+from workflow.schema.geometry import GeometrySection, LockSection, SampleSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -44,7 +44,9 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, "locks"}
+    own = {"locks", "first", "different"}
+    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
+    assert [*LockSection.model_fields] == [field.name for field in fields(OwnLock)]
 
 
 def test_changes_are_held_to_the_same_ranges() -> None:
@@ -74,8 +76,24 @@ def test_an_even_number_of_locks_is_welcome_without_the_rule_that_needs_an_odd_o
     assert study.joint("n4").locks == 4
 
 
+@pytest.mark.parametrize("options", [["option1", "bilinear"], {"option1": None, "bilinear": None}])
+def test_a_ready_option_is_taken_by_its_name(options: Any) -> None:
+    found = read_study(merged(sidmacib={"options": options})).sidmacib.options
+    ready = {name: READY_OPTIONS[name] for name in ("option1", "bilinear")}
+    assert {name: option.contact_option() for name, option in found.items()} == ready
+
+
 # --- faults --------------------------------------------------------------------------------------
+BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
 DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
+
+
+def differing(locks: dict[Any, Any]) -> dict[str, Any]:
+    """A study of a joint whose ``locks`` differ."""
+    return {
+        "samples": {"n": {"locks": 3, "different": locks}},
+        "sidmacib": {"reductions": ["none"]},
+    }
 
 
 @pytest.mark.parametrize(
@@ -128,8 +146,68 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
             r"samples.n4.locks: 4 is not possible while sidmacib.reductions has half \(.*\)",
         ),
         (
-            {"samples": {"n1": {"locks": 1}}},
-            "samples.n1.locks: 1 is not allowed; it must be a whole number from 2 to 101",
+            {"samples": {"n1": {"locks": 1}}, "models": ["static", "limit"]},
+            "samples.n1.locks: 1 is not possible with limit; it must be at least 2",
+        ),
+        (
+            {"samples": {"n0": {"locks": 0}}},
+            "samples.n0.locks: 0 is not allowed; it must be a whole number from 1 to 101",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "first": "left"}}},
+            "samples.n.first: 'left' is not allowed; it must be upper or lower",
+        ),
+        (
+            differing({4: {"width": 0.06}}),
+            "samples.n: different: 4 is not possible; it must be the number of a lock, 1 to 3",
+        ),
+        (
+            differing({"last": {"width": 0.06}}),
+            "samples.n.different: 'last' is not a number; it must be a whole number from 1 to 101",
+        ),
+        (
+            differing({2: {"b": 0.06}}),
+            "samples.n.different.2.b: unknown key; the keys here are width, density, inner",
+        ),
+        (
+            differing({2: {"inner": {"cohesion": 0}}}),
+            r"samples.n.different.2.inner.cohesion: 0 is not allowed; .* greater than 0 \(Pa\)",
+        ),
+        (
+            {**differing({2: {"width": 0.04}}), "meshes": [0.04]},
+            "meshes: 0.04 m is too coarse for sample n; it must be less than 0.04 m, .*",
+        ),
+        (
+            {**differing({2: {"width": 0.06}}), "sidmacib": {"reductions": ["half"]}},
+            "samples.n.different: a strength from 240 to 288 N is not possible while "
+            r"sidmacib.reductions has half \(.* it must be the same for all\)",
+        ),
+        (
+            {**differing({2: {"inner": {"shear_stiffness": 5e9}}}), **BOTH},
+            r"samples.n.different.2.inner.shear_stiffness: 5e\+09 Pa/m is not possible with "
+            r"liggghts; it must be the same as normal_stiffness, 1e\+10 Pa/m",
+        ),
+        (
+            merged(assembly={"hold_down": "rope"}),
+            "assembly.hold_down: 'rope' is not allowed; it must be plate, weight, "
+            r"{force: a number \(N\)} or {pressure: a number \(Pa\)}",
+        ),
+        (
+            merged(assembly={"hold_down": {"rope": 1, "force": 2}}),
+            "assembly.hold_down: a mapping of 'rope', 'force' is not allowed; it must be plate, .*",
+        ),
+        (
+            merged(variants={"v": {"hold_down": {"force": -5}}}),
+            r"variants.v.hold_down: force: -5 is not allowed; it must be at least 0 \(N\)",
+        ),
+        (
+            merged(sidmacib={"options": ["option9"]}),
+            "sidmacib.options: 'option9' is not ready; without positions and portions it must be "
+            "one of option1, option2, option3, option4, bilinear",
+        ),
+        (
+            merged(sidmacib={"options": ["bilinear", "bilinear"]}),
+            "sidmacib.options: 'bilinear' appears twice; each name must appear only once",
         ),
         (
             merged(dem={"engines": ["3dec"]}),
@@ -161,23 +239,23 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
         ),
         (
             merged(variants={"v": {"failur": "ductile"}}),
-            "variants.v.failur: unknown key; the keys here are failure, load_share, .*",
+            "variants.v.failur: unknown key; the keys here are pieces, failure, .*",
         ),
         (
             merged(dem={"engines": []}, models=["limit"]),
             "models: limit is not enough while dem.engines is empty; it must have static",
         ),
         (
-            merged(materials={"inner": {"shear_stiffness": 5e9}}),
+            merged(materials={"inner": {"shear_stiffness": 5e9}}, **BOTH),
             r"materials.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; it must "
             r"be the same as normal_stiffness, 1e\+10 Pa/m",
         ),
         (
-            merged(**DUCTILE, dem={"engines": ["yade"]}),
+            merged(**DUCTILE, dem={"engines": ["yade"]}, models=["static"]),
             "assembly.failure: ductile is not possible with static; it must be brittle",
         ),
         (
-            merged(**DUCTILE, models=["limit"]),
+            merged(**DUCTILE, models=["limit"], **BOTH),
             "assembly.failure: ductile is not possible with liggghts; it must be brittle",
         ),
         (merged(sidmacib={"options": {}}), "sidmacib.options: an empty mapping is not allowed; .*"),
@@ -234,11 +312,12 @@ def test_all_faults_are_told_at_once() -> None:
     h=st.floats(0.001, 0.1),
     layout=st.sampled_from(NodeLayout),
     body=st.sampled_from(UpperBody),
+    width=st.floats(0.04, 0.2),
 )
 def test_the_estimate_of_nodes_is_never_low_and_of_the_right_order(
-    mesh: float, layout: NodeLayout, locks: int, h: float, body: UpperBody
+    mesh: float, layout: NodeLayout, locks: int, h: float, body: UpperBody, width: float
 ) -> None:
-    joint = Joint(locks, h=h, upper_body=body)
+    joint = Joint(locks, h=h, upper_body=body, different={1: OwnLock(width=width)})
     nodes = len(assemble(joint, mesh, layout).nodes.face)
     assert nodes <= node_estimate(joint, mesh, layout) < 8 * nodes
 
@@ -277,6 +356,8 @@ def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -
         merged(**DUCTILE, models=["limit"], dem={"engines": ["yade"]}),
         merged(materials={"inner": {"shear_stiffness": 5e9}}, dem={"engines": []}),
         {"samples": {"n": {"locks": 3, "b": 0.02}}, "meshes": [0.005]},
+        differing({2: {"width": 0.06, "inner": {"cohesion": 1e5}}}),
+        merged(assembly={"hold_down": {"pressure": 1e5}}, sidmacib={"options": ["bilinear"]}),
         merged(variants={"v": {"upper_body": "monolithic", "eccentricities": ["torsion"]}}),
     ],
 )

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from sidmacib.contact_points import OPTIONS, ContactOption
-from sidmacib.joint import DRY, INNER, Direction, Joint
+from sidmacib.hold_down import Hold, HoldDown
+from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock
 from sidmacib.loading import Loading
 from sidmacib.programme import Sidmacib
 
@@ -27,9 +28,9 @@ def test_a_density_is_not_negative(value: object) -> None:
         Joint(3, density=value)
 
 
-@pytest.mark.parametrize("value", [1, 0, -3, 3.0, "3", True, math.nan])
-def test_there_are_at_least_two_locks(value: object) -> None:
-    with pytest.raises(ValueError, match=r"^locks: .* must be a whole number of at least 2$"):
+@pytest.mark.parametrize("value", [0, -3, 3.0, "3", True, math.nan])
+def test_there_is_at_least_one_lock(value: object) -> None:
+    with pytest.raises(ValueError, match=r"^locks: .* must be a whole number of at least 1$"):
         Joint(value)
 
 
@@ -52,12 +53,44 @@ def test_friction_and_strengths_are_not_negative(name: str, value: object) -> No
     [
         ("inner", None, "a FaceMaterial"),
         ("failure", "brittle", "Failure: BRITTLE, DUCTILE"),
-        ("upper_body", "monolithic", "UpperBody: COLUMNS, MONOLITHIC"),
+        ("upper_body", "monolithic", "UpperBody: COLUMNS, JOINED, MONOLITHIC"),
+        ("first", "lower", "Block: UPPER, LOWER"),
+        ("hold_down", "plate", "a HoldDown"),
+        ("different", {4: OwnLock()}, "the number of a lock, 1 to 3"),
+        ("different", {True: OwnLock()}, "the number of a lock, 1 to 3"),
+        ("different", {2: 0.06}, "an OwnLock"),
+        ("different", ((2, OwnLock()), (2, OwnLock())), "one entry for each lock"),
     ],
 )
 def test_anything_else_of_a_joint_is_of_its_kind(name: str, value: object, allowed: str) -> None:
     with pytest.raises(ValueError, match=rf"^{name}: .* must be {allowed}$"):
         Joint(3, **{name: value})
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"width": 0.0}, "width: 0.0 is not possible; it must be a finite number above 0"),
+        ({"density": -1.0}, "density: -1.0 is not possible; it must be 0 or a finite number .*"),
+        ({"inner": 8e4}, "inner: 80000.0 is not possible; it must be a FaceMaterial"),
+    ],
+)
+def test_what_a_lock_has_of_its_own_is_of_its_kind(given: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        OwnLock(**given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (("plate",), "hold_down: 'plate' .* must be Hold: PLATE, FORCE, PRESSURE, WEIGHT"),
+        ((Hold.FORCE, -1.0), "hold_down force: -1.0 .* must be 0 or a finite number above it"),
+        ((Hold.WEIGHT, 5.0), "hold_down weight: 5.0 .* must be 0: it has no amount"),
+    ],
+)
+def test_a_hold_down_is_of_its_kind(given: tuple, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{message}$"):
+        HoldDown(*given)
 
 
 @pytest.mark.parametrize("value", [math.nan, "0.5", None, True])

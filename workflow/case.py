@@ -100,8 +100,15 @@ def _refused(constant: str) -> None:
 def _built(kind: Any, value: Any) -> Any:
     """``value``, read from JSON, as ``kind``; ValueError or TypeError if it is not of that kind."""
     if isinstance(kind, types.UnionType):
-        (kind,) = (k for k in typing.get_args(kind) if k is not types.NoneType)
-        return None if value is None else _built(kind, value)
+        *_, kept = (k for k in typing.get_args(kind) if k is not types.NoneType)
+        # Of several kinds that are taken, the last is the one that is kept, and so written.
+        return None if value is None else _built(kept, value)
+    if typing.get_origin(kind) is tuple:
+        if not isinstance(value, list):
+            raise ValueError(f"{str(value)[:60]!r} is not a list")
+        first, *others = typing.get_args(kind)
+        every = [first] * len(value) if others == [...] else [first, *others]
+        return tuple(_built(own, each) for own, each in zip(every, value, strict=True))
     if isinstance(kind, type) and is_dataclass(kind):
         hints = _hints(kind)
         if not isinstance(value, dict) or set(value) != set(hints):

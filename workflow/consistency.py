@@ -11,6 +11,7 @@ from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
+from workflow.schema.materials import InnerFaceSection
 from workflow.schema.numerics import NumericsSection
 from workflow.schema.values import shown, shown_key
 
@@ -44,7 +45,6 @@ def faults(study: Study) -> Iterator[str]:
 
 def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
     """What ``study`` asks of a model that runs its joints assembled as in ``assembly``."""
-    inner = study.materials.inner
     found = []
     if assembly.failure is Failure.DUCTILE:
         found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
@@ -57,16 +57,32 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
     if assembly.upper_body is UpperBody.JOINED:
         allowed = "columns or monolithic"
         found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
-    if inner.normal_stiffness != inner.shear_stiffness:
-        found.append(
-            Need(
-                Ability.TWO_STIFFNESSES,
-                "materials.inner.shear_stiffness",
-                f"{inner.shear_stiffness:g} Pa/m",
-                f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
+    for place, inner in _inner_faces(study):
+        if inner.normal_stiffness != inner.shear_stiffness:
+            found.append(
+                Need(
+                    Ability.TWO_STIFFNESSES,
+                    f"{place}.shear_stiffness",
+                    f"{inner.shear_stiffness:g} Pa/m",
+                    f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
+                )
             )
-        )
+    found += [
+        Need(Ability.FRICTION, f"samples.{name}.locks", f"{sample.locks}", "at least 2")
+        for name, sample in study.samples.items()
+        if sample.locks == 1  # nothing but friction carries the load
+    ]
     return tuple(found)
+
+
+def _inner_faces(study: Study) -> Iterator[tuple[str, InnerFaceSection]]:
+    """The inner faces of all joints, and where they are given."""
+    inner = study.materials.inner
+    yield "materials.inner", inner
+    for name, sample in study.samples.items():
+        for lock, own in sample.different.items():
+            if (changed := own.inner.changed(inner)) != inner:
+                yield f"samples.{name}.different.{lock}.inner", changed
 
 
 def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
@@ -77,7 +93,8 @@ def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
         return step * (side / mesh + 1.0) + 1.0
 
     upright = along(joint.h) + along(joint.H)  # between neighbours
-    return joint.locks * along(joint.a) * (3.0 * along(joint.b) + upright)
+    level = sum(along(joint.width(lock)) for lock in joint.numbers)
+    return along(joint.a) * (3.0 * level + joint.locks * upright)
 
 
 def notes(study: Study) -> list[str]:
@@ -100,18 +117,20 @@ def notes(study: Study) -> list[str]:
 
 def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
     for name, joint in joints.items():
-        if not 0.0 < joint.T0 < math.inf:
-            yield (
-                f"samples.{name}: a lock's strength of {joint.T0:g} N, cohesion * a * b, is not "
-                "allowed; it must be greater than 0 and finite"
-            )
-        for rule in study.sidmacib.reductions:
+        for strength in dict.fromkeys(joint.strengths):
+            if not 0.0 < strength < math.inf:
+                yield (
+                    f"samples.{name}: a lock's strength of {strength:g} N, cohesion * a * b, is "
+                    "not allowed; it must be greater than 0 and finite"
+                )
+        for rule in study.sidmacib.reductions if joint.interlocking else ():
             try:
                 REDUCTIONS[rule](joint, (1.0,) * joint.locks)
             except ValueError as error:
+                value, _, _ = str(error).partition(" is not possible")
                 yield (
-                    f"samples.{name}.locks: {joint.locks} is not possible while "
-                    f"sidmacib.reductions has {rule} ({error})"
+                    f"samples.{name}.{value} is not possible while sidmacib.reductions has {rule} "
+                    f"({error})"
                 )
 
 
@@ -140,7 +159,7 @@ def _meshes(
     key: str, meshes: tuple[float, ...], nodes: NodeLayout, joints: dict[str, Joint]
 ) -> Iterator[str]:
     for name, joint in joints.items():
-        side = min(joint.a, joint.b)
+        side = joint.least_side
         if max(meshes) >= side:
             yield (
                 f"{key}: {max(meshes)} m is too coarse for sample {name}; it must be less than "

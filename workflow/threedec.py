@@ -10,8 +10,19 @@ from typing import Any
 
 import numpy as np
 
+from sidmacib.joint import Joint
 from sidmacib.loading import lateral_load
-from sidmacib.mechanics.assembly import GRAVITY, Assembly, Failure, Loads, Nodes
+from sidmacib.mechanics.assembly import (
+    GRAVITY,
+    Assembly,
+    Failure,
+    Floats,
+    Loads,
+    Nodes,
+    Piece,
+    Vector,
+    self_weight,
+)
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from workflow.case import REFERENCE, Case
@@ -59,7 +70,9 @@ def deck(case: Case) -> str:
         }
         for face in assembly.faces
     ]
-    increment = INCREMENT * case.joint.T0 * len(case.joint.lower_locks)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    lower = math.fsum(map(case.joint.strength, case.joint.lower_locks))
+    increment = INCREMENT * (lower or loads.scale)  # one upper lock alone has no lower ones
     return ENVIRONMENT.get_template(TEMPLATE).render(
         title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
         case=fingerprint(case),
@@ -71,10 +84,38 @@ def deck(case: Case) -> str:
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,
-        corners=_corners(assembly, lateral_load(case.joint, assembly, case.loading), increment),
+        heavier={p.name: d for p in assembly.pieces if (d := _own_density(p, case.joint))},
+        pressed=_pressed(assembly, loads),
+        corners=_corners(assembly, loads, increment),
         ratio=RATIO,
         cycles=CYCLES,
     )
+
+
+def _own_density(piece: Piece, joint: Joint) -> float | None:
+    """Density (kg/m3) of a piece if it is not that of the joint."""
+    own = piece.mass / math.prod(piece.size.tolist())
+    return None if math.isclose(own, joint.density) else own
+
+
+def _pressed(assembly: Assembly, loads: Loads) -> list[dict[str, Any]]:
+    """What always acts besides self-weight: forces (N) on the corners of the pieces' tops.
+
+    Each is a quarter of the force on the piece, whose resultant is in the middle.
+    """
+    given = loads.permanent - self_weight(assembly.pieces)
+    return [
+        _corner(piece, (x, y, piece.high[2]), load[:3] / 4)
+        for piece, load in zip(assembly.pieces, given, strict=True)
+        if load.any()
+        for x in (piece.low[0], piece.high[0])
+        for y in (piece.low[1], piece.high[1])
+    ]
+
+
+def _corner(piece: Piece, place: Vector, force: Floats) -> dict[str, Any]:
+    radius = 1e-6 + 0.01 * float(min(piece.size))
+    return {"piece": piece.name, "place": place, "force": force.tolist(), "radius": radius}
 
 
 def _law(material: dict[str, float]) -> dict[str, Any]:
@@ -94,15 +135,8 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
         for x, sign in ((piece.low[0], -1.0), (piece.high[0], 1.0)):
             share = load[:3] / 4
             share[1] += sign * load[5] / (2 * piece.size[0])
-            found += [
-                {
-                    "piece": piece.name,
-                    "place": (x, y, z),
-                    "force": (increment * share).tolist(),
-                    "radius": 1e-6 + 0.01 * float(min(piece.size)),
-                }
-                for z in (piece.low[2], piece.high[2])
-            ]
+            ends = piece.low[2], piece.high[2]
+            found += [_corner(piece, (x, y, z), increment * share) for z in ends]
     return found
 
 

@@ -49,7 +49,9 @@ def shown_samples(study: Study) -> tuple[str, ...]:
 def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in shown_samples(study):
-        yield FigureSpec(f"options-{sample}", "options", sample)
+        interlocking = sample in study.interlocking
+        if interlocking:
+            yield FigureSpec(f"options-{sample}", "options", sample)
         for model in study.dem.engines or detailed[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]
             suffix = "" if model == detailed[0] else f"-{model}"
@@ -61,7 +63,8 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
                 ),
             ):
                 yield FigureSpec(f"{kind}-{sample}{suffix}", kind, sample, case)
-        yield FigureSpec(f"revised-{sample}", "revised", sample)
+        if interlocking:
+            yield FigureSpec(f"revised-{sample}", "revised", sample)
         yield FigureSpec(f"models-{sample}", "models", sample)
     yield FigureSpec("meshes", "meshes")
     yield FigureSpec("side_by_side", "side_by_side")

@@ -1,5 +1,6 @@
 """Torsion-shear curves: V-M capacities of the models."""
 
+import math
 from itertools import cycle, pairwise
 
 import numpy as np
@@ -34,6 +35,8 @@ def first_quadrant(vertices: Floats) -> Floats:
 def options(material: Material) -> Figure:
     """All contact-point options of a sample, every lock counting."""
     study, joint = material.study, material.study.joint(material.sample)
+    given = joint.pressing_force
+    overload = study.sidmacib.overload if given is None else given
     figure = Figure(figsize=(8, 4.4), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for axis, friction in zip(axes, (False, True), strict=True):
@@ -51,8 +54,8 @@ def options(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}SiDMACIB, {joint.locks} locks, every lock counting: exact "
-        f"envelopes, overload {study.sidmacib.overload:g} N; n·T0 = "
-        f"{joint.locks * joint.T0:g} N. {style.ASSUMED_POINTS} "
+        f"envelopes, overload {overload:g} N; {'ΣT0' if joint.different else 'n·T0'} = "
+        f"{math.fsum(joint.strengths):g} N. {style.ASSUMED_POINTS} "
         f"{material.assumed_geometry}",
     )
     return figure

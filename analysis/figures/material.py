@@ -78,8 +78,8 @@ class Material:
     def place_in_paper(self) -> str:
         """Which figure of the paper this redraws, as a sentence; empty if none."""
         numbers = IN_THE_PAPER.get(self.spec.kind, {})
-        locks = [s.locks for s in self.study.samples.values()]
-        if self.spec.sample is not None:
-            locks = [self.study.samples[self.spec.sample].locks]
-        found = [numbers[n] for n in locks if n in numbers and self.assumed_geometry]
+        published = read_published().samples(self.study)
+        shown = self.spec.sample
+        locks = [n for sample, n in published.items() if shown in (None, sample)]
+        found = [numbers[n] for n in locks if n in numbers]
         return f"{' and '.join(found)} of the paper, redrawn. " if found else ""

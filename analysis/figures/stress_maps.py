@@ -34,7 +34,7 @@ def _map(material: Material) -> Figure:
     words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
         eccentricity, f"under torsion and shear, e = {eccentricity:g} a,"
     )
-    width = 2.6 + 1.8 * joint.locks * joint.b / joint.a
+    width = 2.6 + 1.8 * joint.total_width / joint.a
     figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
     axes = figure.subplots()
     cells = _draw_faces(axes, shown)
@@ -78,6 +78,7 @@ def _without_result(material: Material) -> Figure:
 
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     joint = shown.case.joint
+    strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
     own = lock_faces(joint)
     faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in own}
     inner = shown.nodes[shown.nodes["face"].isin(own)]
@@ -90,7 +91,7 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
         ],
         array=magnitude.to_numpy() / 1e3,
         cmap="viridis",
-        clim=(0.0, joint.inner.cohesion / 1e3),
+        clim=(0.0, strongest / 1e3),
     )
     axes.add_collection(cells)
     broken = inner[inner["bonded"] == 0]
@@ -113,11 +114,11 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
         thinned["shear_y_Pa"],
         thinned["shear_x_Pa"],
         color="white",
-        scale=joint.inner.cohesion * 6 * joint.locks,
+        scale=strongest * 6 * joint.locks,
         width=0.003,
         pivot="mid",
     )
-    axes.set_xlim(0, joint.locks * joint.b)
+    axes.set_xlim(0, joint.total_width)
     return cells
 
 

@@ -203,21 +203,37 @@ class Assembly:
 
 
 @dataclass(frozen=True)
+class SideLoad:
+    """The part of a piece's loads that acts on one of its sides.
+
+    The side lies across ``axis``, the far one if ``high``.
+
+    ``wrench``: force (N) and moment (N m) about the centroid, or per newton of load unless
+    ``permanent``; the stress on the side varies linearly.
+    """
+
+    piece: int
+    axis: int
+    high: bool
+    wrench: tuple[float, ...]
+    permanent: bool = False
+
+
+@dataclass(frozen=True)
 class Loads:
     """Forces and moments on the pieces, about their centroids, both of shape (P, 6).
 
     ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is
     raised, per newton of load. ``scale`` in N: a load of the order of what the assembly carries,
-    which first increments are parts of. ``sides``: of pieces, by index, whose variable load acts
-    on one side only: its axis and whether it is the far one. That matters where pieces deform; all
-    other loads are spread over the volume. ValueError if a number is not finite, or the scale not
-    positive.
+    which first increments are parts of. ``sides``: which parts of these act on sides of pieces;
+    the rest is spread over the volume. That matters only where pieces deform. ValueError if a
+    number is not finite, or the scale not positive.
     """
 
     permanent: Floats
     variable: Floats
     scale: float
-    sides: tuple[tuple[int, int, bool], ...] = ()
+    sides: tuple[SideLoad, ...] = ()
 
     def __post_init__(self) -> None:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):

@@ -73,7 +73,8 @@ class DeformableSolver:
         )
         motions = cho_solve(factor, np.column_stack(balance) - held.T @ np.column_stack(moved))
         self.forces, self.moved, self.motions = forces, moved, motions
-        self.factor, self.held, self.variable = factor, held, balance[1]
+        self.factor, self.held = factor, held
+        self.weight, self.variable = balance
         self.scale = loads.scale
         elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
         self.farthest = FARTHEST * float(elastic[0] + loads.scale * elastic[1])
@@ -112,6 +113,20 @@ class DeformableSolver:
                     break
             sizes.append(size)
         raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N).
+
+        It is the cosine between their displacements and the opposite of what always acts.
+        """
+        elastic = self.forces @ np.array([1.0, load])
+        slip = np.zeros((len(self.law.friction), 3))
+        slip[:, 1:] = point.state.slip
+        _, tangent, wrong = self._law(elastic, point.unknowns, slip, point.state.bonded)
+        step = self._step(tangent, wrong, point.unknowns, slip)
+        moved = cho_solve(self.factor, self.held.T @ step)
+        size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
+        return -float(self.weight @ moved) / size if size else 0.0
 
     def _law(
         self, elastic: Floats, jump: Floats, slip: Floats, bonded: Flags
@@ -199,7 +214,6 @@ def _flexibility(
     )
     size = np.array([np.subtract(each.high, each.low) for each in faces])
     cells = (size / cell_counts(faces, assembly.mesh))[face]
-    sides = {piece: (axis, high) for piece, axis, high in loads.sides}
     give, moved = np.zeros((len(kept), len(kept))), (np.zeros(len(kept)), np.zeros(len(kept)))
     own = np.zeros(2)
     for number, piece in enumerate(assembly.pieces):
@@ -207,20 +221,33 @@ def _flexibility(
             continue
         seen = np.flatnonzero((below == number) | (above == number))
         sign = np.where(below[seen] == number, 1.0, -1.0)
-        wrenches = (
-            Spread(tuple(map(float, loads.permanent[number]))),
-            Spread(tuple(map(float, loads.variable[number])), *sides.get(number, (None, False))),
-        )
+        spreads, permanent = _spreads(loads, number)
         place = nodes.position[kept[seen] // 3] - piece.centre
         components = _Components(place, cells[seen] if means else None, axes[seen])
         shape = _grid(assembly, number), piece.elastic.poisson, quadratic
-        found = _condensed(*shape, components, wrenches)
+        found = _condensed(*shape, components, spreads)
         young = piece.elastic.young
         give[np.ix_(seen, seen)] += found.contact * sign[:, None] * sign / young
-        for values, column in zip(moved, found.by_load.T, strict=True):
+        both = np.column_stack([permanent, ~permanent]).astype(float)
+        for values, column in zip(moved, (found.by_load @ both).T, strict=True):
             values[seen] += sign * column / young
-        own += found.load[1] / young
+        own += (both.T @ found.load @ both)[1] / young
     return give, moved, own
+
+
+def _spreads(loads: Loads, number: int) -> tuple[tuple[Spread, ...], Flags]:
+    """How the loads of a piece are spread, and which of them are permanent."""
+    own = [side for side in loads.sides if side.piece == number]
+    spreads = [Spread(side.wrench, side.axis, side.high) for side in own]
+    flags = [side.permanent for side in own]
+    for permanent, whole in ((True, loads.permanent), (False, loads.variable)):
+        rest = whole[number].astype(float)
+        for side in own:
+            if side.permanent is permanent:
+                rest = rest - side.wrench
+        spreads.append(Spread(tuple(rest.tolist())))
+        flags.append(permanent)
+    return tuple(spreads), np.array(flags)
 
 
 class _Components:

@@ -47,7 +47,7 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
 
     Accurate to 1e-9 of the load or of ``loads.scale``, whichever is larger. Associated friction has
     no limit under a fixed plate, which can press as hard as it likes: put a force in its place, see
-    `sidmacib.loading.pressed`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is
+    `sidmacib.hold_down`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is
     no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):

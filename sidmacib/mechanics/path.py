@@ -30,7 +30,8 @@ class Mode(StrEnum):
     """Why the load cannot rise beyond the peak."""
 
     BONDS = "bonds"  # they fail, and no equilibrium follows
-    MECHANISM = "mechanism"  # pieces slide or rock although no bond is at its strength
+    MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
+    ROCKING = "rocking"  # pieces are lifted against what always acts, and no bond is either
 
 
 @dataclass(frozen=True)

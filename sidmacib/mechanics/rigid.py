@@ -5,6 +5,8 @@ A node's force follows from the relative displacement of its two pieces by
 however fine the mesh.
 """
 
+import math
+
 import numpy as np
 
 from sidmacib.errors import NoEquilibriumError
@@ -18,6 +20,9 @@ from sidmacib.mechanics.springs import Springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
+DRAG = (
+    1e-6  # on pieces that move off, over a face's stiffness: they do so by far more than they give
+)
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -40,7 +45,7 @@ class RigidSolver:
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
         per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
-        self.floor = FLOOR * float(per_face.max())
+        self.floor, self.drag = FLOOR * float(per_face.max()), DRAG * float(per_face.max())
         self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
         self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
@@ -70,6 +75,23 @@ class RigidSolver:
         moved = float(self.load @ unknowns)
         after = NodeState(slip, state.bonded)
         return Equilibrium(load, self._outside(unknowns), moved, force, after)
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N).
+
+        It is the cosine between their displacements and the opposite of what always acts.
+        """
+        target = load * self.load + self.weight
+        begin = self._inside(point.unknowns * self.units)
+        # Newton's steps with drag in place of a floor: as nothing carries the load, they go on.
+        limits = self.drag, 0.0, math.inf
+        state = point.state
+        _, end, _, _ = equilibrium(
+            self.structure, self.matrix, target, begin, state.slip, state.bonded, limits
+        )
+        moved = end - begin
+        size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
+        return -float(self.weight @ moved) / size if size else 0.0
 
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""

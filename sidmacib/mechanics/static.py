@@ -4,6 +4,10 @@ The load rises in increments, which gives friction its history. When the first n
 its strength goes at once (those that fail together go together) and a new equilibrium is sought at
 the same load; where none exists is the peak. How an equilibrium is found is up to a solver: one for
 rigid pieces, one for pieces that deform.
+
+Pieces may also move off with all bonds whole. How they do is seen by pushing on, slightly beyond
+the peak, against drag. They rock where that lifts them against what always acts: sliding along
+plane faces lifts nothing.
 """
 
 import importlib
@@ -22,6 +26,8 @@ INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
 LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
+BEYOND = 0.01  # over the peak: load at which pieces are seen to move off
+LIFT = 1e-3  # part of their motion that lifts, at least; rounding and elasticity make 1e-5
 TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
 
 
@@ -40,6 +46,9 @@ class Solver(Protocol):
 
         Raises `NoEquilibriumError` where none is found.
         """
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
 
 
 def solver_of(assembly: Assembly, loads: Loads) -> Solver:
@@ -66,7 +75,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
         path, failing = _raised(solver, path, loads.scale)
         first_failure = path[-1].load if first_failure is None else first_failure
         if not failing.any():
-            mode = Mode.MECHANISM
+            mode = _motion(solver, path[-1], loads.scale)
             break
         try:
             path.append(_redistributed(solver, path[-1], failing))
@@ -75,6 +84,12 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
     return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
+
+
+def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
+    """How pieces move off beyond the peak ``point``, no bond being at its strength."""
+    load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
+    return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
 
 def _raised(

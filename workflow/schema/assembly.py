@@ -1,11 +1,13 @@
-"""How the joint is cut, loaded and fails, in every model of its pieces."""
+"""How the joint is cut, loaded, held down and fails, in every model of its pieces."""
 
 from enum import StrEnum
 from typing import Any
 
+from sidmacib.hold_down import HoldDown
 from sidmacib.joint import UpperBody
 from sidmacib.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
+from workflow.schema.hold_down import HeldDown
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section, changes_to
 from workflow.schema.values import Eccentricities, Lengths
@@ -19,13 +21,14 @@ class Pieces(StrEnum):
 
 
 class AssemblySection(Section):
-    """How the joint is cut, loaded and fails."""
+    """How the joint is cut, loaded, held down and fails."""
 
     pieces: Pieces = Pieces.RIGID
     failure: Failure = Failure.BRITTLE
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
+    hold_down: HeldDown = HoldDown()
 
 
 _CHANGES: Any = changes_to(AssemblySection)
@@ -41,5 +44,5 @@ class VariantSection(_CHANGES):
 
     def assembly(self, study: AssemblySection) -> AssemblySection:
         """The assembly of this variant."""
-        own = self.model_dump(include=set(AssemblySection.model_fields), exclude_none=True)
-        return study.model_copy(update=own)
+        own = {key: getattr(self, key) for key in AssemblySection.model_fields}
+        return study.model_copy(update={k: v for k, v in own.items() if v is not None})

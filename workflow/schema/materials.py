@@ -4,7 +4,7 @@ from typing import Any
 
 from sidmacib.joint import DRY, INNER, Joint
 from sidmacib.mechanics.assembly import FaceMaterial
-from workflow.schema.section import Section, section_of
+from workflow.schema.section import Section, changes_to, section_of
 from workflow.schema.values import (
     Density,
     Friction,
@@ -27,6 +27,17 @@ _DRY: Any = section_of(DRY, **_ELASTIC, cohesion=NoStrength, tensile_strength=No
 
 class InnerFaceSection(_INNER):
     """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
+
+
+_CHANGES: Any = changes_to(InnerFaceSection)
+
+
+class InnerFaceChanges(_CHANGES):
+    """What differs on the inner face of a lock; None means no change."""
+
+    def changed(self, inner: InnerFaceSection) -> InnerFaceSection:
+        """``inner`` with these changes."""
+        return inner.model_copy(update=self.model_dump(exclude_none=True))
 
 
 class DryFaceSection(_DRY):

@@ -1,10 +1,11 @@
 """SiDMACIB, the limit model on contact points."""
 
-from typing import Annotated, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
 from sidmacib.revision import REDUCTIONS
 from workflow.schema.section import Section
 from workflow.schema.values import Entries, Force, Name, Number, Some, shown
@@ -36,15 +37,38 @@ def _reduction(name: object) -> object:
     return name
 
 
+_READY = {
+    name: OptionSection(positions=option.positions, portions=option.portions)
+    for name, option in READY_OPTIONS.items()
+}
+
+
+def _with_ready(value: Any) -> Any:
+    """Options by name, in a list or without a value, as what they stand for."""
+    if isinstance(value, list | tuple):
+        if twice := [name for number, name in enumerate(value) if name in value[:number]]:
+            raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
+        value = dict.fromkeys(map(_ready_name, value))
+    if not isinstance(value, Mapping):
+        return value
+    return {name: _READY[_ready_name(name)] if own is None else own for name, own in value.items()}
+
+
+def _ready_name(name: Any) -> str:
+    if not isinstance(name, str) or name not in _READY:
+        raise ValueError(
+            f"{shown(name)} is not ready; without positions and portions it must be one of "
+            f"{', '.join(_READY)}"
+        )
+    return name
+
+
 class SidmacibSection(Section):
     """The overload on the upper block (N), contact points, and rules for which locks count."""
 
     overload: Force = 1000.0
-    options: Annotated[dict[Name, OptionSection], Entries] = Field(
-        default={
-            name: OptionSection(positions=option.positions, portions=option.portions)
-            for name, option in OPTIONS.items()
-        }
+    options: Annotated[dict[Name, OptionSection], Entries, BeforeValidator(_with_ready)] = Field(
+        default={name: _READY[name] for name in OPTIONS}
     )
     reductions: Annotated[tuple[Annotated[str, BeforeValidator(_reduction)], ...], Some] = tuple(
         REDUCTIONS

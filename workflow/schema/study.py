@@ -43,18 +43,23 @@ class Study(Section):
         """Names of the models that the study runs: engines, then the others."""
         return *self.dem.engines, *self.models
 
+    @property
+    def interlocking(self) -> tuple[str, ...]:
+        """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
+        return tuple(name for name in self.samples if self.joint(name).interlocking)
+
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
         """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
-        own = self.samples[sample].model_dump(exclude_none=True)
-        return Joint(
-            **{**self.geometry.model_dump(), **own},
+        return self.samples[sample].joint(
+            self.geometry,
+            self.materials.inner,
             density=self.materials.density,
-            inner=face_material(self.materials.inner),
             dry=face_material(self.materials.dry),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
-            block=self._block() if assembly.pieces is Pieces.ELASTIC else None,
+            hold_down=assembly.hold_down,
+            elastic=self._block() if assembly.pieces is Pieces.ELASTIC else None,
         )
 
     def _block(self) -> Elastic:

@@ -251,7 +251,7 @@ class Deck:
         return f"fix {name} all property/global {name} peratomtypepair {self.types} {numbers}"
 
     def _loads(self) -> Iterator[str]:
-        """Gravity or other permanent loads, and the load that is raised: forces on the handles."""
+        """Gravity, other permanent loads, and the load that is raised: forces on the handles."""
         gravity = common_gravity(self.assembly)
         if gravity:
             yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
@@ -260,8 +260,8 @@ class Deck:
         groups = 0
         for index in self.assembly.free:
             piece = self.assembly.pieces[index]
-            permanent = none if gravity else (piece.force_N, piece.moment_Nm)
-            always = handle_forces(*permanent, self.reach[index])
+            force = beyond_gravity(piece, gravity)
+            always = handle_forces(force, piece.moment_Nm, self.reach[index])
             raised = handle_forces(*variable.get(index, none), self.reach[index])
             for number, atom in enumerate(self.atoms.handles[index]):
                 axes = [k for k in AXES if always[number][k] or raised[number][k]]
@@ -330,15 +330,17 @@ class Deck:
 
 
 def common_gravity(assembly: Assembly) -> float:
-    """The acceleration (m/s2) along -z that is all that always acts on free pieces, or else 0."""
-    pieces = [assembly.pieces[index] for index in assembly.free]
-    gravity = -pieces[0].force_N[2] / pieces[0].mass_kg
-    alike = all(
-        math.isclose(-piece.force_N[2], gravity * piece.mass_kg, rel_tol=1e-12)
-        and not any((*piece.force_N[:2], *piece.moment_Nm))
-        for piece in pieces
-    )
-    return gravity if alike else 0.0
+    """The acceleration (m/s2) along -z that all free pieces have, whatever else acts; or else 0."""
+    own = [-p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)]
+    least = max(0.0, min(own))
+    return own[0] if math.isclose(own[0], least, rel_tol=1e-12) else least
+
+
+def beyond_gravity(piece: Piece, gravity: float) -> Vector:
+    """What always acts on a piece besides its weight under ``gravity`` (m/s2), in N."""
+    x, y, z = piece.force_N
+    alike = math.isclose(-z, gravity * piece.mass_kg, rel_tol=1e-12)
+    return x, y, 0.0 if alike else z + gravity * piece.mass_kg
 
 
 def handle_forces(force: Vector, moment: Vector, distance: float) -> list[list[float]]:

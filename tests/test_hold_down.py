@@ -1,0 +1,175 @@
+"""What holds the joint down: a plate, a given force or pressure, or nothing but self-weight."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sidmacib.contact_points import OPTIONS
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
+from sidmacib.pieces import PLATE, assemble
+from sidmacib.programme import Sidmacib, capacity
+
+PUSHED = Loading(Direction(0.0))
+WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]
+
+
+def loaded(joint: Joint, loading: Loading = PUSHED, mesh: float = 0.02) -> tuple[Assembly, Loads]:
+    model = assemble(joint, mesh, NodeLayout.CENTRES)
+    return model, lateral_load(joint, model, loading)
+
+
+def solved(joint: Joint, loading: Loading = PUSHED) -> StaticSolution:
+    return static_peak(*loaded(joint, loading))
+
+
+# --- pieces and loads ----------------------------------------------------------------------------
+@pytest.mark.parametrize("hold_down", WITHOUT_PLATE)
+@pytest.mark.parametrize("body", UpperBody)
+def test_a_plate_is_there_only_where_it_holds_the_joint_down(
+    hold_down: HoldDown, body: UpperBody
+) -> None:
+    for hold, there in ((hold_down, False), (HoldDown(), True)):
+        model = assemble(Joint(3, upper_body=body, hold_down=hold), 0.03, NodeLayout.CENTRES)
+        assert any(piece.name == PLATE for piece in model.pieces) is there
+        assert any(face.kind is Kind.PLATE for face in model.faces) is there
+
+
+@given(st.floats(0.0, 1e6), st.floats(0.01, 0.1), st.sampled_from(UpperBody), st.booleans())
+def test_what_is_given_acts_evenly_on_the_top(
+    amount: float, width: float, body: UpperBody, is_pressure: bool
+) -> None:
+    different = {2: OwnLock(width=width)}
+    joint = Joint(3, different=different, upper_body=body, hold_down=HoldDown.weight())
+    given = HoldDown.pressure(amount) if is_pressure else HoldDown.force(amount)
+    (model, own), (_, loads) = (
+        loaded(replace(joint, hold_down=hold), mesh=0.009) for hold in (joint.hold_down, given)
+    )
+    area = joint.a * (2 * joint.b + width)
+    more = loads.permanent - own.permanent
+    top = max(piece.high[2] for piece in model.pieces)
+    for piece, load in zip(model.pieces, more, strict=True):
+        share = piece.size[0] * piece.size[1] / area if piece.high[2] == top else 0.0
+        whole = amount * area if is_pressure else amount
+        assert -load[2] == pytest.approx(share * whole, abs=1e-9 * (1 + amount))
+    assert (np.delete(more, 2, axis=1) == 0.0).all()
+    assert (loads.variable == own.variable).all()
+
+
+def test_under_a_plate_only_self_weight_always_acts(joint: Joint) -> None:
+    _, under = loaded(joint)
+    _, alone = loaded(replace(joint, hold_down=HoldDown.weight()))
+    assert -under.permanent[2:, 2] == pytest.approx(-alone.permanent[1:, 2])
+
+
+# --- sliding and rocking of a single piece, by hand ----------------------------------------------
+@settings(max_examples=20)
+@given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Block))
+def test_one_lock_alone_slides_at_friction_times_what_presses_it(
+    friction: float, force: float, first: Block
+) -> None:
+    joint = Joint(1, first=first, dry=replace(DRY, friction=friction))
+    joint = replace(joint, hold_down=HoldDown.force(force))
+    height = joint.H + (joint.h if first is Block.UPPER else 0.0)
+    weight = joint.density * 9.81 * joint.a * joint.b * height
+    found = solved(joint)
+    # In increments that suit the lock's strength, which is not what holds it.
+    accuracy = 1e-5 * (force + joint.T0)
+    assert found.peak.load == pytest.approx(friction * (weight + force), rel=1e-3, abs=accuracy)
+    assert found.mode is Mode.MECHANISM
+    model, loads = loaded(joint)
+    limit = limit_load(model, loads, friction=True).load
+    assert limit == pytest.approx(friction * (weight + force), rel=1e-6, abs=1e-6)
+
+
+@settings(max_examples=20)
+@given(st.floats(0.06, 1.0), st.floats(0.0, 5e3), st.sampled_from([0.01, 0.02]))
+def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost_nodes(
+    H: float, force: float, mesh: float
+) -> None:
+    tough = replace(INNER, tensile_strength=1e9, cohesion=1e9)
+    joint = Joint(1, H=H, density=1e5, inner=tough, dry=replace(DRY, friction=3.0))
+    joint = replace(joint, hold_down=HoldDown.force(force))
+    weight = joint.density * 9.81 * joint.a * joint.b * (joint.h + H)
+    half = joint.b / 2 - joint.b / math.ceil(joint.b / mesh - 1e-9) / 2
+    found = static_peak(*loaded(joint, mesh=mesh))
+    assert found.peak.load == pytest.approx((weight + force) * half / ((joint.h + H) / 2), rel=1e-3)
+    assert found.mode is Mode.ROCKING
+
+
+@pytest.mark.parametrize("push", Push)
+@pytest.mark.parametrize("first", Block)
+def test_a_joint_without_friction_rocks_where_its_self_weight_no_longer_balances(
+    push: Push, first: Block
+) -> None:
+    """About the outermost nodes of the last foot that presses, with no bond at its strength."""
+    joint = Joint(3, first=first, dry=replace(DRY, friction=0.0), hold_down=HoldDown.weight())
+    found = solved(joint, Loading(Direction(0.0), push=push))
+    assert found.mode is Mode.ROCKING
+    model, loads = loaded(joint, Loading(Direction(0.0), push=push))
+    assert found.peak.load == pytest.approx(limit_load(model, loads).load, rel=2e-3)
+    assert found.peak.load < 0.1 * joint.T0
+
+
+@pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
+def test_what_holds_the_joint_down_lets_the_locks_fail_instead(hold_down: HoldDown) -> None:
+    joint = Joint(3, dry=replace(DRY, friction=0.0), hold_down=hold_down)
+    found = solved(joint)
+    assert found.mode is Mode.BONDS
+    assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
+
+
+@settings(max_examples=10)
+@given(st.floats(10.0, 1e4), st.sampled_from([0.0, 0.5, math.inf]))
+def test_a_pressure_is_the_force_on_the_top(force: float, eccentricity: float) -> None:
+    loading = Loading(Direction(eccentricity))
+    pressure = HoldDown.pressure(force / (0.06 * 0.15))
+    one, other = (solved(Joint(3, hold_down=h), loading) for h in (HoldDown.force(force), pressure))
+    assert other.peak.load == pytest.approx(one.peak.load, rel=1e-4)
+    assert one.mode is other.mode
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+def test_more_friction_under_a_given_force_carries_more(eccentricity: float) -> None:
+    loading = Loading(Direction(eccentricity))
+    loads = [
+        solved(Joint(3, hold_down=HoldDown.force(force)), loading).peak.load
+        for force in (100.0, 500.0, 1000.0)
+    ]
+    assert loads == sorted(loads)
+
+
+# --- SiDMACIB ------------------------------------------------------------------------------------
+def test_sidmacib_takes_the_given_force_for_its_overload(joint: Joint) -> None:
+    torsion, option = Direction(math.inf), OPTIONS["option4"]
+    own = capacity(Sidmacib(joint, option, overload=700.0), torsion)
+    held = replace(joint, hold_down=HoldDown.force(700.0))
+    assert capacity(Sidmacib(held, option), torsion).load == pytest.approx(own.load)
+    alone = replace(joint, hold_down=HoldDown.weight())
+    none = capacity(Sidmacib(joint, option, overload=0.0), torsion)
+    assert capacity(Sidmacib(alone, option), torsion).load == pytest.approx(none.load)
+
+
+@pytest.mark.parametrize("locks", [2, 3, 4])
+@pytest.mark.parametrize("force", [0.0, 40.0])
+def test_sidmacib_rocks_about_the_last_locks_centreline(locks: int, force: float) -> None:
+    """The weight acts at the upper block's centroid, what is given in the middle of the top."""
+    joint = Joint(locks, hold_down=HoldDown.force(force))
+    area = joint.a * joint.b
+    body = (joint.H * locks, joint.h + joint.H / 2, locks / 2)
+    upper = [(joint.h, joint.h / 2, lock - 0.5) for lock in joint.upper_locks]
+    parts = np.array([body, *upper])  # volume over a b, height, and place over b
+    volume = parts[:, 0].sum()
+    height, place = parts[:, 0] @ parts[:, 1] / volume, parts[:, 0] @ parts[:, 2] / volume
+    weight = joint.density * 9.81 * area * volume
+    moment = (weight * (locks - 0.5 - place) + force * (locks / 2 - 0.5)) * joint.b
+    found = capacity(Sidmacib(joint, OPTIONS["option4"]), Direction(0.0))
+    assert found.load == pytest.approx(moment / (height - joint.h / 2), rel=1e-6)
