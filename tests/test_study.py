@@ -19,7 +19,8 @@ from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
 from workflow.engines.numerics import Numerics
 from workflow.schema import Study
-from workflow.schema.geometry import GeometrySection, SampleSection
+from workflow.schema.geometry import DryChanges, GeometrySection, InnerChanges, SampleSection
+from workflow.schema.materials import DryFaceSection, InnerFaceSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -44,7 +45,10 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, "locks"}
+    own = {"locks", "inner", "dry", "models"}
+    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
+    for changes, section in ((InnerChanges, InnerFaceSection), (DryChanges, DryFaceSection)):
+        assert [*changes.model_fields] == [*section.model_fields]
 
 
 def test_changes_are_held_to_the_same_ranges() -> None:
@@ -171,6 +175,22 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
             merged(materials={"inner": {"shear_stiffness": 5e9}}),
             r"materials.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; it must "
             r"be the same as normal_stiffness, 1e\+10 Pa/m",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "inner": {"shear_stiffness": 5e9}}}},
+            r"samples.n.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; .*",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "dry": {"cohesion": 1}}}},
+            r"samples.n.dry.cohesion: 1 is not allowed; it must be 0 \(Pa\)",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "models": ["magic"]}}},
+            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "models": ["limit"]}}},
+            "samples.n.models: limit is not enough; it must have yade or liggghts or static",
         ),
         (
             merged(**DUCTILE, dem={"engines": ["yade"]}),

@@ -16,6 +16,7 @@ from sidmacib.mechanics.quadrature import NodeLayout
 from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
+APART = 1.5  # ratio of two meshes, at least, to tell a mesh error: closer ones may give equal cells
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,6 +32,8 @@ def faults(study: Study) -> Iterator[str]:
     for key, meshes in _everywhere(study, "meshes"):
         yield from _meshes(key, meshes, _densest(study), joints)
     yield from _models(study)
+    for name, sample in study.samples.items():
+        yield from _models_of_sample(study, name, sample.models)
     yield from _calibration(study)
     if study.figures.mesh not in (None, *study.meshes):
         yield (
@@ -42,21 +44,24 @@ def faults(study: Study) -> Iterator[str]:
         yield f"variants: the name {REFERENCE} is taken; it must be another"
 
 
-def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
-    """What ``study`` asks of a model that runs its joints assembled as in ``assembly``."""
-    inner = study.materials.inner
+def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
+    """What ``study`` asks of a model that runs ``sample`` assembled as in ``assembly``."""
+    inner, own = study.materials.inner, study.samples[sample].inner
+    normal = own.normal_stiffness or inner.normal_stiffness
+    shear = own.shear_stiffness or inner.shear_stiffness
+    changed = own.normal_stiffness or own.shear_stiffness
     found = []
     if assembly.failure is Failure.DUCTILE:
         found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
     else:
         found.append(Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile"))
-    if inner.normal_stiffness != inner.shear_stiffness:
+    if normal != shear:
         found.append(
             Need(
                 Ability.TWO_STIFFNESSES,
-                "materials.inner.shear_stiffness",
-                f"{inner.shear_stiffness:g} Pa/m",
-                f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
+                f"{f'samples.{sample}' if changed else 'materials'}.inner.shear_stiffness",
+                f"{shear:g} Pa/m",
+                f"the same as normal_stiffness, {normal:g} Pa/m",
             )
         )
     return tuple(found)
@@ -157,8 +162,12 @@ def _models(study: Study) -> Iterator[str]:
             elif name in names[:place]:
                 yield f"{key}: {name} appears twice; each name must appear only once"
     known = [name for name in study.model_names if name in MODELS]
-    asked = needs(study, study.assembly)
-    refusals = (MODELS[name].refusal(asked) for name in known)
+    refusals = (
+        MODELS[name].refusal(needs(study, study.assembly, sample))
+        for sample in study.samples
+        for name in study.models_of(sample)
+        if name in known
+    )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
         can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
@@ -166,6 +175,19 @@ def _models(study: Study) -> Iterator[str]:
             f"models: {_some(study.models)} is not enough while dem.engines is empty; it must "
             f"have {' or '.join(can)}"
         )
+
+
+def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
+    """Engines that are left out, because they are not installed, may be named too."""
+    key, allowed = f"samples.{sample}.models", (*obtained_by(Obtained.ENGINE), *study.models)
+    for place, name in enumerate(own or ()):
+        if name not in allowed:
+            yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
+        elif name in (own or ())[:place]:
+            yield f"{key}: {name} appears twice; each name must appear only once"
+    can = detailed(name for name in study.model_names if name in MODELS)
+    if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
+        yield f"{key}: {_some(own)} is not enough; it must have {' or '.join(can)}"
 
 
 def _calibration(study: Study) -> Iterator[str]:

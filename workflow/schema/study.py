@@ -43,15 +43,21 @@ class Study(Section):
         """Names of the models that the study runs: engines, then the others."""
         return *self.dem.engines, *self.models
 
+    def models_of(self, sample: str) -> tuple[str, ...]:
+        """Those of `model_names` that run on ``sample``."""
+        own = self.samples[sample].models
+        return tuple(name for name in self.model_names if own is None or name in own)
+
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
         """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
-        own = self.samples[sample].model_dump(exclude_none=True)
+        own = self.samples[sample].model_dump(exclude_none=True, exclude={"models"})
+        inner, dry = own.pop("inner"), own.pop("dry")
         return Joint(
             **{**self.geometry.model_dump(), **own},
             density=self.materials.density,
-            inner=face_material(self.materials.inner),
-            dry=face_material(self.materials.dry),
+            inner=face_material(self.materials.inner.model_copy(update=inner)),
+            dry=face_material(self.materials.dry.model_copy(update=dry)),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
         )
