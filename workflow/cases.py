@@ -8,7 +8,7 @@ from functools import cache
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.quadrature import NodeLayout
-from workflow.case import APART, REFERENCE, Case, case_name
+from workflow.case import REFERENCE, Case, case_name, missing_level
 from workflow.configuration import ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
@@ -109,11 +109,10 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
 def _levels(study: Study, joint: Joint, run: _Run) -> tuple[float, ...]:
     """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
     meshes = run.change.meshes or study.meshes
-    if run.model.obtained is not Obtained.SOLVED or min(meshes) * APART <= max(meshes):
+    finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
+    if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
         return meshes
-    finer = min(meshes) / 2.0
-    fits = node_estimate(joint, finer, run.nodes) <= MAX_NODES
-    return (*meshes, finer) if fits else meshes
+    return *meshes, finer
 
 
 def _numerics(
