@@ -192,17 +192,18 @@ def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) ->
 
 def _calibration(study: Study) -> Iterator[str]:
     grid = study.calibration
-    count = math.prod(map(len, (grid.a, grid.height_share, grid.height_over_b)))
+    axes = (grid.a, grid.height_share, grid.height_over_b, grid.friction)
+    count = math.prod(map(len, axes))
     if count > MAX_GEOMETRIES:
         yield (
-            f"calibration: {count:,} geometries, a times height_share times height_over_b, are "
-            f"too many; there must be {MAX_GEOMETRIES:,} or fewer"
+            f"calibration: {count:,} joints, a times height_share times height_over_b times "
+            f"friction, are too many; there must be {MAX_GEOMETRIES:,} or fewer"
         )
     least = max(grid.a) / MAX_CELLS_ALONG
-    if grid.mesh < least:
+    if min(grid.meshes) < least:
         yield (
-            f"calibration.mesh: {grid.mesh} m is too fine for locks of {max(grid.a)} m; it must "
-            f"be at least {least:g} m"
+            f"calibration.meshes: {min(grid.meshes)} m is too fine for locks of {max(grid.a)} m; "
+            f"it must be at least {least:g} m"
         )
 
 
