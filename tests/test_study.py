@@ -229,7 +229,7 @@ DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
         ),
         (
             merged(calibration={"a": [0.01 + 1e-6 * i for i in range(1000)]}),
-            "calibration: 121,000 geometries, .* must be 100,000 or fewer",
+            "calibration: 630,000 joints, .* must be 100,000 or fewer",
         ),
     ],
 )
