@@ -243,6 +243,7 @@ def size_columns(geometry: Geometry) -> dict[str, float]:
     height = geometry.h + geometry.H
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
     ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
+    ratios = {name: round(value, 9) for name, value in ratios.items()}  # the grid's own again
     return dict(zip(SIZES, sizes, strict=True)) | ratios
 
 

@@ -36,8 +36,14 @@ def merged(**change: Any) -> dict[str, Any]:
 def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
     study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
     reference = [case for case in cases_of(study).values() if case.variant == "reference"]
-    assert len(reference) == 4 * 2 * 2 * 9
-    assert {case.model for case in reference} == {"yade", "liggghts", "static", "limit"}
+    printed = [case for case in reference if case.sample in ("n3", "n5")]
+    assert len(printed) == 4 * 2 * 2 * 9
+    assert {case.model for case in printed} == {"yade", "liggghts", "static", "limit"}
+    fitted = [case for case in reference if case.sample in ("n3_fits", "n5_fits")]
+    assert len(fitted) == len(reference) - len(printed) == 2 * 2 * 2 * 9
+    assert {case.model for case in fitted} == {"static", "limit"}
+    assert {case.joint.dry.friction for case in fitted} == {0.005236}
+    assert {case.joint.dry.friction for case in printed} == {0.3}
     directions = {0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf}
     assert {case.direction.eccentricity for case in reference} == directions
 
@@ -158,6 +164,14 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
         find_case(study, "n3-mesh0.02-e0a", "yade")
     with pytest.raises(ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case of static; it must"):
         find_case(study, "n3-mesh0.2-e0a")
+
+
+def test_a_case_that_the_engines_do_not_run_is_found_with_the_first_model_that_does() -> None:
+    samples = {"n3": {"locks": 3}, "quick": {"locks": 3, "models": ["limit", "static"]}}
+    study = read_study({"samples": samples, "meshes": [0.02], "eccentricities": [0]})
+    assert find_case(study, "n3-mesh0.02-e0a").model in ENGINES
+    assert find_case(study, "quick-mesh0.02-e0a").model == "static"
+    assert find_case(study, "n3-mesh0.01-e0a").model == "static"
 
 
 # --- names and identity --------------------------------------------------------------------------

@@ -20,7 +20,8 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     study = read_study_file(ROOT / "config.yaml")
     figures = figures_of(study, detailed(study.model_names))
     kinds = ("options", "shear_stress", "torsion_stress", "revised", "models")
-    per_sample = {f"{kind}-{sample}" for kind in kinds for sample in ("n3", "n5")}
+    samples = ("n3", "n5", "n3_fits", "n5_fits")
+    per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
     of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY)

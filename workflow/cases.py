@@ -137,11 +137,15 @@ def _near(name: str, names: set[str]) -> str:
 
 
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
-    """The case ``name``, of the first installed model if none is named; raises `ConfigError`."""
+    """The case ``name``, of the first installed model that has it if none is named.
+
+    Raises `ConfigError`.
+    """
     cases = cases_of(study)
     leading = detailed(study.model_names)
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
-    model = model or (there or leading)[0]
+    among = there or leading
+    model = model or next((m for m in among if (m, name) in cases), among[0])
     if model not in study.model_names:
         allowed = " or ".join(study.model_names)
         raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")

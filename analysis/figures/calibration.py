@@ -36,8 +36,11 @@ def calibration(
     _friction(cells[1], frictions, "least_peak_difference", 100.0, published)
     cells[1].axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
     cells[1].set_title("closest of all published peaks, any weights (%)", loc="left", fontsize=10)
-    best = grid.loc[grid["misfit_swapped"].idxmin()]
-    _map(figure, cells[2], grid, own, best)
+    shown = grid
+    for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
+        nearest = (shown[size] - own[size].iloc[-1]).abs().min()
+        shown = shown[np.isclose((shown[size] - own[size].iloc[-1]).abs(), nearest)]
+    _map(figure, cells[2], shown, own)
     for axes, column in zip(cells[3:6], AXES, strict=True):
         _profile(axes, grid, own, column)
     for axes, (locks, rows) in zip(cells[6:], curves.groupby("locks"), strict=False):
@@ -49,9 +52,10 @@ def calibration(
         f"over {100 * PEAK_SCALE:g} % (peaks) and {WEIGHT_SCALE:g} (weights). Above: for each "
         "friction coefficient of the dry faces, the best of all geometries. That 3DEC, whose "
         "friction is an angle, was given 0.3 degrees is a hypothesis, not known. Middle: the map "
-        f"at friction {best['friction']:.4g}, and the least misfit at each value of one size, "
-        "whatever the others are. Crosses: the study's joints. Below: V-M curves of the best joint "
-        "of each a and the study's (thick); squares: where the closest two straight parts meet. "
+        f"at friction {shown['friction'].iloc[0]:.4g}, and the least misfit at each value of one "
+        "size, whatever the others are. Crosses: the study's joints. Below: V-M curves of the "
+        "best joint of each a and the study's (thick); squares: where the closest two straight "
+        "parts meet. "
         f"With the weights as printed nothing comes below {grid['misfit_printed'].min():.1f}.",
         height=0.115,
     )
@@ -74,13 +78,10 @@ def _friction(
     axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
     axes.set_ylim(0.0, 1.08 * factor * rows[column].max())
     axes.set_xlabel("friction coefficient of the dry faces")
-    axes.legend(fontsize=8, loc="upper left")
+    axes.legend(fontsize=8, loc="upper center")
 
 
-def _map(
-    figure: Figure, axes: Axes, grid: pd.DataFrame, own: pd.DataFrame, best: pd.Series
-) -> None:
-    shown = grid[(grid["a_m"] == best["a_m"]) & (grid["friction"] == best["friction"])]
+def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, own: pd.DataFrame) -> None:
     values = shown.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
     if min(values.shape) > 1:
         least = float(np.floor(10 * values.min(axis=None)) / 10)
@@ -91,10 +92,12 @@ def _map(
             extend="both",
         )
         figure.colorbar(filled, ax=axes, label="misfit")
-    axes.plot(own["height_share"], own["height_over_b"], "X", color="white", markeredgecolor="k")
+    places = own["height_share"], own["height_over_b"]
+    axes.plot(*places, "X", color="white", markeredgecolor="k", clip_on=False)
     axes.set_xlabel(AXES["height_share"])
     axes.set_ylabel(AXES["height_over_b"])
-    title = f"misfit, a = {best['a_m']:g} m, friction {best['friction']:.4g}"
+    first = shown.iloc[0]
+    title = f"misfit, a = {first['a_m']:g} m, friction {first['friction']:.4g}"
     axes.set_title(title, loc="left", fontsize=10)
     axes.grid(visible=False)
 
