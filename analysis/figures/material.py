@@ -100,4 +100,4 @@ class Material:
         if self.spec.sample is not None:
             locks = [self.study.samples[self.spec.sample].locks]
         found = [numbers[n] for n in locks if n in numbers and self.assumed_geometry]
-        return f"{' and '.join(found)} of the paper, redrawn. " if found else ""
+        return f"{' and '.join(dict.fromkeys(found))} of the paper, redrawn. " if found else ""

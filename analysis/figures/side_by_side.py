@@ -25,7 +25,7 @@ def side_by_side(material: Material) -> Figure:
     leading = {sample: material.detailed_of(sample)[0] for sample in samples}
     parts = list(beside(table, leading))
     lines = sum(len(part.lines) + 3 for part in parts)
-    height = 2.6 * len(samples) + 0.15 * lines + 1.0
+    height = 2.6 * len(samples) + 0.15 * lines + 1.25
     figure = Figure(figsize=(9, height), layout="constrained")
     grid = figure.add_gridspec(
         len(samples) + 1, 2, height_ratios=[2.4] * len(samples) + [0.15 * lines]
@@ -43,7 +43,7 @@ def side_by_side(material: Material) -> Figure:
         "the published values of the first two locks exchanged. Statics asks for it: but for "
         "friction the lower locks (2, 4, …) are the only way of V to the ground, and only in the "
         f"swapped order do they add up to it. {material.assumed_geometry} {style.ASSUMED_POINTS}",
-        height=0.9 / height,
+        height=1.15 / height,
     )
     return figure
 
