@@ -1,12 +1,17 @@
-"""Which geometry fits the published numbers, by the static model.
+"""Which geometry and which friction fit the published numbers, by the static model.
 
-The paper's text gives a * b only. Peaks and weights in pure shear depend on two ratios: the height
-share h / (h + H), which is the share of the load that acts on lock 1, and (h + H) / b, the lever of
-the rocking moment. The length a against b shows in the shape of the V-M curve, which the paper
-describes in words: concave, two nearly straight parts, turning at about two thirds.
+Of the geometry the paper's text gives a * b only. Peaks and weights in pure shear depend on two
+ratios: the height share h / (h + H), which is the share of the load that acts on lock 1, and
+(h + H) / b, the lever of the rocking moment, which friction on the dry faces turns into load. The
+length a against b shows in the shape of the V-M curve, which the paper describes in words: concave,
+two nearly straight parts, turning at about two thirds.
+
+The friction coefficient is printed, as 0.3, and yet an unknown here: no geometry fits with it. That
+3DEC, whose friction is an angle in degrees, was given 0.3 is a hypothesis, see `read_as_degrees`.
 """
 
-from collections.abc import Iterator, Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -14,44 +19,72 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis.curve_shape import TwoParts
 from analysis.published import Published
-from sidmacib.mechanics.assembly import Floats
 from workflow.configuration import ConfigError
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection as Geometry
 
-PEAK_SCALE = 0.01  # -, of a peak: published ones differ by up to 0.6 % between meshes
+# Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
+PEAK_SCALE = 0.005
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
+PEAK_AIM, WEIGHT_AIM = 0.005, 0.04  # what a joint is said to fit within: all peaks, all weights
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
 SIZES = ("a_m", "b_m", "h_m", "H_m")
 
 
-def geometries(study: Study, published: Published) -> Iterator[Geometry]:
-    """The grid of ``study.calibration``, with the published a * b; at the end the study's own."""
+@dataclass(frozen=True)
+class Candidate:
+    """A geometry, and the friction coefficient of the dry faces."""
+
+    geometry: Geometry
+    friction: float
+
+
+def candidates(study: Study, published: Published) -> Iterator[Candidate]:
+    """The grid of ``study.calibration``, with the published a * b."""
     grid = study.calibration
     area = published.numbers["sample"]["T0"] / study.materials.inner.cohesion
-    for a, share, ratio in product(grid.a, grid.height_share, grid.height_over_b):
+    axes = (grid.a, grid.height_share, grid.height_over_b, grid.friction)
+    for a, share, ratio, friction in product(*axes):
         b = area / a
-        yield Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
-    yield study.geometry
+        geometry = Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
+        yield Candidate(geometry, friction)
 
 
-def geometry_study(
-    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+def own_candidates(study: Study, published: Published) -> list[Candidate]:
+    """The study's own: of its published samples, each that differs in size or friction."""
+    joints = [study.joint(sample) for sample in published.samples(study)]
+    own = [Candidate(Geometry(a=j.a, b=j.b, h=j.h, H=j.H), j.dry.friction) for j in joints]
+    return [each for place, each in enumerate(own) if each not in own[:place]]
+
+
+def read_as_degrees(published: Published) -> float:
+    """The friction coefficient if the printed one was given to 3DEC, which takes an angle."""
+    return math.tan(math.radians(published.numbers["sample"]["friction"]))
+
+
+def candidate_study(
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
 ) -> dict[str, Any]:
-    """Configuration of a study of the static model in pure shear on ``chosen`` geometries.
+    """Configuration of a study of the static model in pure shear on ``chosen`` candidates.
 
-    ``samples``: numbers of locks by name. The study's samples are called geometry_sample.
+    Its samples are called candidate_n and the number of locks.
     """
     return {
         "results": results,
         "samples": {
-            f"{name}_{sample}": {"locks": locks, **geometry.model_dump()}
-            for name, geometry in chosen.items()
-            for sample, locks in samples.items()
+            f"{name}_n{n}": {
+                "locks": n,
+                **candidate.geometry.model_dump(),
+                "dry": {"friction": candidate.friction},
+            }
+            for name, candidate in chosen.items()
+            for n in locks
         },
         "materials": study.materials.model_dump(),
-        "meshes": [study.calibration.mesh],
+        "meshes": list(study.calibration.meshes),
+        "nodes": str(study.nodes),
         "eccentricities": [0],
         "models": ["static"],
         "dem": {"engines": []},
@@ -59,98 +92,150 @@ def geometry_study(
 
 
 def curve_study(
-    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
 ) -> dict[str, Any]:
     """The same in all directions, `ANGLES` apart."""
     ratios = [float(r) for r in np.tan(np.radians(ANGLES[:-1]))]
-    return geometry_study(study, samples, chosen, results) | {
-        "eccentricities": [*ratios, "torsion"]
-    }
+    return candidate_study(study, locks, chosen, results) | {"eccentricities": [*ratios, "torsion"]}
 
 
 def engine_study(
-    study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
 ) -> dict[str, Any]:
     """The same in pure shear, in the study's engines as well."""
-    return geometry_study(study, samples, chosen, results) | {
+    return candidate_study(study, locks, chosen, results) | {
         "dem": study.dem.model_dump(mode="json")
     }
 
 
-@dataclass(frozen=True)
-class GeometryMisfit:
-    """Root mean square of the differences over their scales, with the weights in each order."""
+Place = tuple[int, float]  # number of locks, mesh (m)
 
-    printed: float
+
+@dataclass(frozen=True)
+class CandidateMisfit:
+    """How far peaks and weights in pure shear are from the published ones.
+
+    ``swapped``, ``printed``: root mean square of the differences over their scales, with the
+    weights of the first two locks in each order. ``peak``: largest relative difference of a peak;
+    ``weight``: largest difference of a weight, swapped.
+    """
+
     swapped: float
+    printed: float
+    peak: float
+    weight: float
+
+    @property
+    def fits(self) -> bool:
+        """Whether all peaks and all weights, the first two swapped, are as close as is aimed at."""
+        return self.peak <= PEAK_AIM and self.weight <= WEIGHT_AIM
 
     @classmethod
     def of(
         cls,
-        peaks: Mapping[int, float],
-        weights: Mapping[int, list[float]],
+        peaks: Mapping[Place, float],
+        weights: Mapping[Place, Sequence[float]],
         published: Published,
-        mesh: float,
-    ) -> "GeometryMisfit":
-        """Of peaks (N) and weights in pure shear, by number of locks, from the published ones."""
-        printed: list[float] = []
-        swapped: list[float] = []
-        for locks, peak in peaks.items():
+    ) -> "CandidateMisfit":
+        """Of peaks (N) and weights, by number of locks and mesh.
+
+        Every peak counts. The paper does not tell the mesh of its weights: those at the finest one
+        count in the misfit, and those at all meshes in the largest difference.
+        """
+        finest = min(mesh for _, mesh in peaks)
+        relative = [peak / published_peak(published, *at) - 1.0 for at, peak in peaks.items()]
+        orders: dict[str, list[float]] = {"swapped": [], "printed": []}
+        largest = 0.0
+        for (locks, mesh), own in weights.items():
             first, second, *others = published.numbers["weights"][locks]
-            value = published.dem_pure_shear(locks, mesh)
-            assert value is not None, f"no published peak at mesh {mesh:g} m"
-            for pair, found in (((first, second), printed), ((second, first), swapped)):
-                found.append((peak / value - 1.0) / PEAK_SCALE)
-                differences = np.subtract(weights[locks], [*pair, *others])
-                found.extend((differences / WEIGHT_SCALE).tolist())
-        return cls(*(float(np.sqrt(np.mean(np.square(own)))) for own in (printed, swapped)))
+            swapped = np.subtract(own, [second, first, *others])
+            largest = max(largest, float(np.abs(swapped).max()))
+            if mesh == finest:
+                orders["swapped"] += (swapped / WEIGHT_SCALE).tolist()
+                printed = np.subtract(own, [first, second, *others])
+                orders["printed"] += (printed / WEIGHT_SCALE).tolist()
+        scaled = [difference / PEAK_SCALE for difference in relative]
+        means = {
+            name: float(np.sqrt(np.mean(np.square([*scaled, *found]))))
+            for name, found in orders.items()
+        }
+        return cls(**means, peak=float(np.abs(relative).max()), weight=largest)
+
+
+def published_peak(published: Published, locks: int, mesh: float) -> float:
+    """The published peak (N); `ConfigError` if there is none for this mesh (m)."""
+    value = published.dem_pure_shear(locks, mesh)
+    if value is None:
+        raise ConfigError(
+            f"calibration.meshes: {mesh:g} m is not allowed; each must be one of the paper's "
+            "meshes, 0.02 or 0.005 m"
+        )
+    return value
 
 
 def misfit_table(
     own: Study, cases: pd.DataFrame, weights: pd.DataFrame, published: Published
 ) -> pd.DataFrame:
-    """One row for each geometry and model of ``own``, a study that `geometry_study` describes.
+    """One row for each candidate and model of ``own``, a study that `candidate_study` describes.
 
-    Sizes, peaks and weights in pure shear, and the misfit.
+    Sizes, friction, peaks and weights in pure shear, and the misfit.
     """
-    (mesh,) = own.meshes
-    loads = cases.set_index(["model", "sample"])["load_N"]
-    shares = weights.sort_values("lock").groupby(["model", "sample"])["weight"].apply(list)
+    keys = ["model", "sample", "mesh_m"]
+    loads = cases.dropna(subset=["load_N"]).set_index(keys)["load_N"].to_dict()
+    lists = weights.sort_values("lock").groupby(keys)["weight"].apply(list).to_dict()
+    by_name: dict[str, dict[str, int]] = {}
+    for sample, section in own.samples.items():
+        by_name.setdefault(sample.partition("_")[0], {})[sample] = section.locks
     rows = []
-    for name in dict.fromkeys(sample.partition("_")[0] for sample in own.samples):
-        samples = {n: s.locks for n, s in own.samples.items() if n.partition("_")[0] == name}
+    for (name, samples), model in product(by_name.items(), cases["model"].unique()):
+        at = {(n, mesh): (model, s, mesh) for s, n in samples.items() for mesh in own.meshes}
+        if any(key not in loads or key not in lists for key in at.values()):
+            continue  # a case without a result
+        peaks = {place: float(loads[key]) for place, key in at.items()}
+        shares = {place: lists[key] for place, key in at.items()}
         joint = own.joint(next(iter(samples)))
         geometry = Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
-        for model in cases["model"].unique():
-            if any((model, sample) not in shares.index for sample in samples):
-                continue  # a case without a result
-            peaks = {locks: float(loads[model, sample]) for sample, locks in samples.items()}
-            lists = {locks: shares[model, sample] for sample, locks in samples.items()}
-            rows.append(
-                {"geometry": name, "model": model}
-                | size_columns(geometry)
-                | misfit_columns(peaks, lists, published, mesh)
-            )
+        rows.append(
+            {"candidate": name, "model": model, "friction": joint.dry.friction}
+            | size_columns(geometry)
+            | misfit_columns(peaks, shares, published)
+        )
     return pd.DataFrame(rows)
 
 
 def misfit_columns(
-    peaks: Mapping[int, float],
-    weights: Mapping[int, list[float]],
+    peaks: Mapping[Place, float],
+    weights: Mapping[Place, Sequence[float]],
     published: Published,
-    mesh: float,
-) -> dict[str, float]:
-    """Misfits, peaks and weights of a geometry as columns of a table."""
-    misfit = GeometryMisfit.of(peaks, weights, published, mesh)
+) -> dict[str, Any]:
+    """Misfits, peaks, and weights at the finest mesh, as columns of a table."""
+    misfit = CandidateMisfit.of(peaks, weights, published)
+    finest = min(mesh for _, mesh in peaks)
     return (
         {"misfit_swapped": misfit.swapped, "misfit_printed": misfit.printed}
-        | {f"peak_n{locks}_N": peak for locks, peak in peaks.items()}
+        | {"largest_peak_difference": misfit.peak, "largest_weight_difference": misfit.weight}
+        | {"fits": misfit.fits}
+        | {f"peak_n{locks}_mesh{mesh:g}_N": peak for (locks, mesh), peak in peaks.items()}
         | {
             f"weight_n{locks}_lock{lock}": weight
-            for locks, own in weights.items()
+            for (locks, mesh), own in weights.items()
+            if mesh == finest
             for lock, weight in enumerate(own, start=1)
         }
     )
+
+
+def friction_table(table: pd.DataFrame) -> pd.DataFrame:
+    """What the grid of `misfit_table` says of each friction coefficient, one row each.
+
+    The row with the least misfit, whatever the geometry; how many geometries fit; and the least
+    of the largest differences of a peak, for any weights.
+    """
+    best = table.loc[table.groupby("friction")["misfit_swapped"].idxmin()].set_index("friction")
+    groups = table.groupby("friction")
+    best["geometries_that_fit"] = groups["fits"].sum()
+    best["least_peak_difference"] = groups["largest_peak_difference"].min()
+    return best.reset_index().drop(columns=["candidate", "model"])
 
 
 def size_columns(geometry: Geometry) -> dict[str, float]:
@@ -158,53 +243,20 @@ def size_columns(geometry: Geometry) -> dict[str, float]:
     height = geometry.h + geometry.H
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
     ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
+    ratios = {name: round(value, 9) for name, value in ratios.items()}  # the grid's own again
     return dict(zip(SIZES, sizes, strict=True)) | ratios
 
 
-@dataclass(frozen=True)
-class TwoParts:
-    """A curve as two straight parts, in V and M over their largest values.
-
-    ``turn``: share of the curve's length, from pure shear on, where they meet; ``slopes``: -dM/dV
-    of both; ``residual``: root mean square distance from the curve.
-    """
-
-    turn: float
-    slopes: tuple[float, float]
-    residual: float
-
-    @classmethod
-    def of(cls, points: Floats) -> "TwoParts":
-        """The closest two straight parts to ``points`` (V, M) from pure shear on, (N, 2)."""
-        scaled = points / points.max(axis=0)
-        length = length_along(scaled)
-        place = length / length[-1]
-        fits = []
-        for turn in np.linspace(0.1, 0.9, 81):
-            base = np.column_stack([np.interp(place, [0.0, turn, 1.0], row) for row in np.eye(3)])
-            knots = np.linalg.lstsq(base, scaled, rcond=None)[0]
-            residual = float(np.sqrt(np.mean(np.sum((base @ knots - scaled) ** 2, axis=1))))
-            fits.append((residual, float(turn), knots))
-        residual, turn, knots = min(fits, key=lambda fit: fit[0])
-        first, second = np.diff(knots, axis=0)
-        slopes = (float(-first[1] / first[0]), float(-second[1] / second[0]))
-        return cls(turn, slopes, residual)
-
-
-def length_along(points: Floats) -> Floats:
-    """Length of a curve from its first point to each of ``points``, (N, 2); shape (N,)."""
-    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
-
-
 def curve_table(own: Study, cases: pd.DataFrame) -> pd.DataFrame:
-    """V-M curves of a study that `curve_study` describes, one row per point.
+    """V-M curves at the finest mesh of a study that `curve_study` describes, one row per point.
 
     Each has its closest two straight parts beside it.
     """
     rows: list[dict[str, Any]] = []
-    ratio = cases["eccentricity_over_a"]
-    for sample, curve in cases.assign(ratio=ratio).dropna(subset=["load_N"]).groupby("sample"):
-        points = curve.sort_values("ratio")[["shear_N", "torque_Nm"]].to_numpy()
+    finest = cases[np.isclose(cases["mesh_m"], min(own.meshes))].dropna(subset=["load_N"])
+    for sample, curve in finest.groupby("sample"):
+        ordered = curve.sort_values("eccentricity_over_a")
+        points = ordered[["shear_N", "torque_Nm"]].to_numpy()
         joint = own.joint(str(sample))
         parts = TwoParts.of(points)
         shape = {
@@ -214,57 +266,71 @@ def curve_table(own: Study, cases: pd.DataFrame) -> pd.DataFrame:
             "residual": parts.residual,
         }
         sizes = size_columns(Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H))
+        names = {"candidate": str(sample).partition("_")[0], "friction": joint.dry.friction}
         rows += [
-            sizes | {"locks": joint.locks, "shear_N": shear, "torque_Nm": torque} | shape
+            {**names, **sizes, "locks": joint.locks, "shear_N": shear, "torque_Nm": torque, **shape}
             for shear, torque in points
         ]
     return pd.DataFrame(rows)
 
 
 def best_rows(table: pd.DataFrame) -> pd.DataFrame:
-    """The best geometry of each length a, by the misfit with swapped weights, best first."""
+    """The best candidate of each length a, by the misfit with swapped weights, best first."""
     best = table.loc[table.groupby("a_m")["misfit_swapped"].idxmin()]
     return best.sort_values("misfit_swapped")
 
 
-def geometry_of(row: pd.Series) -> Geometry:
-    """The geometry of a row of `misfit_table`."""
-    return Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
+def candidate_of(row: pd.Series) -> Candidate:
+    """The candidate of a row of `misfit_table`."""
+    geometry = Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
+    return Candidate(geometry, float(row["friction"]))
 
 
-def describe(table: pd.DataFrame) -> str:
-    """The geometries (rank 0 is the study's own) in words, one line for each and each model."""
+def describe(table: pd.DataFrame, frictions: pd.DataFrame, published: Published) -> str:
+    """The candidates, and what each friction coefficient comes to, in words."""
     peaks = [column for column in table if column.startswith("peak_")]
-    lines = ["Geometries by misfit (rank 0: the study's own), pure shear"]
+    printed, degrees = published.numbers["sample"]["friction"], read_as_degrees(published)
+    lines = [
+        f"Friction coefficients: least misfit over all geometries (as printed: {printed:g}; "
+        f"hypothesis: given to 3DEC as {printed:g} degrees, {degrees:.4g})"
+    ]
+    for row in frictions.itertuples():
+        lines.append(
+            f"  {row.friction:8.4g}  misfit {row.misfit_swapped:.2f}, peaks within "
+            f"{100 * row.largest_peak_difference:.2f} %, weights within "
+            f"{row.largest_weight_difference:.3f}; {row.geometries_that_fit} geometries fit all "
+            f"peaks to {100 * PEAK_AIM:g} % and all weights to {WEIGHT_AIM:g}; peaks alone "
+            f"within {100 * row.least_peak_difference:.2f} %"
+        )
+    lines += ["", "Joints by misfit (own: the study's), pure shear"]
     for _, row in table.iterrows():
         sizes = ", ".join(f"{name} {row[f'{name}_m']:.4g}" for name in ("a", "b", "h", "H"))
-        loads = ", ".join(f"{row[column]:.1f}" for column in peaks)
+        loads = ", ".join(f"{row[column]:.2f}" for column in peaks)
         lines.append(
-            f"  {row['geometry'].removeprefix('rank')}  {sizes} m  {row['model']:8}  peaks {loads} "
-            f"N  misfit {row['misfit_swapped']:.2f} (first two weights swapped), "
+            f"  {row['candidate']}  {sizes} m, friction {row['friction']:.4g}  {row['model']:8}  "
+            f"peaks {loads} N  misfit {row['misfit_swapped']:.2f} (first two weights swapped), "
             f"{row['misfit_printed']:.1f} (as printed)"
         )
     return "\n".join([*lines, ""])
 
 
-def check(study: Study, published: Published) -> dict[str, int]:
-    """Numbers of locks of the published samples, by name; `ConfigError` if none can be fitted."""
-    samples = published.samples(study)
-    mesh = study.calibration.mesh
-    if not samples:
+def check(study: Study, published: Published) -> list[int]:
+    """Numbers of locks that are fitted; `ConfigError` if none can be."""
+    locks = sorted(set(published.samples(study).values()))
+    if not locks:
         raise ConfigError(
             "samples: none of them is published; calibration needs one with the paper's strength, "
-            "friction, number of locks and load"
+            "number of locks and load"
         )
-    if any(published.dem_pure_shear(n, mesh) is None for n in samples.values()):
+    for mesh in study.calibration.meshes:
+        for n in locks:
+            published_peak(published, n, mesh)
+    every = [*candidates(study, published), *own_candidates(study, published)]
+    shortest = min(min(each.geometry.a, each.geometry.b) for each in every)
+    coarsest = max(study.calibration.meshes)
+    if shortest <= coarsest:
         raise ConfigError(
-            f"calibration.mesh: {mesh:g} m is not allowed; it must be one of the paper's meshes, "
-            "0.02 or 0.005 m"
+            f"calibration.meshes: {coarsest:g} m is too coarse; it must be less than "
+            f"{shortest:g} m, the shortest side of a lock in calibration.a"
         )
-    shortest = min(min(g.a, g.b) for g in geometries(study, published))
-    if shortest <= mesh:
-        raise ConfigError(
-            f"calibration.mesh: {mesh:g} m is too coarse; it must be less than {shortest:g} m, the "
-            "shortest side of a lock in calibration.a"
-        )
-    return samples
+    return locks

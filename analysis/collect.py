@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis.mesh_error import errors_of
 from workflow.case import REFERENCE
 from workflow.models import WITNESS
 from workflow.results.files import read_records
@@ -39,6 +40,8 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
 
     ``witnesses``: results of the static model for the same joints, nodes and loads.
     """
+    witnesses = list(witnesses)
+    mesh_errors = errors_of([*witnesses, *records])
     static = {record.physics: record.load_N for record in witnesses if record.model == WITNESS}
     rows = []
     for record in records:
@@ -51,11 +54,14 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
         row["difference_to_static"] = (
             record.load_N / witness - 1.0 if witness and record.load_N else None
         )
+        row["mesh_error"] = mesh_errors.get((record.model, record.name))
         rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
     for column in ("load_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
         table[column] = table[column].astype(float)
-    for column in ("shear_N", "torque_Nm", "unbalanced_share", "difference_to_static"):
+    for column in ("shear_N", "torque_Nm", "unbalanced_share"):
+        table[column] = table[column].astype(float)
+    for column in ("difference_to_static", "mesh_error"):
         table[column] = table[column].astype(float)
     return table
 
@@ -75,11 +81,14 @@ def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
     return [float(np.interp(load, places, moved)) for load in loads]
 
 
-def models_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
+def models_table(
+    records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord] = ()
+) -> pd.DataFrame:
     """One row for each result of the reference variant, with the models of a case together.
 
     The given loads are shares of the first failure load in the first of these models.
     """
+    mesh_errors = errors_of([*witnesses, *records])
     rows: list[dict[str, Any]] = []
     given: dict[str, float] = {}
     for record in records:
@@ -94,6 +103,7 @@ def models_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
             columns
             | {
                 "load_N": record.load_N,
+                "mesh_error": mesh_errors.get((record.model, record.name)),
                 "first_failure_load_N": failure,
                 "friction_share": friction_share(record),
                 "given_load_N": load,
@@ -107,7 +117,8 @@ def models_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
     if not rows:
         return pd.DataFrame(columns=[*MODELS.columns, "case"])
     table = pd.DataFrame(rows)
-    table["first_failure_load_N"] = table["first_failure_load_N"].astype(float)
+    for column in ("first_failure_load_N", "mesh_error"):
+        table[column] = table[column].astype(float)
     order = table.groupby("case", sort=False).ngroup()
     return table.iloc[np.argsort(order, kind="stable")]
 
@@ -127,7 +138,8 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
     every = read_records(list(inputs))
     records = list(ordered(every, arguments["cases"]))
     weights = weights_table(records)
-    tables = (weights, weight_sums(weights), cases_table(records, every), models_table(records))
+    cases, models = cases_table(records, every), models_table(records, every)
+    tables = (weights, weight_sums(weights), cases, models)
     kinds = (WEIGHTS, WEIGHT_SUMS, CASES, MODELS)
     for kind, table, path in zip(kinds, tables, outputs, strict=True):
         write_table(kind, table, path)

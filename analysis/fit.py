@@ -40,12 +40,14 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
 
     The detailed models are those that SiDMACIB's weights were read from, in the table's order.
     """
-    limit = capacity[capacity["model"] == "sidmacib"]
+    limit, error = capacity[capacity["model"] == "sidmacib"], "mesh_error_carried"
     rows = []
     detailed = dict(detailed_curves(capacity))
     for model, curves in detailed.items():
         own = limit[limit["weights_from"] == model]
-        both = own.merge(curves[["case", "load_N"]], on="case", suffixes=("", "_carried"))
+        both = own.merge(
+            curves[["case", "load_N", "mesh_error"]], on="case", suffixes=("", "_carried")
+        )
         if len(both) != len(own):
             raise ValueError(
                 f"{model}: {len(own)} loads of SiDMACIB, but {len(both)} to compare them with"
@@ -55,7 +57,8 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
         for values, curve in both.groupby(names, sort=False):
             found = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
             named = dict(zip(names, values, strict=True))
-            rows.append({"model": model, **named, **vars(found), "directions": len(curve)})
+            told = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
+            rows.append({"model": model, **named, **vars(found), **told})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)

@@ -4,8 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
+from analysis.beside import beside, difference
 from analysis.fit import winner
 from workflow.case import REFERENCE
 from workflow.results.tables import (
@@ -20,18 +22,19 @@ from workflow.results.tables import (
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025
+MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 
 
-def summary(results: str, tables: dict[str, pd.DataFrame]) -> str:
-    """The text, one finding per line."""
-    fitted = tables["fit"]["model"]
-    leading = str(fitted.iloc[0]) if len(fitted) else ""
+def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[float]) -> str:
+    """The text, one finding per line; ``meshes``: the study's (m)."""
+    leading = leading_models(tables["fit"])
     return "\n".join(
         [
             *_failed(tables["cases"]),
             *_validation(tables["validation"], leading),
-            *_models(tables["capacity"]),
+            *_models(tables["capacity"], meshes),
+            *_mesh_errors(tables["capacity"]),
             *_fits(tables["fit"], tables["best_fit"], leading),
             *_variants(tables["capacity"]),
             *_disagreements(tables["cases"]),
@@ -80,48 +83,79 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
         yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
 
 
-def _validation(table: pd.DataFrame, leading: str) -> Iterator[str]:
+def leading_models(fit: pd.DataFrame) -> dict[str, str]:
+    """The detailed model that each sample's fits are told of: the first one."""
+    first = fit.drop_duplicates("sample")
+    return dict(zip(first["sample"].astype(str), first["model"].astype(str), strict=True))
+
+
+def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str]:
     if table.empty:
         yield "The paper has no numbers for the samples of this study."
         return
     yield "Published against computed (e = 0)"
-    yield f"  {'quantity':44}{'locks':>6}{'mesh m':>8}{'published':>11}{'computed':>10}{'diff.':>9}"
-    shown = table[table["model"].isin([leading, "sidmacib"])]
-    shown = shown[~shown["quantity"].str.contains("_friction_N")]
-    for row in shown.itertuples():
-        if pd.isna(row.absolute_difference):
-            difference = "same" if row.computed == row.published else "other"
-        elif pd.isna(row.relative_difference):
-            difference = f"{row.absolute_difference:+.3f}"
-        else:
-            difference = f"{100 * row.relative_difference:+.1f} %"
-        mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
-        yield (
-            f"  {row.quantity:44}{row.locks:>6}{mesh:>8}{row.published:>11g}"
-            f"{row.computed:>10.4g}{difference:>9}"
-        )
+    for own in beside(table, leading):
+        for sample, words in own.samples.items():
+            yield f"  {own.locks} locks, {sample}: {words}"
+        heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in own.samples)
+        yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
+        for line in own.lines:
+            cells = "".join(
+                f"{line.rows[s].computed:>12.5g}{difference(line.rows[s]):>9}"
+                if s in line.rows
+                else " " * 21
+                for s in own.samples
+            )
+            yield f"  {line.quantity:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
-def _models(capacity: pd.DataFrame) -> Iterator[str]:
+def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
     """Largest loads of all models of the joint's pieces, direction by direction."""
     own = capacity[capacity["failed_load_N"].notna() & (capacity["variant"] == REFERENCE)]
+    # Not those for the mesh error only.
+    own = own[np.isclose(own["mesh_m"].to_numpy()[:, None], meshes).any(axis=1)]
     models = list(own["model"].unique())
     yield ""
-    yield f"Largest load along each direction (N): {', '.join(models)}"
+    yield f"Largest load along each direction (N): {', '.join(models)}; largest mesh error"
     keys = ["sample", "mesh_m", "eccentricity_m"]
     for _, rows in own.groupby("case", sort=False):
         sample, mesh, eccentricity = rows[keys].iloc[0]
         loads = rows.set_index("model")["load_N"]
         cells = "".join(f"{loads[m]:>10.2f}" if m in loads else " " * 10 for m in models)
-        yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}"
+        error = rows["mesh_error"].max()
+        told = "" if pd.isna(error) else f"{100 * error:>8.2f} %"
+        yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}{told}"
 
 
-def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
+def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
+    """The largest mesh error of each model at each mesh, and what to do where it is large."""
+    own = capacity[capacity["mesh_error"].notna()]
+    if own.empty:
+        return
+    yield ""
+    yield "Largest mesh error, told from two meshes as if it were proportional to the mesh"
+    for (model, mesh), rows in own.groupby(["model", "mesh_m"], sort=False):
+        row = rows.loc[rows["mesh_error"].idxmax()]
+        variant = "" if row["variant"] == REFERENCE else f", {row['variant']}"
+        yield (
+            f"  {model} mesh {mesh:g} m: {100 * row['mesh_error']:.2f} % ({row['case']}{variant})"
+            + (f", ABOVE {100 * MESH_LIMIT:g} %" if row["mesh_error"] > MESH_LIMIT else "")
+        )
+    high = own[own["mesh_error"] > MESH_LIMIT]
+    if len(high):
+        yield (
+            f"  {len(high)} of {len(own)} capacities have a mesh error above {100 * MESH_LIMIT:g} "
+            "%: what rests on them may be the mesh's doing. A finer mesh lowers it, or nodes: "
+            "lobatto."
+        )
+
+
+def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str]:
     if not leading:  # no sample that SiDMACIB is a model of
         return
     yield ""
-    yield f"SiDMACIB against {leading}, all directions"
-    fit, best = fit[fit["model"] == leading], best[best["model"] == leading]
+    yield f"SiDMACIB against {' and '.join(dict.fromkeys(leading.values()))}, all directions"
+    fit, best = (rows[rows["model"] == rows["sample"].map(leading)] for rows in (fit, best))
     for (model, sample, mesh), own in fit.groupby(["model", "sample", "mesh_m"], sort=False):
         safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
         choices = {"best": own, "best safe": safe}
@@ -137,7 +171,7 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
                 f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}{row['option']}, {friction}, "
                 f"{row['reduction']}: misfit {100 * row['misfit']:.1f} %, unsafe by up to "
                 f"{100 * row['largest_unsafe_error']:.1f} %, safe by up to "
-                f"{100 * row['largest_safe_error']:.1f} %"
+                f"{100 * row['largest_safe_error']:.1f} %{_within(row['largest_mesh_error'])}"
             )
     for row in best[best["friction"] == False].itertuples():  # noqa: E712
         yield (
@@ -145,6 +179,10 @@ def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: str) -> Iterator[str]:
             f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "
             f"{100 * float(row.misfit):.1f} %"
         )
+
+
+def _within(mesh_error: float) -> str:
+    return "" if pd.isna(mesh_error) else f" (mesh error up to {100 * mesh_error:.1f} %)"
 
 
 def _variants(capacity: pd.DataFrame) -> Iterator[str]:
@@ -170,4 +208,4 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
-    outputs[0].write_text(summary(arguments["results"], tables))
+    outputs[0].write_text(summary(arguments["results"], tables, arguments["meshes"]))

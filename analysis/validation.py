@@ -36,7 +36,9 @@ def validation_table(
             *_weight_rows(pure_shear_weights(study, weights, sample), joint.locks, published),
             *_option_rows(fit, sample, published.numbers["best_option"]),
         ]
-        rows += [{"sample": sample, "locks": joint.locks, **row} for row in found]
+        setting = "as printed" if published.as_printed(study, sample) else "not as printed"
+        same = {"sample": sample, "locks": joint.locks, "friction": joint.dry.friction}
+        rows += [{**same, "setting": setting, **row} for row in found]
     table = pd.DataFrame(rows, columns=list(VALIDATION.columns))
     # The number of an option is a name: no difference.
     quantities = table["quantity"] != "best_option"
@@ -72,6 +74,7 @@ def _peak_rows(own: pd.DataFrame, locks: int, published: Published) -> Iterator[
                 "mesh_m": row.mesh_m,
                 "published": value,
                 "computed": row.shear_N,
+                "mesh_error": row.mesh_error,
             }
 
 

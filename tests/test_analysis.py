@@ -148,7 +148,7 @@ def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
     assert math.isnan(row.load_N)
     fit = fit_table(capacity)
     assert set(fit["directions"]) == {2}
-    text = summary("there", tables_of(study, capacity, weights_table(holed), cases))
+    text = summary("there", tables_of(study, capacity, weights_table(holed), cases), [0.02])
     assert text.startswith("WITHOUT A RESULT: 1 of 3 cases\n  n3-mesh0.02-e0.5a (yade): yade: out")
 
 
@@ -169,7 +169,7 @@ def test_models_that_disagree_are_named_in_the_summary(study, results) -> None:
     witness = [replace(r, model="static", load_N=r.load_N * 1.02) for r in results[:1]]
     cases = cases_table(results, witness)
     tables = tables_of(study, capacity_of(study, results), weights_table(results), cases)
-    text = summary("there", tables)
+    text = summary("there", tables, [0.02])
     assert "1 cases, at most 1.96 %; 1 of them differ by more than 1 %" in text
     assert "n3-mesh0.02-e0a (yade): -1.96 %" in text
 
@@ -344,10 +344,10 @@ def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
 def test_the_summary_tells_the_findings_and_where_everything_is(study, results) -> None:
     cases = cases_table(results, results)
     tables = tables_of(study, capacity_of(study, results), weights_table(results), cases)
-    text = summary("there", tables)
+    text = summary("there", tables, [0.02])
     assert "Tables:  there/tables" in text
     assert "Assumed: a, b, h and H" in text
-    assert "-4.3 %" in text  # 230.4 N against 240.76 N
+    assert "-4.30 %" in text  # 230.4 N against 240.76 N
 
 
 def test_torsion_alone_has_an_infinite_eccentricity_in_the_tables(study, results) -> None:

@@ -25,7 +25,7 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").g
 EXAMPLES = {"samples": {"n3": {"locks": 3}}}  # a study for what a page changes of one
 # Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
 WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
-CALIBRATION = {"calibration.csv", "calibration.png", "map.csv"}
+CALIBRATION = {"calibration.csv", "calibration.png", "map.csv", "friction.csv"}
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")

@@ -20,7 +20,8 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     study = read_study_file(ROOT / "config.yaml")
     figures = figures_of(study, detailed(study.model_names))
     kinds = ("options", "shear_stress", "torsion_stress", "revised", "models")
-    per_sample = {f"{kind}-{sample}" for kind in kinds for sample in ("n3", "n5")}
+    samples = ("n3", "n5", "n3_fits", "n5_fits")
+    per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
     of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY)
@@ -44,9 +45,9 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
     assert first_quadrant(square) == pytest.approx(np.array([[2, 0], [2, 2], [0, 2]]))
 
 
-@pytest.fixture
-def face_and_nodes():
-    model = assemble(Joint(3), 0.005, NodeLayout.CENTRES)
+@pytest.fixture(params=NodeLayout)
+def face_and_nodes(request: pytest.FixtureRequest):
+    model = assemble(Joint(3), 0.005, request.param)
     own = lock_faces(Joint(3))
     number, face = next((i, f) for i, f in enumerate(model.faces) if own.get(f.name) == 1)
     positions = model.nodes.position[model.nodes.face == number]
@@ -58,7 +59,9 @@ def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     corners = np.array(_cells(nodes, face, nodes))
     sides = np.ptp(corners, axis=1)
     assert sides.prod(axis=1).sum() == pytest.approx(face.area)
-    assert corners[..., 1].min() == pytest.approx(face.low[0])
+    for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):
+        assert corner.min() == pytest.approx(face.low[axis])
+        assert corner.max() == pytest.approx(face.high[axis])
 
 
 def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:

@@ -149,7 +149,10 @@ VALUES = [
     ("meshes: [1e-6]", "meshes: 1e-06 m is too fine for sample n3, .* 1,000,000 or fewer"),
     ("meshes: [1e-300]", "meshes: 1e-300 m is too fine"),
     ("variants: {v: {meshes: [1e-6]}}", "variants.v.meshes: 1e-06 m is too fine for sample n3"),
-    ("calibration: {mesh: 1e-6}", "calibration.mesh: 1e-06 m is too fine .* at least 0.0001 m"),
+    (
+        "calibration: {meshes: [1e-6]}",
+        "calibration.meshes: 1e-06 m is too fine .* at least 0.0001 m",
+    ),
     ("models: [[static]]", "models.0: a list is not allowed; it must be a name"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]

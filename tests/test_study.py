@@ -20,6 +20,7 @@ from workflow.consistency import node_estimate, notes
 from workflow.engines.numerics import Numerics
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection, LockSection, SampleSection
+from workflow.schema.materials import DryChanges, DryFaceSection, InnerChanges, InnerFaceSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -44,9 +45,11 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    own = {"locks", "first", "different"}
+    own = {"locks", "first", "different", "inner", "dry", "models"}
     assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
     assert [*LockSection.model_fields] == [field.name for field in fields(OwnLock)]
+    for changes, section in ((InnerChanges, InnerFaceSection), (DryChanges, DryFaceSection)):
+        assert [*changes.model_fields] == [*section.model_fields]
 
 
 def test_changes_are_held_to_the_same_ranges() -> None:
@@ -251,6 +254,22 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
             r"be the same as normal_stiffness, 1e\+10 Pa/m",
         ),
         (
+            {"samples": {"n": {"locks": 3, "inner": {"shear_stiffness": 5e9}}}, **BOTH},
+            r"samples.n.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; .*",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "dry": {"cohesion": 1}}}},
+            r"samples.n.dry.cohesion: 1 is not allowed; it must be 0 \(Pa\)",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "models": ["magic"]}}},
+            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "models": ["limit"]}}},
+            "samples.n.models: limit is not enough; it must have yade or liggghts or static",
+        ),
+        (
             merged(**DUCTILE, dem={"engines": ["yade"]}, models=["static"]),
             "assembly.failure: ductile is not possible with static; it must be brittle",
         ),
@@ -287,7 +306,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(calibration={"a": [0.01 + 1e-6 * i for i in range(1000)]}),
-            "calibration: 121,000 geometries, .* must be 100,000 or fewer",
+            "calibration: 630,000 joints, .* must be 100,000 or fewer",
         ),
     ],
 )

@@ -1,6 +1,6 @@
-"""Find the geometry that fits the published numbers, by studies of many geometries.
+"""Find geometry and friction that fit the published numbers, by studies of many joints.
 
-The static model tries all geometries, then engines confirm the best. Each step is a study of its
+The static model tries all of them, then engines confirm the best. Each step is a study of its
 own in the results folder; its configuration is written here.
 """
 
@@ -12,16 +12,19 @@ import pandas as pd
 import yaml
 
 from analysis.calibration import (
+    Candidate,
     best_rows,
+    candidate_of,
+    candidate_study,
+    candidates,
     check,
     curve_study,
     curve_table,
     describe,
     engine_study,
-    geometries,
-    geometry_of,
-    geometry_study,
+    friction_table,
     misfit_table,
+    own_candidates,
 )
 from analysis.figures import style
 from analysis.figures.calibration import calibration
@@ -29,56 +32,58 @@ from analysis.published import read_published
 from workflow.configuration import installed_engines, read_study_file
 from workflow.results.tables import CASES, WEIGHTS, read_table
 from workflow.schema import Study
-from workflow.schema.geometry import GeometrySection
 
 Snakemake = Callable[[Path, str, Sequence[str], Sequence[str]], bool]
 
 
 def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
-    """Write map, curves, figure and best geometries; returns what failed, None if nothing did."""
+    """Write map, curves, figure and best joints; returns what failed, None if nothing did."""
     study = read_study_file(config, results)
     published = read_published()
-    samples = check(study, published)
+    locks = check(study, published)
     place = Path(study.results, "calibration")
+    own = {f"own{n}": each for n, each in enumerate(own_candidates(study, published))}
 
     def done(name: str, content: Mapping[str, Any], engines: Sequence[str]) -> Tables | None:
         return run_study(place / f"{name}.yaml", content, engines, snakemake)
 
-    every = {f"g{n:04}": g for n, g in enumerate(geometries(study, published))}
-    folder = str(place / "map")
-    found = done("map", geometry_study(study, samples, every, folder), ())
+    every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | own
+    found = done("map", candidate_study(study, locks, every, str(place / "map")), ())
     if found is None:
-        return "the map of geometries is incomplete, see above"
+        return "the map of joints is incomplete, see above"
     table = misfit_table(*found, published)
     write(table, place / "map.csv")
+    grid = table[~table["candidate"].isin(own)]
+    frictions = friction_table(grid)
+    write(frictions, place / "friction.csv")
 
-    best = [geometry_of(row) for _, row in best_rows(table.iloc[:-1]).iterrows()]
-    ranked = named([study.geometry, *best])
-    found = done("curves", curve_study(study, samples, ranked, str(place / "curves")), ())
+    best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
+    chosen = own | ranked(best)
+    found = done("curves", curve_study(study, locks, chosen, str(place / "curves")), ())
     if found is None:
         return "the curves are incomplete, see above"
     curves = curve_table(found[0], found[1])
     write(curves, place / "curves.csv")
     figures = [Path(study.results, f"figures/calibration.{kind}") for kind in ("png", "pdf")]
-    style.save(calibration(table, curves), figures)
+    style.save(calibration(grid, table[table["candidate"].isin(own)], curves, published), figures)
 
-    ranked = named([study.geometry, *best[: study.calibration.confirmed]])
-    content = engine_study(study, samples, ranked, str(place / "best"))
+    chosen = own | ranked(best[: study.calibration.confirmed])
+    content = engine_study(study, locks, chosen, str(place / "best"))
     found = done("best", content, installed_engines(study))
     if found is None:
         return "the confirmation is incomplete, see above"
     confirmed = misfit_table(*found, published)
     write(confirmed, Path(study.results, "tables/calibration.csv"))
-    print(describe(confirmed), end="")
+    print(describe(confirmed, frictions, published), end="")
     return None
 
 
 Tables = tuple[Study, pd.DataFrame, pd.DataFrame]
 
 
-def named(chosen: Sequence[GeometrySection]) -> dict[str, GeometrySection]:
-    """Geometries by rank."""
-    return {f"rank{rank}": geometry for rank, geometry in enumerate(chosen)}
+def ranked(best: Sequence[Candidate]) -> dict[str, Candidate]:
+    """Candidates by rank."""
+    return {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
 
 
 def run_study(

@@ -5,6 +5,7 @@ import json
 import math
 import types
 import typing
+from collections.abc import Collection
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from enum import StrEnum
 from functools import cache
@@ -16,6 +17,13 @@ from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
+APART = 1.5  # ratio of two meshes, at least, to tell a mesh error: closer ones may give equal cells
+
+
+def missing_level(meshes: Collection[float]) -> float | None:
+    """The mesh (m) that ``meshes`` lack to tell a mesh error: half the finest, None if they can."""
+    finest = min(meshes)
+    return finest / 2.0 if max(meshes) < APART * finest else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +67,15 @@ class Case:
 
     def physics(self) -> str:
         """SHA-256 of joint, nodes and loads: the same for all models of a case."""
+        return self._digest("joint", "mesh", "nodes", "loading")
+
+    def series(self) -> str:
+        """SHA-256 of joint, layout of the nodes and loads: the same at all meshes."""
+        return self._digest("joint", "nodes", "loading")
+
+    def _digest(self, *keys: str) -> str:
         told = _plain(self)
-        shared = {key: told[key] for key in ("joint", "mesh", "nodes", "loading")}
+        shared = {key: told[key] for key in keys}
         return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()
 
     def to_json(self) -> str:

@@ -2,14 +2,15 @@
 
 import difflib
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 
-from sidmacib.joint import Direction
+from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
-from workflow.case import REFERENCE, Case, case_name
+from sidmacib.mechanics.assembly import NodeLayout
+from workflow.case import REFERENCE, Case, case_name, missing_level
 from workflow.configuration import ConfigError
-from workflow.consistency import needs
+from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
 from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
@@ -43,9 +44,11 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
 
 def case_count(study: Study) -> int:
     """How many cases ``study`` has, without building them."""
-    return len(study.samples) * sum(
-        len(change.meshes or study.meshes) * len(change.eccentricities or study.eccentricities)
-        for _, _, change, _ in _runs(study, study.model_names)
+    joint = cache(study.joint)
+    return sum(
+        len(_levels(study, joint(sample), run))
+        * len(run.change.eccentricities or study.eccentricities)
+        for run, sample in _runs(study, study.model_names)
     )
 
 
@@ -56,38 +59,60 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
     def loading(ratio: float, assembly: AssemblySection) -> Loading:
         return Loading(Direction(ratio), assembly.load_share, assembly.push)
 
-    for model, variant, change, assembly in _runs(study, models):
-        numerics = _changed(study.dem.numerics, change.numerics)
-        for sample in study.samples:
-            for mesh in change.meshes or study.meshes:
-                for ratio in change.eccentricities or study.eccentricities:
-                    name = case_name(sample, mesh, ratio, variant)
-                    yield Case(
-                        name=name,
-                        model=model.name,
-                        variant=variant,
-                        sample=sample,
-                        joint=joint(sample, assembly),
-                        mesh=mesh,
-                        nodes=change.nodes or study.nodes,
-                        loading=loading(ratio, assembly),
-                        numerics=_numerics(model, numerics, study.overrides.get(name)),
-                    )
+    for run, sample in _runs(study, models):
+        numerics = _changed(study.dem.numerics, run.change.numerics)
+        for mesh in _levels(study, joint(sample), run):
+            for ratio in run.change.eccentricities or study.eccentricities:
+                name = case_name(sample, mesh, ratio, run.variant)
+                yield Case(
+                    name=name,
+                    model=run.model.name,
+                    variant=run.variant,
+                    sample=sample,
+                    joint=joint(sample, run.assembly),
+                    mesh=mesh,
+                    nodes=run.nodes,
+                    loading=loading(ratio, run.assembly),
+                    numerics=_numerics(run.model, numerics, study.overrides.get(name)),
+                )
 
 
-def _runs(
-    study: Study, models: Sequence[str]
-) -> Iterator[tuple[Model, str, VariantSection, AssemblySection]]:
-    """Each model with the variants that it can run and that change its results."""
+@dataclass(frozen=True)
+class _Run:
+    """A model with a variant: what the variant changes, and the assembly and nodes it gives."""
+
+    model: Model
+    variant: str
+    change: VariantSection
+    assembly: AssemblySection
+    nodes: NodeLayout
+
+
+def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
+    """Each model with the variants that change its results, and each sample that it can run."""
+    allowed = {name: sample.models or models for name, sample in study.samples.items()}
     for model in (MODELS[name] for name in models):
         for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
             nodes = change.nodes or study.nodes
-            own = variant == REFERENCE or (assembly, nodes) != (study.assembly, study.nodes)
-            if (own or Ability.NUMERICS in model.abilities) and not model.refusal(
-                needs(study, assembly)
-            ):
-                yield model, variant, change, assembly
+            same = variant != REFERENCE and (assembly, nodes) == (study.assembly, study.nodes)
+            if same and Ability.NUMERICS not in model.abilities:
+                continue
+            run = _Run(model, variant, change, assembly, nodes)
+            for sample in study.samples:
+                if model.name in allowed[sample] and not model.refusal(
+                    needs(study, assembly, sample)
+                ):
+                    yield run, sample
+
+
+def _levels(study: Study, joint: Joint, run: _Run) -> tuple[float, ...]:
+    """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
+    meshes = run.change.meshes or study.meshes
+    finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
+    if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
+        return meshes
+    return *meshes, finer
 
 
 def _numerics(
@@ -112,11 +137,15 @@ def _near(name: str, names: set[str]) -> str:
 
 
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
-    """The case ``name``, of the first installed model if none is named; raises `ConfigError`."""
+    """The case ``name``, of the first installed model that has it if none is named.
+
+    Raises `ConfigError`.
+    """
     cases = cases_of(study)
     leading = detailed(study.model_names)
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
-    model = model or (there or leading)[0]
+    among = there or leading
+    model = model or next((m for m in among if (m, name) in cases), among[0])
     if model not in study.model_names:
         allowed = " or ".join(study.model_names)
         raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")

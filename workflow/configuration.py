@@ -121,10 +121,16 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
     """``study`` without models that it does not name in ``config`` and that cannot do it."""
-    asked = needs(study, study.assembly)
+
+    def refused(name: str) -> bool:
+        return any(
+            MODELS[name].refusal(needs(study, study.assembly, sample))
+            for sample, own in study.samples.items()
+            if own.models is None or name in own.models
+        )
 
     def able(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name for name in names if not MODELS[name].refusal(asked))
+        return tuple(name for name in names if not refused(name))
 
     if "models" not in config:
         study = study.model_copy(update={"models": able(study.models)})

@@ -33,6 +33,8 @@ def faults(study: Study) -> Iterator[str]:
     for key, meshes in _everywhere(study, "meshes"):
         yield from _meshes(key, meshes, _densest(study), joints)
     yield from _models(study)
+    for name, sample in study.samples.items():
+        yield from _models_of_sample(study, name, sample.models)
     yield from _calibration(study)
     if study.figures.mesh not in (None, *study.meshes):
         yield (
@@ -43,8 +45,8 @@ def faults(study: Study) -> Iterator[str]:
         yield f"variants: the name {REFERENCE} is taken; it must be another"
 
 
-def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
-    """What ``study`` asks of a model that runs its joints assembled as in ``assembly``."""
+def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
+    """What ``study`` asks of a model that runs ``sample`` assembled as in ``assembly``."""
     found = []
     if assembly.failure is Failure.DUCTILE:
         found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
@@ -57,7 +59,7 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
     if assembly.upper_body is UpperBody.JOINED:
         allowed = "columns or monolithic"
         found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
-    for place, inner in _inner_faces(study):
+    for place, inner in _inner_faces(study, sample):
         if inner.normal_stiffness != inner.shear_stiffness:
             found.append(
                 Need(
@@ -67,22 +69,19 @@ def needs(study: Study, assembly: AssemblySection) -> tuple[Need, ...]:
                     f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
                 )
             )
-    found += [
-        Need(Ability.FRICTION, f"samples.{name}.locks", f"{sample.locks}", "at least 2")
-        for name, sample in study.samples.items()
-        if sample.locks == 1  # nothing but friction carries the load
-    ]
+    if (locks := study.samples[sample].locks) == 1:  # nothing but friction carries the load
+        found.append(Need(Ability.FRICTION, f"samples.{sample}.locks", f"{locks}", "at least 2"))
     return tuple(found)
 
 
-def _inner_faces(study: Study) -> Iterator[tuple[str, InnerFaceSection]]:
-    """The inner faces of all joints, and where they are given."""
-    inner = study.materials.inner
-    yield "materials.inner", inner
-    for name, sample in study.samples.items():
-        for lock, own in sample.different.items():
-            if (changed := own.inner.changed(inner)) != inner:
-                yield f"samples.{name}.different.{lock}.inner", changed
+def _inner_faces(study: Study, sample: str) -> Iterator[tuple[str, InnerFaceSection]]:
+    """The inner faces of a joint, and where they are given."""
+    own, common = study.samples[sample], study.materials.inner
+    inner = own.inner.changed(common)
+    yield ("materials" if inner == common else f"samples.{sample}") + ".inner", inner
+    for number, lock in own.different.items():
+        if (changed := lock.inner.changed(inner)) != inner:
+            yield f"samples.{sample}.different.{number}.inner", changed
 
 
 def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
@@ -183,8 +182,12 @@ def _models(study: Study) -> Iterator[str]:
             elif name in names[:place]:
                 yield f"{key}: {name} appears twice; each name must appear only once"
     known = [name for name in study.model_names if name in MODELS]
-    asked = needs(study, study.assembly)
-    refusals = (MODELS[name].refusal(asked) for name in known)
+    refusals = (
+        MODELS[name].refusal(needs(study, study.assembly, sample))
+        for sample in study.samples
+        for name in study.models_of(sample)
+        if name in known
+    )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
         can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
@@ -194,19 +197,33 @@ def _models(study: Study) -> Iterator[str]:
         )
 
 
+def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
+    """Engines that are left out, because they are not installed, may be named too."""
+    key, allowed = f"samples.{sample}.models", (*obtained_by(Obtained.ENGINE), *study.models)
+    for place, name in enumerate(own or ()):
+        if name not in allowed:
+            yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
+        elif name in (own or ())[:place]:
+            yield f"{key}: {name} appears twice; each name must appear only once"
+    can = detailed(name for name in study.model_names if name in MODELS)
+    if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
+        yield f"{key}: {_some(own)} is not enough; it must have {' or '.join(can)}"
+
+
 def _calibration(study: Study) -> Iterator[str]:
     grid = study.calibration
-    count = math.prod(map(len, (grid.a, grid.height_share, grid.height_over_b)))
+    axes = (grid.a, grid.height_share, grid.height_over_b, grid.friction)
+    count = math.prod(map(len, axes))
     if count > MAX_GEOMETRIES:
         yield (
-            f"calibration: {count:,} geometries, a times height_share times height_over_b, are "
-            f"too many; there must be {MAX_GEOMETRIES:,} or fewer"
+            f"calibration: {count:,} joints, a times height_share times height_over_b times "
+            f"friction, are too many; there must be {MAX_GEOMETRIES:,} or fewer"
         )
     least = max(grid.a) / MAX_CELLS_ALONG
-    if grid.mesh < least:
+    if min(grid.meshes) < least:
         yield (
-            f"calibration.mesh: {grid.mesh} m is too fine for locks of {max(grid.a)} m; it must "
-            f"be at least {least:g} m"
+            f"calibration.meshes: {min(grid.meshes)} m is too fine for locks of {max(grid.a)} m; "
+            f"it must be at least {least:g} m"
         )
 
 

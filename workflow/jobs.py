@@ -267,7 +267,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", of_cases),
             ),
             outputs=("summary.txt",),
-            arguments={"results": study.results},
+            arguments={"results": study.results, "meshes": study.meshes},
         ),
         Job(
             name="complete",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case
+from workflow.case import Case, case_name, missing_level
 from workflow.cases import cases_of
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
@@ -54,18 +54,27 @@ def plan_of(study: Study) -> Plan:
 
 
 def witnesses(cases: Iterable[Case]) -> list[Case]:
-    """Cases of the static model that the study lacks, to compare every engine's case with."""
+    """Cases of the static model that the study lacks, to compare every engine's case with.
+
+    They are on the same nodes, and where an engine has one mesh only at half of it too.
+    """
     cases = list(cases)
     known = {case.physics() for case in cases if case.model == WITNESS}
-    found: dict[str, Case] = {}
+    series: dict[str, dict[float, Case]] = {}
     able = MODELS[WITNESS].abilities
     for case in cases:
         ductile = case.joint.failure is Failure.DUCTILE
         if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
             continue
-        if case.physics() not in known:
-            found.setdefault(case.physics(), replace(case, model=WITNESS, numerics=None))
-    return list(found.values())
+        witness = replace(case, model=WITNESS, numerics=None)
+        series.setdefault(case.series(), {}).setdefault(case.mesh, witness)
+    for own in series.values():
+        if finer := missing_level(own):
+            (case, *_) = own.values()
+            name = case_name(case.sample, finer, case.direction.eccentricity, case.variant)
+            own[finer] = replace(case, mesh=finer, name=name)
+    every = {case.physics(): case for own in series.values() for case in own.values()}
+    return [case for physics, case in every.items() if physics not in known]
 
 
 def plan_file(job: Job, digest: str, results: Path) -> Path:

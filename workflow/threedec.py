@@ -45,7 +45,9 @@ def decks(study: Study) -> dict[str, Case]:
     return {
         case.name: replace(case, model=MODEL, numerics=None)
         for case in cases_of(study).values()
-        if case.variant == REFERENCE and case.joint.failure is Failure.BRITTLE
+        if case.variant == REFERENCE
+        and case.joint.failure is Failure.BRITTLE
+        and case.mesh in study.meshes
     }
 
 

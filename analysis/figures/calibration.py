@@ -1,66 +1,112 @@
-"""Which geometry fits the published numbers: misfit map, what is determined, curves."""
+"""Which geometry and friction fit the published numbers: what is determined, and curves."""
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.calibration import length_along
+from analysis.calibration import (
+    PEAK_AIM,
+    PEAK_SCALE,
+    WEIGHT_SCALE,
+    friction_table,
+    read_as_degrees,
+)
+from analysis.curve_shape import length_along
 from analysis.figures import style
+from analysis.published import Published
 
 AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
 
 
-def calibration(table: pd.DataFrame, curves: pd.DataFrame) -> Figure:
-    """The misfit over the two ratios, its least value along each size, and curves for each a."""
-    own, grid = table.iloc[-1], table.iloc[:-1]  # the study's own geometry is the last row
-    figure = Figure(figsize=(9.5, 8.6), layout="constrained")
-    spans = [(0, 0, 3), (0, 3, 4), (0, 4, 5), (0, 5, 6), (1, 0, 3), (1, 3, 6)]
-    layout = figure.add_gridspec(2, 6, height_ratios=[1.0, 1.1])
+def calibration(
+    grid: pd.DataFrame, own: pd.DataFrame, curves: pd.DataFrame, published: Published
+) -> Figure:
+    """The misfit over friction, the two ratios and each size, and curves for each a.
+
+    ``grid``, ``own``: rows of `misfit_table`, of the grid and of the study's own joints.
+    """
+    figure = Figure(figsize=(9.5, 12.0), layout="constrained")
+    spans = [(0, 0, 3), (0, 3, 6), (1, 0, 3), (1, 3, 4), (1, 4, 5), (1, 5, 6), (2, 0, 3), (2, 3, 6)]
+    layout = figure.add_gridspec(3, 6, height_ratios=[1.0, 1.0, 1.1])
     cells = [figure.add_subplot(layout[row, start:end]) for row, start, end in spans]
-    nearest = grid.loc[(grid["a_m"] - own["a_m"]).abs().idxmin(), "a_m"]
-    _map(figure, cells[0], grid[grid["a_m"] == nearest], own)
-    for axes, column in zip(cells[1:4], AXES, strict=True):
+    frictions = friction_table(grid)
+    _friction(cells[0], frictions, "misfit_swapped", 1.0, published)
+    cells[0].set_title("least misfit of any geometry", loc="left", fontsize=10)
+    _friction(cells[1], frictions, "least_peak_difference", 100.0, published)
+    cells[1].axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
+    cells[1].set_title("closest of all published peaks, any weights (%)", loc="left", fontsize=10)
+    shown = grid
+    for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
+        nearest = (shown[size] - own[size].iloc[-1]).abs().min()
+        shown = shown[np.isclose((shown[size] - own[size].iloc[-1]).abs(), nearest)]
+    _map(figure, cells[2], shown, own)
+    for axes, column in zip(cells[3:6], AXES, strict=True):
         _profile(axes, grid, own, column)
-    for axes, (locks, rows) in zip(cells[4:], curves.groupby("locks"), strict=False):
-        _curves(axes, rows, own, int(str(locks)))
+    for axes, (locks, rows) in zip(cells[6:], curves.groupby("locks"), strict=False):
+        _curves(axes, rows, int(str(locks)))
     style.caption(
         figure,
-        "Static model in pure shear against the published peaks and weights of both samples, the "
-        "first two weights swapped. Misfit: root mean square of the differences over 1 % (peaks) "
-        "and 0.02 (weights). Cross: the study's geometry. Top right: the least misfit at each "
-        "value of one size, whatever the others are. Below: V-M curves of the best geometry of "
-        "each a and the study's (thick); squares: where the closest two straight parts meet. With "
-        f"the weights as printed no geometry comes below {grid['misfit_printed'].min():.1f}.",
-        height=0.13,
+        "Static model in pure shear against the published peaks of both samples at both meshes and "
+        "their weights, the first two weights swapped. Misfit: root mean square of the differences "
+        f"over {100 * PEAK_SCALE:g} % (peaks) and {WEIGHT_SCALE:g} (weights). Above: for each "
+        "friction coefficient of the dry faces, the best of all geometries. That 3DEC, whose "
+        "friction is an angle, was given 0.3 degrees is a hypothesis, not known. Middle: the map "
+        f"at friction {shown['friction'].iloc[0]:.4g}, and the least misfit at each value of one "
+        "size, whatever the others are. Crosses: the study's joints. Below: V-M curves of the "
+        "best joint of each a and the study's (thick); squares: where the closest two straight "
+        "parts meet. "
+        f"With the weights as printed nothing comes below {grid['misfit_printed'].min():.1f}.",
+        height=0.115,
     )
     return figure
 
 
-def _map(figure: Figure, axes: Axes, grid: pd.DataFrame, own: pd.Series) -> None:
-    values = grid.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
+def _friction(
+    axes: Axes, rows: pd.DataFrame, column: str, factor: float, published: Published
+) -> None:
+    """A value over the friction coefficient, with the printed one and the hypothetical marked."""
+    axes.plot(rows["friction"], factor * rows[column], "o-", color=style.COLOURS[0], markersize=4)
+    printed, degrees = published.numbers["sample"]["friction"], read_as_degrees(published)
+    for friction, words, colour in (
+        (printed, f"{printed:g}, as printed", style.COLOURS[5]),
+        (degrees, f"tan {printed:g}° (hypothesis)", style.COLOURS[2]),
+    ):
+        axes.axvline(friction, color=colour, linewidth=1.2, linestyle="--", label=words)
+    axes.set_xscale("symlog", linthresh=0.01, linscale=0.6)
+    axes.set_xlim(-0.0005, 1.15 * rows["friction"].max())
+    axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
+    axes.set_ylim(0.0, 1.08 * factor * rows[column].max())
+    axes.set_xlabel("friction coefficient of the dry faces")
+    axes.legend(fontsize=8, loc="upper center")
+
+
+def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, own: pd.DataFrame) -> None:
+    values = shown.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
     if min(values.shape) > 1:
         least = float(np.floor(10 * values.min(axis=None)) / 10)
-        shown = axes.contourf(
+        filled = axes.contourf(
             *(values.columns, values.index, values),
-            levels=np.linspace(least, least + 1.8, 10),
+            levels=np.linspace(least, least + 3.0, 11),
             cmap="viridis_r",
             extend="both",
         )
-        figure.colorbar(shown, ax=axes, label="misfit")
-    axes.plot(own["height_share"], own["height_over_b"], "X", color="white", markeredgecolor="k")
+        figure.colorbar(filled, ax=axes, label="misfit")
+    places = own["height_share"], own["height_over_b"]
+    axes.plot(*places, "X", color="white", markeredgecolor="k", clip_on=False)
     axes.set_xlabel(AXES["height_share"])
     axes.set_ylabel(AXES["height_over_b"])
-    axes.set_title(f"misfit, a = {grid['a_m'].iloc[0]:g} m", loc="left", fontsize=10)
+    first = shown.iloc[0]
+    title = f"misfit, a = {first['a_m']:g} m, friction {first['friction']:.4g}"
+    axes.set_title(title, loc="left", fontsize=10)
     axes.grid(visible=False)
 
 
-def _profile(axes: Axes, grid: pd.DataFrame, own: pd.Series, column: str) -> None:
+def _profile(axes: Axes, grid: pd.DataFrame, own: pd.DataFrame, column: str) -> None:
     least = grid.groupby(column)["misfit_swapped"].min()
     axes.plot(least.index, least, "o-", color=style.COLOURS[0], markersize=3)
     axes.plot(own[column], own["misfit_swapped"], "X", color=style.COLOURS[6])
-    lowest = grid["misfit_swapped"].min()
-    axes.set_ylim(max(0.0, lowest - 0.25), lowest + 1.75)
+    axes.set_ylim(0.0, 1.1 * max(least.max(), own["misfit_swapped"].max()))
     axes.set_xlabel(AXES[column])
     if column == "height_share":
         axes.set_title("least misfit", loc="left", fontsize=10)
@@ -68,19 +114,17 @@ def _profile(axes: Axes, grid: pd.DataFrame, own: pd.Series, column: str) -> Non
         axes.set_yticklabels([])
 
 
-def _curves(axes: Axes, rows: pd.DataFrame, own: pd.Series, locks: int) -> None:
-    sizes = ["a_m", "height_share", "height_over_b"]
-    lengths = sorted(rows["a_m"].unique())
-    for _, curve in rows.groupby(sizes, sort=True):
-        first = curve.iloc[0]
-        is_own = bool(np.allclose(first[sizes].astype(float), own[sizes].astype(float)))
+def _curves(axes: Axes, rows: pd.DataFrame, locks: int) -> None:
+    for number, (name, curve) in enumerate(rows.groupby("candidate", sort=False)):
+        first, is_own = curve.iloc[0], str(name).startswith("own")
         scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
         x, y = scaled.to_numpy().T
         length = length_along(scaled.to_numpy())
         turn = first["turn_from_shear"] * length[-1]
-        colour = style.COLOURS[lengths.index(first["a_m"]) % len(style.COLOURS)]
-        label = f"a = {first['a_m']:g} m{', the study' if is_own else ''}"
-        axes.plot(x, y, color=colour, linewidth=2.4 if is_own else 1.0, label=label)
+        colour = style.COLOURS[number % len(style.COLOURS)]
+        label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
+        own = ", the study" if is_own else ""
+        axes.plot(x, y, color=colour, linewidth=2.4 if is_own else 1.0, label=f"{label}{own}")
         corner = np.interp(turn, length, x), np.interp(turn, length, y)
         axes.plot(*corner, "s", color=colour, markersize=5)
     axes.set_xlabel("V / largest V")

@@ -52,9 +52,11 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
-        for model in study.dem.engines or detailed[:1]:
+        followed = [model for model in detailed if model in study.models_of(sample)]
+        engines = [model for model in followed if model in study.dem.engines]
+        for model in engines or followed[:1]:
             own = [case for case in cases if case.model == model and case.sample == sample]
-            suffix = "" if model == detailed[0] else f"-{model}"
+            suffix = "" if model == followed[0] else f"-{model}"
             for kind, case in (
                 ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
                 (

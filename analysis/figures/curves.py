@@ -12,6 +12,7 @@ from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
 from analysis.figures.material import Material
 from sidmacib.mechanics.assembly import Floats
+from workflow.case import REFERENCE
 
 REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 
@@ -63,23 +64,39 @@ def options(material: Material) -> Figure:
 
 def meshes(material: Material) -> Figure:
     """The curves of every model of the pieces and sample, at every mesh."""
-    figure = Figure(figsize=(8, 4.6), layout="constrained")
     samples = shown_samples(material.study)
-    axes = figure.subplots(1, len(samples), squeeze=False)[0]
-    for axis, sample in zip(axes, samples, strict=True):
+    across = min(len(samples), 2)
+    down = -(-len(samples) // across)
+    figure = Figure(figsize=(8, 1.2 + 3.4 * down), layout="constrained")
+    places = figure.subplots(down, across, squeeze=False).ravel()
+    for axis in places[len(samples) :]:
+        axis.remove()
+    for axis, sample in zip(places, samples, strict=False):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
-            for model in material.detailed:
+            for model in material.detailed_of(sample):
                 model_curve(axis, material, model, sample, mesh, colour)
         published_point(axis, material.capacity, sample)
-        style.curve_axes(axis, f"{material.study.samples[sample].locks} locks")
+        style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
         axis.legend(fontsize=8)
     style.caption(
         figure,
-        f"{material.place_in_paper}Peak loads of the models of the joint's pieces. The nodes are "
-        "cell centres: the coarser the mesh, the further the outermost node is from a face's edge, "
-        f"and the more torque a face takes. {material.assumed_geometry}",
+        f"{material.place_in_paper}Peak loads of the models of the joint's pieces; nodes: "
+        f"{material.study.nodes}. {mesh_error_words(material)}{material.assumed_geometry}",
+        height=0.9 / figure.get_figheight(),
     )
     return figure
+
+
+def mesh_error_words(material: Material) -> str:
+    """The largest mesh error at each mesh of the study, as a sentence; empty if none is known."""
+    rows = material.capacity[material.capacity["variant"] == REFERENCE]
+    largest = rows.groupby("mesh_m")["mesh_error"].max()
+    found = [
+        f"{100 * error:.1f} % at {mesh:g} m"
+        for mesh, error in largest.items()
+        if not np.isnan(error) and np.isclose(float(str(mesh)), material.study.meshes).any()
+    ]
+    return f"Mesh error, told from two meshes: up to {', '.join(found)}. " if found else ""
 
 
 def revised(material: Material) -> Figure:

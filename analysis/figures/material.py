@@ -40,14 +40,21 @@ class Material:
     @property
     def models(self) -> tuple[str, ...]:
         """The models of the joint's pieces, the leading one first, those from elsewhere last."""
-        own = self.table["model"].unique()
+        rows = self.table
+        if self.spec.sample is not None:
+            rows = rows[rows["sample"] == self.spec.sample]
+        own = rows["model"].unique()
         ordered = [m for m in (*self.detailed, *self.study.models) if m in own]
         return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
+
+    def detailed_of(self, sample: str) -> tuple[str, ...]:
+        """The detailed models that run on a sample, the leading one first."""
+        return tuple(model for model in self.detailed if model in self.study.models_of(sample))
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
-        return self.detailed[0]
+        return self.detailed_of(self.sample)[0]
 
     def cases(self, sample: str, mesh: float) -> list[str]:
         """The cases of a sample at a mesh (m), from pure shear to pure torsion."""
@@ -69,10 +76,21 @@ class Material:
 
     @property
     def assumed_geometry(self) -> str:
-        """What to say of the geometry where it stands for the paper's."""
-        if read_published().samples(self.study):
-            return "Assumed: a, b, h and H (the paper's text gives a·b only)."
-        return ""
+        """What to say of geometry and friction where they stand for the paper's."""
+        published = read_published()
+        samples = published.samples(self.study)
+        if not samples:
+            return ""
+        shown = [s for s in samples if self.spec.sample in (None, s)]
+        other = [s for s in shown if not published.as_printed(self.study, s)]
+        words = "Assumed: a, b, h and H (the paper's text gives a·b only)."
+        if other:
+            frictions = {f"{self.study.joint(s).dry.friction:.4g}" for s in other}
+            words += (
+                f" {', '.join(other)}: friction {', '.join(sorted(frictions))} on dry faces, to "
+                f"fit, not the printed {published.numbers['sample']['friction']:g}."
+            )
+        return words
 
     @property
     def place_in_paper(self) -> str:
@@ -82,4 +100,4 @@ class Material:
         shown = self.spec.sample
         locks = [n for sample, n in published.items() if shown in (None, sample)]
         found = [numbers[n] for n in locks if n in numbers]
-        return f"{' and '.join(found)} of the paper, redrawn. " if found else ""
+        return f"{' and '.join(dict.fromkeys(found))} of the paper, redrawn. " if found else ""

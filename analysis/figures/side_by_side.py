@@ -1,11 +1,13 @@
 """One page that puts published and computed values side by side."""
 
+from collections.abc import Sequence
 from itertools import cycle
 
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.beside import Beside, beside, difference
 from analysis.figures import style
 from analysis.figures.material import Material
 
@@ -20,22 +22,28 @@ def side_by_side(material: Material) -> Figure:
         )
         return figure
     samples = list(dict.fromkeys(table["sample"]))
-    figure = Figure(figsize=(9, 12.5), layout="constrained")
-    grid = figure.add_gridspec(len(samples) + 1, 2, height_ratios=[1.0] * len(samples) + [3.6])
+    leading = {sample: material.detailed_of(sample)[0] for sample in samples}
+    parts = list(beside(table, leading))
+    lines = sum(len(part.lines) + 3 for part in parts)
+    height = 2.6 * len(samples) + 0.15 * lines + 1.25
+    figure = Figure(figsize=(9, height), layout="constrained")
+    grid = figure.add_gridspec(
+        len(samples) + 1, 2, height_ratios=[2.4] * len(samples) + [0.15 * lines]
+    )
     for row, sample in enumerate(samples):
         own = table[table["sample"] == sample]
-        locks = own["locks"].iloc[0]
-        _peaks(figure.add_subplot(grid[row, 0]), own, f"{locks} locks: peak V at e = 0 (N)")
-        _weights(figure.add_subplot(grid[row, 1]), own, f"{locks} locks: weights at e = 0")
-    shown = table[table["model"].isin([material.leading, "sidmacib"])]
-    _table(figure.add_subplot(grid[len(samples), :]), shown)
+        first = own.iloc[0]
+        words = f"{sample}: {first['locks']} locks, friction {first['friction']:.4g}"
+        _peaks(figure.add_subplot(grid[row, 0]), own, f"{words}, peak V at e = 0 (N)")
+        _weights(figure.add_subplot(grid[row, 1]), own, f"{words}, weights at e = 0")
+    _table(figure.add_subplot(grid[len(samples), :]), parts)
     style.caption(
         figure,
         "Published: 3DEC and SiDMACIB, from the paper's text. Computed: this program. “Swapped”: "
         "the published values of the first two locks exchanged. Statics asks for it: but for "
         "friction the lower locks (2, 4, …) are the only way of V to the ground, and only in the "
         f"swapped order do they add up to it. {material.assumed_geometry} {style.ASSUMED_POINTS}",
-        height=0.07,
+        height=1.15 / height,
     )
     return figure
 
@@ -90,29 +98,37 @@ def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _table(axes: Axes, table: pd.DataFrame) -> None:
+def _table(axes: Axes, parts: Sequence[Beside]) -> None:
+    """The published numbers, and beside them those of every sample with as many locks."""
     axes.axis("off")
-    shown = table[~table["quantity"].str.contains("_friction_N")]
-    cells = [
-        [
-            str(row.quantity),
-            str(row.locks),
-            "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}",
-            f"{row.published:g}",
-            f"{row.computed:.4g}",
-            "" if pd.isna(row.absolute_difference) else f"{row.absolute_difference:+.2g}",
-            "" if pd.isna(row.relative_difference) else f"{100 * row.relative_difference:+.1f} %",
-        ]
-        for row in shown.itertuples()
-    ]
-    head = ["quantity", "locks", "mesh (m)", "published", "computed", "difference", "relative"]
-    widths = [0.4, 0.07, 0.1, 0.12, 0.12, 0.11, 0.1]
-    drawn = axes.table(cells, colLabels=head, colWidths=widths, loc="upper center", cellLoc="right")
+    most = max(len(part.samples) for part in parts)
+    cells: list[list[str]] = []
+    bold: list[int] = []
+    for part in parts:
+        bold.append(len(cells))
+        heads = [cell for sample in part.samples for cell in (sample, "difference")]
+        cells.append([f"{part.locks} locks", "mesh (m)", "published", *heads])
+        for line in part.lines:
+            values = [
+                cell
+                for sample in part.samples
+                for cell in (
+                    (f"{line.rows[sample].computed:.5g}", difference(line.rows[sample]))
+                    if sample in line.rows
+                    else ("", "")
+                )
+            ]
+            cells.append([line.quantity, line.mesh, f"{line.published:g}", *values])
+        cells.append([])
+    width = 3 + 2 * most
+    cells = [[*row, *[""] * (width - len(row))] for row in cells[:-1]]
+    widths = [0.36, 0.07, 0.1, *[0.46 / (2 * most)] * (2 * most)]
+    drawn = axes.table(cells, colWidths=widths, loc="upper center", cellLoc="right")
     drawn.auto_set_font_size(False)
     drawn.set_fontsize(6.5)
     for (row, column), cell in drawn.get_celld().items():
         cell.set_linewidth(0.2)
-        if row == 0:
+        if row in bold:
             cell.set_text_props(weight="bold")
         if column == 0:
             cell.set_text_props(ha="left")

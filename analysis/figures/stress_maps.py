@@ -134,13 +134,19 @@ def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
 
 
 def _cells(nodes: pd.DataFrame, face: Face, shown: pd.DataFrame) -> list[list[tuple[float, float]]]:
-    """Corners (y, x) of the cells around the nodes ``shown`` of a face's regular grid ``nodes``."""
-    length, width = (
-        (face.high[axis] - face.low[axis]) / nodes[name].round(12).nunique()
-        for axis, name in ((0, "x_m"), (1, "y_m"))
-    )
-    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    """Corners (y, x) of the cells around the nodes ``shown`` of a face's regular grid ``nodes``.
+
+    Cells meet half-way between nodes, and end with the face.
+    """
+    spans = []
+    for axis, name in ((1, "y_m"), (0, "x_m")):
+        places = np.unique(nodes[name].round(12))
+        edges = np.concatenate(
+            [[face.low[axis]], (places[1:] + places[:-1]) / 2, [face.high[axis]]]
+        )
+        number = np.searchsorted(places, shown[name].round(12) - 1e-12)
+        spans.append(np.column_stack([edges[number], edges[number + 1]]))
     return [
-        [(y + i * width / 2, x + j * length / 2) for i, j in corners]
-        for x, y in zip(shown["x_m"], shown["y_m"], strict=True)
+        [(y[i], x[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        for y, x in zip(*spans, strict=True)
     ]

@@ -51,6 +51,7 @@ class CaseRecord:
     eccentricity_m: float
     case_digest: str
     physics: str  # digest of joint, nodes and loads: the same for all models of a case
+    series: str  # digest of the same but for the mesh
     load_N: float | None = None
     shear_N: float | None = None
     torque_Nm: float | None = None
@@ -139,6 +140,7 @@ def _identity(case: Case) -> dict[str, Any]:
         "eccentricity_m": case.eccentricity_m,
         "case_digest": case.digest(),
         "physics": case.physics(),
+        "series": case.series(),
     }
 
 

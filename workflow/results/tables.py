@@ -56,14 +56,14 @@ CASES = Table(
     (
         *("name", *_CASE, "nodes", "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
         *("failed_load_N", "first_failure_load_N", "mode", "unbalanced_share"),
-        *("static_load_N", "difference_to_static", "error", "versions", "case"),
+        *("static_load_N", "difference_to_static", "mesh_error", "error", "versions", "case"),
     ),
     ("model", "variant", "case"),
 )
 MODELS = Table(
     "models",
     (
-        *("model", "sample", "locks", "mesh_m", "eccentricity_m", "load_N"),
+        *("model", "sample", "locks", "mesh_m", "eccentricity_m", "load_N", "mesh_error"),
         *("first_failure_load_N", "friction_share", "given_load_N"),
     ),
     ("model", "case"),
@@ -75,7 +75,7 @@ CAPACITY = Table(
         *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
         *("sample", "load_N", "failed_load_N", "first_failure_load_N", "unbalanced_share"),
         *("option", "friction", "reduction", "weights_from", "case", "mode"),
-        *("difference_to_static", "error"),
+        *("difference_to_static", "mesh_error", "error"),
     ),
     ("model", "variant", "weights_from", "case"),
 )
@@ -88,7 +88,7 @@ FIT = Table(
     "fit",
     (
         *("model", "sample", "locks", "mesh_m", "option", "friction", "reduction"),
-        *(*_ERRORS, "rank", "directions"),
+        *(*_ERRORS, "rank", "directions", "largest_mesh_error"),
     ),
     ("model", "sample", "mesh_m", "option", "friction", "reduction"),
 )
@@ -105,7 +105,7 @@ VALIDATION = Table(
     "validation",
     (
         *("quantity", "locks", "mesh_m", "published", "computed", "relative_difference"),
-        *("absolute_difference", "model", "sample", "note"),
+        *("absolute_difference", "mesh_error", "model", "sample", "friction", "setting", "note"),
     ),
     ("quantity", "mesh_m", "model", "sample"),
 )

@@ -5,9 +5,15 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from sidmacib.joint import Block, Joint, OwnLock
-from workflow.schema.materials import InnerFaceChanges, InnerFaceSection, face_material
+from workflow.schema.materials import (
+    DryChanges,
+    InnerChanges,
+    InnerFaceSection,
+    MaterialsSection,
+    face_material,
+)
 from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Density, Length, Number
+from workflow.schema.values import Density, Length, Number, Some
 
 MOST_LOCKS = 101
 
@@ -27,7 +33,7 @@ class LockSection(Section):
 
     width: Length | None = None
     density: Density | None = None
-    inner: InnerFaceChanges = InnerFaceChanges()
+    inner: InnerChanges = InnerChanges()
 
     def own_lock(self, inner: InnerFaceSection) -> OwnLock:
         """The section as the models take it, where other locks have this ``inner`` face."""
@@ -37,23 +43,30 @@ class LockSection(Section):
 
 
 class SampleSection(_OWN_SIZES):
-    """A joint of the study; sizes in m, those of the study's geometry where None.
+    """A joint of the study: sizes (m) and faces where they are not the study's.
 
     ``first``: the block that lock 1 belongs to. ``different``: locks that differ, by number.
+    ``models``: those of the study's models and engines that run on it; None: all of them.
     """
 
     locks: _NUMBER
     first: Block = Block.UPPER
     different: dict[_NUMBER, LockSection] = Field(default_factory=dict)
+    inner: InnerChanges = InnerChanges()
+    dry: DryChanges = DryChanges()
+    models: Annotated[tuple[str, ...], Some] | None = None
 
-    def joint(self, geometry: GeometrySection, inner: InnerFaceSection, **others: Any) -> Joint:
-        """The joint, its sizes from ``geometry`` and its inner faces ``inner`` if not its own."""
+    def joint(self, geometry: GeometrySection, materials: MaterialsSection, **others: Any) -> Joint:
+        """The joint; sizes and faces that are not its own are those of the study."""
         sizes = {key: getattr(self, key) or size for key, size in geometry.model_dump().items()}
+        inner = self.inner.changed(materials.inner)
         return Joint(
             self.locks,
             **sizes,
             first=self.first,
             different={lock: own.own_lock(inner) for lock, own in self.different.items()},
             inner=face_material(inner),
+            dry=face_material(self.dry.changed(materials.dry)),
+            density=materials.density,
             **others,
         )

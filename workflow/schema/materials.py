@@ -29,19 +29,28 @@ class InnerFaceSection(_INNER):
     """Cohesive faces inside a block, see `sidmacib.mechanics.assembly.FaceMaterial`."""
 
 
-_CHANGES: Any = changes_to(InnerFaceSection)
+class DryFaceSection(_DRY):
+    """Frictional faces between the blocks; they have no strength of their own."""
 
 
-class InnerFaceChanges(_CHANGES):
-    """What differs on the inner face of a lock; None means no change."""
+_INNER_CHANGES: Any = changes_to(InnerFaceSection)
+_DRY_CHANGES: Any = changes_to(DryFaceSection)
+
+
+class InnerChanges(_INNER_CHANGES):
+    """What differs on inner faces; None means no change."""
 
     def changed(self, inner: InnerFaceSection) -> InnerFaceSection:
         """``inner`` with these changes."""
         return inner.model_copy(update=self.model_dump(exclude_none=True))
 
 
-class DryFaceSection(_DRY):
-    """Frictional faces between the blocks; they have no strength of their own."""
+class DryChanges(_DRY_CHANGES):
+    """What differs on dry faces; None means no change."""
+
+    def changed(self, dry: DryFaceSection) -> DryFaceSection:
+        """``dry`` with these changes."""
+        return dry.model_copy(update=self.model_dump(exclude_none=True))
 
 
 class MaterialsSection(Section):

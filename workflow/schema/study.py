@@ -12,7 +12,7 @@ from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
 from workflow.schema.figures import FiguresSection
 from workflow.schema.geometry import GeometrySection, SampleSection
-from workflow.schema.materials import MaterialsSection, face_material
+from workflow.schema.materials import MaterialsSection
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
@@ -48,14 +48,17 @@ class Study(Section):
         """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
         return tuple(name for name in self.samples if self.joint(name).interlocking)
 
+    def models_of(self, sample: str) -> tuple[str, ...]:
+        """Those of `model_names` that run on ``sample``."""
+        own = self.samples[sample].models
+        return tuple(name for name in self.model_names if own is None or name in own)
+
     def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
         """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
         assembly = assembly or self.assembly
         return self.samples[sample].joint(
             self.geometry,
-            self.materials.inner,
-            density=self.materials.density,
-            dry=face_material(self.materials.dry),
+            self.materials,
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,
