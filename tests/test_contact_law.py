@@ -100,7 +100,7 @@ def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
 
 def test_broken_nodes_are_not_used(joint: Joint) -> None:
     law, state = bonds(joint)
-    broken = replace(state, bonded=np.zeros_like(state.bonded))
+    broken = replace(state, whole=np.zeros_like(state.whole))
     assert utilisation(law, broken, np.full((len(law.friction), 3), -1e9)).max() == 0.0
 
 

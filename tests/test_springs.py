@@ -48,7 +48,7 @@ def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     random, law = np.random.default_rng(seed), NodeLaw.of(model)
     slip = 1e-7 * random.normal(size=(len(law.friction), 2))
     bonded = law.cohesive & (random.random(len(slip)) < 0.5)
-    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, bonded)
+    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, bonded.astype(float))
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
@@ -63,7 +63,7 @@ def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assemb
     own = solver(model)
     unknowns, state = some_state(model)
     tangent_stiffness(
-        own.structure, state.slip, np.ones_like(state.bonded), unknowns, 0.0, own.matrix
+        own.structure, state.slip, np.ones_like(state.whole), unknowns, 0.0, own.matrix
     )
     expected = Springs.of(model).elastic_stiffness()
     assert dense(own)[np.ix_(own.place, own.place)] == pytest.approx(expected, rel=1e-9, abs=1e-5)
@@ -73,8 +73,8 @@ def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) 
     own = solver(model)
     unknowns, state = some_state(model)
     residual = np.empty_like(unknowns)
-    unbalanced(own.structure, state.slip, state.bonded, unknowns, 0.0 * unknowns, residual)
-    force, _ = settled(own.structure, state.slip, state.bonded, unknowns)
+    unbalanced(own.structure, state.slip, state.whole, unknowns, 0.0 * unknowns, residual)
+    force, _ = settled(own.structure, state.slip, state.whole, unknowns)
     inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / own.units
     assert -residual[own.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
 
@@ -82,7 +82,7 @@ def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) 
 def test_nodes_move_with_their_pieces(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    bonded = np.ones_like(state.bonded)
+    bonded = np.ones_like(state.whole)
     force, _ = settled(own.structure, 0.0 * state.slip, bonded, unknowns)
     displacement = unknowns[own.place] / own.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
@@ -95,12 +95,12 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(own.structure, state.slip, state.bonded, unknowns, 0.0, own.matrix)
+    tangent_stiffness(own.structure, state.slip, state.whole, unknowns, 0.0, own.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     after, before = np.empty_like(unknowns), np.empty_like(unknowns)
     for sign, residual in ((1, after), (-1, before)):
         moved = unknowns + sign * 1e-12 * direction
-        unbalanced(own.structure, state.slip, state.bonded, moved, 0.0 * moved, residual)
+        unbalanced(own.structure, state.slip, state.whole, moved, 0.0 * moved, residual)
     expected = dense(own) @ direction
     found = (before - after) / 2e-12
     assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
@@ -109,8 +109,8 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
 def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    force, slip = settled(own.structure, state.slip, state.bonded, unknowns)
-    again, same = settled(own.structure, slip, state.bonded, unknowns)
+    force, slip = settled(own.structure, state.slip, state.whole, unknowns)
+    again, same = settled(own.structure, slip, state.whole, unknowns)
     assert again == pytest.approx(force, rel=1e-9, abs=1e-9)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
     assert (slip[state.bonded] == state.slip[state.bonded]).all()

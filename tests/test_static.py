@@ -18,7 +18,6 @@ from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
-    Failure,
     Kind,
     Loads,
     NodeLayout,
@@ -150,11 +149,6 @@ def test_a_piece_that_touches_nothing_does_not_stand(joint: Joint) -> None:
     alone = replace(model, pieces=(*model.pieces, loose))
     with pytest.raises(NoEquilibriumError, match="no equilibrium at 0 N"):
         static_peak(alone, load_on_block(alone, (0.0, 1.0, 0.0), 0.0))
-
-
-def test_ductile_faces_are_refused(joint: Joint) -> None:
-    with pytest.raises(ValueError, match="failure: ductile"):
-        solved(replace(joint, failure=Failure.DUCTILE), 0.0)
 
 
 def test_the_peak_is_found_from_nearby_where_newton_fails_from_afar() -> None:

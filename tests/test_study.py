@@ -226,7 +226,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(assembly={"failure": "soft"}),
-            "assembly.failure: 'soft' is not allowed; it must be brittle or ductile",
+            "assembly.failure: 'soft' is not allowed; it must be brittle, softening or ductile",
         ),
         (
             merged(dem={"numerics": {"tolerance": 0.1}}),
@@ -270,8 +270,10 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
             "samples.n.models: limit is not enough; it must have yade or liggghts or static",
         ),
         (
-            merged(**DUCTILE, dem={"engines": ["yade"]}, models=["static"]),
-            "assembly.failure: ductile is not possible with static; it must be brittle",
+            merged(
+                assembly={"failure": "softening"}, dem={"engines": []}, models=["static", "limit"]
+            ),
+            "assembly.failure: softening is not possible with limit; it must be brittle or ductile",
         ),
         (
             merged(**DUCTILE, models=["limit"], **BOTH),

@@ -52,7 +52,7 @@ def test_friction_and_strengths_are_not_negative(name: str, value: object) -> No
     ("name", "value", "allowed"),
     [
         ("inner", None, "a FaceMaterial"),
-        ("failure", "brittle", "Failure: BRITTLE, DUCTILE"),
+        ("failure", "brittle", "Failure: BRITTLE, SOFTENING, DUCTILE"),
         ("upper_body", "monolithic", "UpperBody: COLUMNS, JOINED, MONOLITHIC"),
         ("first", "lower", "Block: UPPER, LOWER"),
         ("hold_down", "plate", "a HoldDown"),

@@ -15,6 +15,11 @@ from workflow.schema.materials import InnerFaceSection
 from workflow.schema.numerics import NumericsSection
 from workflow.schema.values import shown, shown_key
 
+FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
+    Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
+    Failure.SOFTENING: (Ability.SOFTENING, "brittle or ductile"),
+    Failure.DUCTILE: (Ability.DUCTILE, "brittle"),
+}
 MAX_NODES = 1_000_000  # of one case: a few GB in any model
 MAX_GEOMETRIES = 100_000  # of the calibration
 MAX_CELLS_ALONG = 1000  # a lock, in the calibration
@@ -48,10 +53,8 @@ def faults(study: Study) -> Iterator[str]:
 def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
     """What ``study`` asks of a model that runs ``sample`` assembled as in ``assembly``."""
     found = []
-    if assembly.failure is Failure.DUCTILE:
-        found.append(Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle"))
-    else:
-        found.append(Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile"))
+    ability, allowed = FAILURES[assembly.failure]
+    found.append(Need(ability, "assembly.failure", str(assembly.failure), allowed))
     if assembly.pieces is Pieces.ELASTIC:
         found.append(Need(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid"))
     else:
@@ -104,7 +107,7 @@ def notes(study: Study) -> list[str]:
         **{f"variants.{name}.numerics": v.numerics for name, v in study.variants.items()},
         **{f"overrides.{shown_key(name)}": change for name, change in study.overrides.items()},
     }
-    found = []
+    found = [*_fading(study)]
     for model in (MODELS[name] for name in study.dem.engines):
         ignored = model.ignores | (frozenset() if Ability.RANKS in model.abilities else {"ranks"})
         for place, numerics in given.items():
@@ -112,6 +115,19 @@ def notes(study: Study) -> list[str]:
                 if getattr(numerics, key) not in (None, getattr(default, key)):
                     found.append(f"{place}.{key}: {model.name} takes no notice of it")
     return found
+
+
+def _fading(study: Study) -> Iterator[str]:
+    """Keys of bonds that fade, where none do."""
+    every = (
+        study.assembly,
+        *(change.assembly(study.assembly) for change in study.variants.values()),
+    )
+    if any(assembly.failure is Failure.SOFTENING for assembly in every):
+        return
+    for key in ("residual", "fracture_energy"):
+        if getattr(study.materials.inner, key):
+            yield f"materials.inner.{key}: no effect while no assembly.failure is softening"
 
 
 def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:

@@ -27,6 +27,7 @@ class Ability(StrEnum):
     """What a model can take into account, or can give."""
 
     BRITTLE = auto()  # inner faces that lose their strength where it is reached
+    SOFTENING = auto()  # inner faces that lose it as they move on
     DUCTILE = auto()  # inner faces that keep it
     TWO_STIFFNESSES = auto()  # inner faces whose normal and shear stiffness differ
     FRICTION = auto()  # on dry faces
@@ -93,6 +94,7 @@ def _of_engine(engine: Engine) -> Model:
         Ability.DUCTILE: engine.brittle_only,
         Ability.TWO_STIFFNESSES: engine.one_stiffness,
         Ability.RANKS: not engine.shares_out,
+        Ability.SOFTENING: True,
         Ability.ELASTIC: True,
         Ability.JOINED: True,
     }
@@ -116,6 +118,7 @@ MODELS = {
             frozenset(
                 {
                     *(*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE),
+                    *(Ability.SOFTENING, Ability.DUCTILE),
                     *(Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
                 }
             ),
@@ -137,7 +140,8 @@ MODELS = {
             Obtained.RULE,
             frozenset(
                 {
-                    *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES),
+                    *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE),
+                    Ability.TWO_STIFFNESSES,
                     *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
                 }
             ),

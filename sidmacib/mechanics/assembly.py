@@ -26,8 +26,10 @@ class FaceMaterial:
     """Law of a contact face, per unit of area.
 
     ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. ValueError unless stiffnesses
-    are above 0 and the others not negative.
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. Where failure is softening,
+    ``residual`` is the part of both strengths that is kept, ``fracture_energy`` (J/m2) the work to
+    lose all of one. ValueError unless stiffnesses are above 0, the others not negative and
+    ``residual`` at most 1.
     """
 
     normal_stiffness: float
@@ -35,20 +37,29 @@ class FaceMaterial:
     friction: float
     cohesion: float
     tensile_strength: float
+    residual: float = 0.0
+    fracture_energy: float = 0.0
 
     def __post_init__(self) -> None:
         require_positive(
             normal_stiffness=self.normal_stiffness, shear_stiffness=self.shear_stiffness
         )
         require_not_negative(
-            friction=self.friction, cohesion=self.cohesion, tensile_strength=self.tensile_strength
+            friction=self.friction,
+            cohesion=self.cohesion,
+            tensile_strength=self.tensile_strength,
+            residual=self.residual,
+            fracture_energy=self.fracture_energy,
         )
+        if self.residual > 1.0:
+            raise refused("residual", self.residual, "from 0 to 1")
 
 
 class Failure(StrEnum):
     """What a node of an inner face keeps once its strength is reached."""
 
     BRITTLE = "brittle"  # it loses cohesion and tensile strength at once
+    SOFTENING = "softening"  # it loses them as it moves on, but for the residual part
     DUCTILE = "ductile"  # it goes on to carry its strength
 
 

@@ -58,15 +58,23 @@ class NodeLaw:
 
 @dataclass(frozen=True)
 class NodeState:
-    """What a node remembers: its slip (m), shape (N, 2), and whether it is bonded, shape (N,)."""
+    """What a node remembers: its slip (m), shape (N, 2), and how much of its bond is left, (N,).
+
+    ``whole`` is the part of the bond's stiffness, from 1 to 0: no bond.
+    """
 
     slip: Floats
-    bonded: Flags
+    whole: Floats
+
+    @property
+    def bonded(self) -> Flags:
+        """Whether anything is left of a node's bond, (N,)."""
+        return self.whole > 0.0
 
     @classmethod
     def initial(cls, law: NodeLaw) -> "NodeState":
         """No slip yet, and every cohesive node bonded."""
-        return cls(np.zeros((len(law.friction), 2)), law.cohesive)
+        return cls(np.zeros((len(law.friction), 2)), law.cohesive.astype(float))
 
 
 def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:

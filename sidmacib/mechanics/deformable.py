@@ -49,7 +49,7 @@ class DeformableSolver:
         stiffness = np.column_stack([self.law.normal_stiffness, *[self.law.shear_stiffness] * 2])
         # Shear where there never is any is no unknown.
         rough = self.law.cohesive | (self.law.friction > 0.0)
-        self.kept = np.flatnonzero(np.column_stack([np.ones(count, bool), rough, rough]).ravel())
+        self.kept = np.flatnonzero(np.column_stack([np.ones(count), rough, rough]).ravel())
         self.stiffness = stiffness.ravel()[self.kept]
         self.node = self.kept // 3
         give, moved, self.own = _flexibility(assembly, loads, self.kept)
@@ -92,8 +92,8 @@ class DeformableSolver:
         allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
         slip = np.zeros((len(self.law.friction), 3))
         slip[:, 1:] = state.slip
-        jump = np.where(state.bonded[self.node], slip.ravel()[self.kept], guess)
-        force, tangent, wrong = self._law(elastic, jump, slip, state.bonded)
+        jump = np.where(state.whole[self.node] == 1.0, slip.ravel()[self.kept], guess)
+        force, tangent, wrong = self._law(elastic, jump, slip, state.whole)
         size = float(np.linalg.norm(wrong))
         sizes = [size]
         for _ in range(STEPS):
@@ -107,7 +107,7 @@ class DeformableSolver:
             before, start = size, jump
             for share in SHARES:  # the whole step where none brings it closer
                 jump = start + share * step
-                force, tangent, wrong = self._law(elastic, jump, slip, state.bonded)
+                force, tangent, wrong = self._law(elastic, jump, slip, state.whole)
                 size = float(np.linalg.norm(wrong))
                 if size <= before:
                     break
@@ -122,14 +122,14 @@ class DeformableSolver:
         elastic = self.forces @ np.array([1.0, load])
         slip = np.zeros((len(self.law.friction), 3))
         slip[:, 1:] = point.state.slip
-        _, tangent, wrong = self._law(elastic, point.unknowns, slip, point.state.bonded)
+        _, tangent, wrong = self._law(elastic, point.unknowns, slip, point.state.whole)
         step = self._step(tangent, wrong, point.unknowns, slip)
         moved = cho_solve(self.factor, self.held.T @ step)
         size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
         return -float(self.weight @ moved) / size if size else 0.0
 
     def _law(
-        self, elastic: Floats, jump: Floats, slip: Floats, bonded: Flags
+        self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats
     ) -> tuple[Floats, Floats, Floats]:
         """Forces of the law, tangents, and by how much forces in equilibrium differ from them."""
         moving = np.flatnonzero(jump)
@@ -140,7 +140,7 @@ class DeformableSolver:
         force, tangent = node_laws(
             np.column_stack([law.normal_stiffness, law.shear_stiffness]),
             law.friction,
-            bonded,
+            whole,
             displacement.reshape(-1, 3) - slip,
         )
         return force, tangent, balanced - force.ravel()[self.kept]
@@ -150,7 +150,7 @@ class DeformableSolver:
         # Where nodes stick the law is linear and a jump is just the slip.
         elastic = np.abs(tangent[:, 1, 1] - self.law.shear_stiffness) <= 0.0
         elastic |= np.isin(np.arange(len(elastic)), self.node[self.kept % 3 == 1], invert=True)
-        elastic &= tangent[:, 0, 0] > 0.0
+        elastic &= np.abs(tangent[:, 0, 0] - self.law.normal_stiffness) <= 0.0
         sticks = elastic[self.node]
         step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
         free = np.flatnonzero(~sticks)
@@ -193,7 +193,7 @@ class DeformableSolver:
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.own @ np.array([1.0, load]))
-        return Equilibrium(load, jump, along, force, NodeState(found, state.bonded))
+        return Equilibrium(load, jump, along, force, NodeState(found, state.whole))
 
 
 def _flexibility(

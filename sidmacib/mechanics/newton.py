@@ -57,13 +57,18 @@ compiled = njit(cache=True, error_model="numpy")  # division by zero gives inf, 
 
 # --- the law of a node ---------------------------------------------------------------------------
 @compiled
-def node_force(normal, shear, friction, bonded, d0, d1, d2):
+def node_force(normal, shear, friction, whole, d0, d1, d2):
     """Force (N) of a node at displacement d (m), less its slip: return mapping to its cone.
 
-    ``normal``, ``shear``: stiffness in N/m.
+    ``normal``, ``shear``: stiffness in N/m; ``whole``: the part of it that a bond still has, 0 if
+    there is none. A bond that is pressed together has all of it.
     """
-    if bonded:
-        return normal * d0, shear * d1, shear * d2
+    if whole > 0.0:
+        return (
+            normal * d0 if d0 > 0.0 else whole * normal * d0,
+            whole * shear * d1,
+            whole * shear * d2,
+        )
     if d0 <= 0.0:
         return 0.0, 0.0, 0.0
     size, cone = shear * np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0
@@ -72,14 +77,15 @@ def node_force(normal, shear, friction, bonded, d0, d1, d2):
 
 
 @compiled
-def node_tangent(normal, shear, friction, bonded, d0, d1, d2):
+def node_tangent(normal, shear, friction, whole, d0, d1, d2):
     """Derivatives (N/m) of `node_force`.
 
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
     d2 and of 2 by d1 (they are the same), of 2 by d2.
     """
-    if bonded:
-        return normal, 0.0, 0.0, shear, 0.0, shear
+    if whole > 0.0:
+        along = whole * shear
+        return normal if d0 > 0.0 else whole * normal, 0.0, 0.0, along, 0.0, along
     if d0 <= 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     slip, cone = np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0
@@ -90,7 +96,7 @@ def node_tangent(normal, shear, friction, bonded, d0, d1, d2):
 
 
 @compiled
-def node_laws(stiffness, friction, bonded, displacement):
+def node_laws(stiffness, friction, whole, displacement):
     """Forces (N), (N, 3), and tangents (N/m), (N, 3, 3), of nodes at ``displacement`` (m), (N, 3).
 
     ``stiffness``: normal and shear (N/m), (N, 2). Displacements are less the slip.
@@ -100,7 +106,7 @@ def node_laws(stiffness, friction, bonded, displacement):
     for n in range(count):
         normal, shear = stiffness[n]
         d0, d1, d2 = displacement[n]
-        law = normal, shear, friction[n], bonded[n], d0, d1, d2
+        law = normal, shear, friction[n], whole[n], d0, d1, d2
         force[n, 0], force[n, 1], force[n, 2] = node_force(*law)
         t = tangent[n]
         t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*law)
@@ -138,7 +144,7 @@ def node_displacement(p, q, slip, node, w):
 
 
 @compiled
-def unbalanced(structure, slip, bonded, unknowns, target, residual):
+def unbalanced(structure, slip, whole, unknowns, target, residual):
     """Put ``target`` less the nodes' forces into ``residual``; returns its norm (N)."""
     w, force = np.empty(6), np.empty(6)
     for i, value in enumerate(target):
@@ -149,7 +155,7 @@ def unbalanced(structure, slip, bonded, unknowns, target, residual):
         for node in range(structure.start[face], structure.start[face + 1]):
             normal, shear, friction, p, q = structure.nodes[node]
             d0, d1, d2 = node_displacement(p, q, slip, node, w)
-            f0, f1, f2 = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
+            f0, f1, f2 = node_force(normal, shear, friction, whole[node], d0, d1, d2)
             force[0] += f0
             force[1] += f1
             force[2] += f2
@@ -166,14 +172,14 @@ def unbalanced(structure, slip, bonded, unknowns, target, residual):
 
 
 @compiled
-def face_stiffness(structure, face, slip, bonded, w, k):
+def face_stiffness(structure, face, slip, whole, w, k):
     """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6)."""
     k[:] = 0.0
     for node in range(structure.start[face], structure.start[face + 1]):
         normal, shear, friction, p, q = structure.nodes[node]
         d0, d1, d2 = node_displacement(p, q, slip, node, w)
         t00, t10, t20, t11, t12, t22 = node_tangent(
-            normal, shear, friction, bonded[node], d0, d1, d2
+            normal, shear, friction, whole[node], d0, d1, d2
         )
         # All six forces of the face by the normal displacement, then its shear forces by shear.
         rises = t00, t10, t20, p * t20 - q * t10, q * t00, -p * t00
@@ -191,7 +197,7 @@ def face_stiffness(structure, face, slip, bonded, w, k):
 
 
 @compiled
-def tangent_stiffness(structure, slip, bonded, unknowns, floor, matrix):
+def tangent_stiffness(structure, slip, whole, unknowns, floor, matrix):
     """Put the derivative of the nodes' forces on the pieces into ``matrix``.
 
     ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds for a moment from
@@ -204,7 +210,7 @@ def tangent_stiffness(structure, slip, bonded, unknowns, floor, matrix):
         matrix.below[i, structure.inner + i] = floor
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
-        face_stiffness(structure, face, slip, bonded, w, k)
+        face_stiffness(structure, face, slip, whole, w, k)
         for right in range(2):
             column = structure.begin[face, right]
             if column < 0:
@@ -344,38 +350,38 @@ def solve_dense(matrix, x):
 
 # --- equilibrium ---------------------------------------------------------------------------------
 @compiled
-def elastic(structure, matrix, target, slip, bonded, floor):
-    """Displacements (m) under ``target`` (N) where all nodes are ``bonded``."""
-    tangent_stiffness(structure, slip, bonded, np.zeros(len(target)), floor, matrix)
+def elastic(structure, matrix, target, slip, whole, floor):
+    """Displacements (m) under ``target`` (N) where all nodes are ``whole``."""
+    tangent_stiffness(structure, slip, whole, np.zeros(len(target)), floor, matrix)
     unknowns = target.copy()
     solve_linear(structure, matrix, unknowns)
     return unknowns
 
 
 @compiled
-def stepped(structure, slip, bonded, unknowns, step, share, target, trial, residual):
+def stepped(structure, slip, whole, unknowns, step, share, target, trial, residual):
     """Put ``unknowns`` after a ``share`` of ``step`` into ``trial``; see `unbalanced`."""
     for i in range(len(trial)):
         trial[i] = unknowns[i] + share * step[i]
-    return unbalanced(structure, slip, bonded, trial, target, residual)
+    return unbalanced(structure, slip, whole, trial, target, residual)
 
 
 @compiled
-def newton(structure, matrix, target, guess, slip, bonded, limits, patience):
+def newton(structure, matrix, target, guess, slip, whole, limits, patience):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
-    ``slip``, ``bonded``: of the nodes. ``limits``: the floor of `tangent_stiffness` (N/m) and the
+    ``slip``, ``whole``: of the nodes. ``limits``: the floor of `tangent_stiffness` (N/m) and the
     largest norms of unbalanced forces (N) and of a step (m); what is loose for a moment may return.
     Where a whole step would not bring equilibrium closer it is halved, with ``patience``. Returns
     whether equilibrium was found, and the displacements.
     """
     (floor, allowed, farthest), (least_share, most_far), far = limits, patience, 0
     unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
-    size = unbalanced(structure, slip, bonded, unknowns, target, residual)
+    size = unbalanced(structure, slip, whole, unknowns, target, residual)
     for _ in range(STEPS):
         if size <= allowed:
             return True, unknowns
-        tangent_stiffness(structure, slip, bonded, unknowns, floor, matrix)
+        tangent_stiffness(structure, slip, whole, unknowns, floor, matrix)
         if not solve_linear(structure, matrix, residual):
             break
         step = residual.copy()
@@ -385,15 +391,15 @@ def newton(structure, matrix, target, guess, slip, bonded, limits, patience):
         before, share = size, 2.0
         while share == 2.0 or (size > before and share > least_share):
             share /= 2.0
-            size = stepped(structure, slip, bonded, unknowns, step, share, target, trial, residual)
+            size = stepped(structure, slip, whole, unknowns, step, share, target, trial, residual)
         if size > before:
-            size = stepped(structure, slip, bonded, unknowns, step, 1.0, target, trial, residual)
+            size = stepped(structure, slip, whole, unknowns, step, 1.0, target, trial, residual)
         unknowns, trial = trial, unknowns
     return False, unknowns
 
 
 @compiled
-def settled(structure, slip, bonded, unknowns):
+def settled(structure, slip, whole, unknowns):
     """Forces (N) of all nodes, (N, 3), and their slip (m) from here on, (N, 2)."""
     w, force, after = np.empty(6), np.empty((len(slip), 3)), slip.copy()
     for face in range(len(structure.begin)):
@@ -401,19 +407,19 @@ def settled(structure, slip, bonded, unknowns):
         for node in range(structure.start[face], structure.start[face + 1]):
             normal, shear, friction, p, q = structure.nodes[node]
             d0, d1, d2 = node_displacement(p, q, slip, node, w)
-            f0, f1, f2 = node_force(normal, shear, friction, bonded[node], d0, d1, d2)
+            f0, f1, f2 = node_force(normal, shear, friction, whole[node], d0, d1, d2)
             force[node, 0], force[node, 1], force[node, 2] = f0, f1, f2
-            if not bonded[node]:
+            if whole[node] == 0.0:
                 after[node, 0] += d1 - f1 / shear
                 after[node, 1] += d2 - f2 / shear
     return force, after
 
 
 @compiled
-def equilibrium(structure, matrix, target, guess, slip, bonded, limits):
+def equilibrium(structure, matrix, target, guess, slip, whole, limits):
     """`newton` and then `settled`: whether there is equilibrium, displacements, forces, slip."""
-    found, unknowns = newton(structure, matrix, target, guess, slip, bonded, limits, QUICK)
+    found, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, QUICK)
     if not found:
-        found, unknowns = newton(structure, matrix, target, guess, slip, bonded, limits, PATIENT)
-    force, after = settled(structure, slip, bonded, unknowns)
+        found, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, PATIENT)
+    force, after = settled(structure, slip, whole, unknowns)
     return found, unknowns, force, after

@@ -2,9 +2,10 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState
 
 LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
 
@@ -24,6 +25,26 @@ class Equilibrium:
     displacement: float
     force: Floats
     state: NodeState
+
+
+class Solver(Protocol):
+    """Finds equilibria of an assembly."""
+
+    @property
+    def law(self) -> NodeLaw:
+        """Of its nodes."""
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+
+    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+        """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
+
+        Raises `NoEquilibriumError` where none is found.
+        """
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
 
 
 class Mode(StrEnum):

@@ -67,13 +67,13 @@ class RigidSolver:
             target,
             begin,
             state.slip,
-            state.bonded,
+            state.whole,
             (self.floor, allowed, self.farthest),
         )
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         moved = float(self.load @ unknowns)
-        after = NodeState(slip, state.bonded)
+        after = NodeState(slip, state.whole)
         return Equilibrium(load, self._outside(unknowns), moved, force, after)
 
     def lift(self, point: Equilibrium, load: float) -> float:
@@ -87,7 +87,7 @@ class RigidSolver:
         limits = self.drag, 0.0, math.inf
         state = point.state
         _, end, _, _ = equilibrium(
-            self.structure, self.matrix, target, begin, state.slip, state.bonded, limits
+            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
         )
         moved = end - begin
         size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
@@ -96,8 +96,8 @@ class RigidSolver:
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""
         count = len(self.law.friction)
-        slip, bonded = np.zeros((count, 2)), np.ones(count, bool)
-        found = elastic(self.structure, self.matrix, target, slip, bonded, self.floor)
+        slip, whole = np.zeros((count, 2)), np.ones(count)
+        found = elastic(self.structure, self.matrix, target, slip, whole, self.floor)
         return np.asarray(found)
 
     def _inside(self, values: Floats) -> Floats:

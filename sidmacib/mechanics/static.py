@@ -12,43 +12,26 @@ plane faces lifts nothing.
 
 import importlib
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
-from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState, utilisation
-from sidmacib.mechanics.path import LEAST_INCREMENT, Equilibrium, Mode, StaticSolution
+from sidmacib.mechanics.contact_law import Flags, utilisation
+from sidmacib.mechanics.path import LEAST_INCREMENT, Equilibrium, Mode, Solver, StaticSolution
 from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.softening import Softening, settled
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
 LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
+SOFTENING_INCREMENT = 0.02  # of the load, over the first failure, where bonds fade,
+LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: where the search for the peak ends
+FARTHEST = 200.0  # displacement over that of whole bonds, as in the engines: more is failure
 BEYOND = 0.01  # over the peak: load at which pieces are seen to move off
 LIFT = 1e-3  # part of their motion that lifts, at least; rounding and elasticity make 1e-5
 TOGETHER = 1e-5  # nodes fail together whose utilisations differ by less
-
-
-class Solver(Protocol):
-    """Finds equilibria of an assembly."""
-
-    @property
-    def law(self) -> NodeLaw:
-        """Of its nodes."""
-
-    def start(self) -> Equilibrium:
-        """Equilibrium under the permanent loads alone."""
-
-    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
-        """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
-
-        Raises `NoEquilibriumError` where none is found.
-        """
-
-    def lift(self, point: Equilibrium, load: float) -> float:
-        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
 
 
 def solver_of(assembly: Assembly, loads: Loads) -> Solver:
@@ -64,10 +47,10 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """Raise ``loads`` from 0 to the peak of ``assembly``.
 
     Raises `NoEquilibriumError` if it does not stand under its permanent loads, `UnboundedError` if
-    it carries any load, ValueError if its failure is not brittle.
+    it carries any load.
     """
     if assembly.failure is not Failure.BRITTLE:
-        raise ValueError(f"failure: {assembly.failure} is not known here, only {Failure.BRITTLE}")
+        return _softened(assembly, loads)
     solver = solver_of(assembly, loads)
     path = [solver.start()]
     first_failure: float | None = None
@@ -84,6 +67,32 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
             break
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
     return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
+
+
+def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
+    """The same where bonds fade: increments are halved where no equilibrium is found nearby."""
+    solver, softening = solver_of(assembly, loads), Softening.of(assembly)
+    path, failing = _raised(solver, [solver.start()], loads.scale)
+    first_failure = path[-1].load
+    if not failing.any():
+        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], loads.scale))
+    increment = SOFTENING_INCREMENT * first_failure
+    give = abs(path[-1].displacement) / first_failure
+    while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
+        low = path[-1]
+        if low.load > MOST_LOAD * loads.scale:
+            raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
+        load = low.load + increment
+        try:
+            point = settled(solver, softening, load, _guess(load, path, None), low.state)
+        except NoEquilibriumError:
+            increment /= 2
+            continue
+        if abs(point.displacement) > FARTHEST * load * give:
+            increment /= 2
+        else:
+            path.append(point)
+    return StaticSolution(first_failure, tuple(path), Mode.BONDS)
 
 
 def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
@@ -157,7 +166,7 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
     """
     state = point.state
     while failing.any():
-        state = replace(state, bonded=state.bonded & ~failing)
+        state = replace(state, whole=np.where(failing, 0.0, state.whole))
         after = solver.solve(point.load, point.unknowns, state)
         failing = utilisation(solver.law, state, after.force) > 1.0
     return after

@@ -54,7 +54,7 @@ def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics,
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
-        materials={name: asdict(law) for law, name in _material_names(assembly).items()},
+        materials={name: _law(law) for law, name in _material_names(assembly).items()},
         ductile=assembly.failure is Failure.DUCTILE,
         flat_radius_m=2 * assembly.length,
         time_step_s=_rounded(time_step),
@@ -166,6 +166,12 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
             same = sum(name.split("-")[0] == face.kind for name in names.values())
             names[face.material] = f"{face.kind}-{same + 1}" if same else str(face.kind)
     return names
+
+
+def _law(material: FaceMaterial) -> dict[str, float]:
+    """What engines know of a material: none of them has bonds that fade."""
+    fading = ("residual", "fracture_energy")
+    return {key: value for key, value in asdict(material).items() if key not in fading}
 
 
 def _rounded(value: float) -> float:

@@ -7,10 +7,12 @@ from sidmacib.mechanics.assembly import FaceMaterial
 from workflow.schema.section import Section, changes_to, section_of
 from workflow.schema.values import (
     Density,
+    FractureEnergy,
     Friction,
     Modulus,
     NoStrength,
     Poisson,
+    Residual,
     Stiffness,
     Strength,
     StrengthOrNone,
@@ -21,7 +23,14 @@ _ELASTIC = {
     "shear_stiffness": Stiffness,
     "friction": Friction,
 }
-_INNER: Any = section_of(INNER, **_ELASTIC, cohesion=Strength, tensile_strength=StrengthOrNone)
+_INNER: Any = section_of(
+    INNER,
+    **_ELASTIC,
+    cohesion=Strength,
+    tensile_strength=StrengthOrNone,
+    residual=Residual,
+    fracture_energy=FractureEnergy,
+)
 _DRY: Any = section_of(DRY, **_ELASTIC, cohesion=NoStrength, tensile_strength=NoStrength)
 
 

@@ -1,0 +1,127 @@
+"""Bonds that fade: between brittle and ductile."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import block_on_ground, load_on_block
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sidmacib.joint import INNER, Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.path import StaticSolution
+from sidmacib.mechanics.softening import Softening
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
+
+STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure
+
+
+def fading(energy: float, residual: float = 0.0) -> FaceMaterial:
+    return replace(INNER, fracture_energy=energy, residual=residual)
+
+
+def peak(joint: Joint, eccentricity: float, mesh: float = 0.03) -> StaticSolution:
+    model = assemble(joint, mesh, NodeLayout.VERTICES)
+    return static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
+
+
+def softening(locks: int, energy: float, residual: float = 0.0) -> Joint:
+    return Joint(locks, failure=Failure.SOFTENING, inner=fading(energy, residual))
+
+
+def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> Assembly:
+    joint = Joint(3, inner=material)
+    return replace(block_on_ground(joint, Kind.INNER, mesh), failure=failure)
+
+
+# --- the law -------------------------------------------------------------------------------------
+@given(st.floats(0.5, 200.0), st.floats(0.0, 1.0))
+def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: float) -> None:
+    model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
+    law, fade, state = NodeLaw.of(model), Softening.of(model), NodeState.initial(NodeLaw.of(model))
+    last = 2 * energy / INNER.cohesion
+    moves = np.linspace(0.0, 1.2 * last, 4001)
+    stress = []
+    for moved in moves:
+        force = np.zeros((len(law.friction), 3))
+        force[:, 1] = state.whole * law.shear_stiffness * moved
+        state = replace(state, whole=fade.left(law, state, force))
+        stress.append(float(state.whole[0] * law.shear_stiffness[0] * moved / model.nodes.area[0]))
+    kept = residual * INNER.cohesion
+    # Two triangles less what the residual strength cuts off, and a rectangle beyond.
+    fallen = last * (1 - residual) + residual * INNER.cohesion / INNER.shear_stiffness
+    work = np.trapezoid(stress, moves)
+    start = INNER.cohesion / INNER.shear_stiffness
+    exact = INNER.cohesion * start / 2 + (INNER.cohesion + kept) / 2 * (fallen - start)
+    exact += kept * (moves[-1] - fallen)
+    assert work == pytest.approx(exact, rel=0.02)
+    if residual == 0.0:
+        assert work == pytest.approx(energy, rel=0.02)
+    assert max(stress) <= INNER.cohesion * (1 + 1e-9)
+
+
+def test_what_is_left_never_grows() -> None:
+    model = one_lock(fading(10.0), Failure.SOFTENING, 0.03)
+    law, fade = NodeLaw.of(model), Softening.of(model)
+    state = replace(NodeState.initial(law), whole=np.full(len(law.friction), 0.3))
+    assert fade.left(law, state, np.zeros((len(law.friction), 3))) == pytest.approx(0.3)
+
+
+# --- between the ends ----------------------------------------------------------------------------
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+def test_no_more_energy_than_is_stored_is_brittle(eccentricity: float) -> None:
+    brittle = peak(Joint(3), eccentricity)
+    found = peak(softening(3, 0.99 * STORED), eccentricity)
+    assert found.first_failure_load == pytest.approx(brittle.first_failure_load, rel=1e-9)
+    assert found.peak.load == pytest.approx(brittle.peak.load, rel=1e-3)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+def test_a_residual_part_of_one_is_ductile(eccentricity: float) -> None:
+    ductile = peak(Joint(3, failure=Failure.DUCTILE), eccentricity)
+    found = peak(softening(3, 0.0, residual=1.0), eccentricity)
+    assert found.peak.load == ductile.peak.load
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
+def test_more_energy_and_more_residual_strength_never_carry_less(eccentricity: float) -> None:
+    by_energy = [
+        peak(softening(5, energy), eccentricity).peak.load for energy in (0.0, 1.0, 10.0, 100.0)
+    ]
+    by_residual = [
+        peak(softening(5, 0.0, part), eccentricity).peak.load for part in (0.0, 0.4, 0.8, 1.0)
+    ]
+    for loads in (by_energy, by_residual):
+        assert np.all(np.diff(loads) >= -1e-3 * loads[0])
+        assert loads[-1] > 1.15 * loads[0]
+
+
+def test_ductile_locks_carry_half_their_number_and_friction() -> None:
+    joint = Joint(5, failure=Failure.DUCTILE)
+    found = peak(joint, 0.0).peak.load
+    assert 2 * joint.T0 < found < 1.04 * 2 * joint.T0
+
+
+@pytest.mark.parametrize("moment", [0.0, 1.0])
+def test_a_ductile_lock_alone_reaches_its_plastic_limit(moment: float) -> None:
+    model = one_lock(replace(INNER, residual=1.0), Failure.SOFTENING)
+    loads = load_on_block(model, (0.0, 1.0 - moment, 0.0), 0.06 * moment)
+    limit = limit_load(model, loads).load
+    assert static_peak(model, loads).peak.load == pytest.approx(limit, rel=5e-3)
+
+
+def test_a_lock_alone_in_torsion_lies_between_its_elastic_and_its_plastic_limit() -> None:
+    found = []
+    for energy in (STORED, 1.0, 3.0, 10.0, 1000.0):
+        model = one_lock(fading(energy), Failure.SOFTENING)
+        found.append(static_peak(model, load_on_block(model, (0.0, 0.0, 0.0), 0.06)).peak.load)
+    plastic = limit_load(model, load_on_block(model, (0.0, 0.0, 0.0), 0.06)).load
+    assert found == sorted(found)
+    assert found[-1] == pytest.approx(plastic, rel=0.01)
+    assert found[0] < 0.75 * plastic
