@@ -75,7 +75,7 @@ class DeformableSolver:
         self.forces, self.moved, self.motions = forces, moved, motions
         self.factor, self.held = factor, held
         self.weight, self.variable = balance
-        self.scale = loads.scale
+        self.gaps: tuple[Integers, tuple[Floats, bool]] | None = None
         elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
         self.farthest = FARTHEST * float(elastic[0] + loads.scale * elastic[1])
 
@@ -132,8 +132,7 @@ class DeformableSolver:
         self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats
     ) -> tuple[Floats, Floats, Floats]:
         """Forces of the law, tangents, and by how much forces in equilibrium differ from them."""
-        moving = np.flatnonzero(jump)
-        balanced = elastic - self.influence[:, moving] @ jump[moving]
+        balanced = elastic - self.influence @ jump
         displacement = np.zeros(slip.size)
         displacement[self.kept] = balanced / self.stiffness + jump
         law = self.law
@@ -153,20 +152,35 @@ class DeformableSolver:
         elastic &= np.abs(tangent[:, 0, 0] - self.law.normal_stiffness) <= 0.0
         sticks = elastic[self.node]
         step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
-        free = np.flatnonzero(~sticks)
-        if not len(free):
-            return step
-        # wrong + J step = 0 with J = -W - T (1 - W / k); where open a floor of T keeps J regular.
-        moved = np.flatnonzero(step)
-        target = wrong[free]
-        blocks = self._blocks(tangent, free)
-        if len(moved):
-            change = self.influence[np.ix_(free, moved)] @ step[moved]
-            target = target - change + blocks @ (change / self.stiffness[free])
-        inside = self.influence[np.ix_(free, free)]
-        matrix = inside + blocks - blocks @ (inside / self.stiffness[free][:, None])
-        step[free] = lu_solve(lu_factor(matrix, check_finite=False), target, check_finite=False)
+        # wrong + J step = 0 with J = -W - T (1 - W / k); there is no T where a node is open.
+        target = wrong - self.influence @ step if step.any() else wrong
+        opened = (tangent[:, 0, 0] == 0.0)[self.node]
+        gaps, slides = np.flatnonzero(opened), np.flatnonzero(~sticks & ~opened)
+        factor = self._gaps(gaps)
+        step[gaps] = cho_solve(factor, target[gaps], check_finite=False)
+        if len(slides):
+            blocks = self._blocks(tangent, slides)
+            both = np.concatenate([slides, gaps])
+            inside = self.influence[np.ix_(slides, both)]
+            matrix = inside - blocks @ (inside / self.stiffness[slides][:, None])
+            matrix[:, : len(slides)] += blocks.toarray()
+            # What was moved away before belongs to the elastic part too.
+            own = target[slides] + blocks @ ((wrong - target)[slides] / self.stiffness[slides])
+            across = self.influence[np.ix_(gaps, slides)]
+            closed = cho_solve(factor, across, check_finite=False)
+            reduced = matrix[:, : len(slides)] - matrix[:, len(slides) :] @ closed
+            right = own - matrix[:, len(slides) :] @ step[gaps]
+            step[slides] = lu_solve(lu_factor(reduced, check_finite=False), right)
+            step[gaps] -= closed @ step[slides]
         return step
+
+    def _gaps(self, gaps: Integers) -> tuple[Floats, bool]:
+        """The influence of open components on each other, factorised; the last one is kept."""
+        if self.gaps is None or not np.array_equal(gaps, self.gaps[0]):
+            matrix = self.influence[np.ix_(gaps, gaps)]
+            matrix[np.diag_indices_from(matrix)] += FLOOR * self.stiffness[gaps]
+            self.gaps = gaps, cho_factor(matrix, check_finite=False, overwrite_a=True)
+        return self.gaps[1]
 
     def _blocks(self, tangent: Floats, free: Integers) -> sp.csr_array:
         """Tangents of the nodes of the components ``free``, as a sparse matrix."""
@@ -177,10 +191,8 @@ class DeformableSolver:
         columns = np.tile(by_node, (1, 3)).ravel()
         values = tangent.reshape(len(tangent), -1).ravel()
         inside = (rows >= 0) & (columns >= 0)
-        found = sp.csr_array(
-            (values[inside], (rows[inside], columns[inside])), (len(free), len(free))
-        )
-        return found + sp.diags_array(FLOOR * self.stiffness[free])
+        shape = len(free), len(free)
+        return sp.csr_array((values[inside], (rows[inside], columns[inside])), shape)
 
     def _equilibrium(
         self, load: float, force: Floats, jump: Floats, state: NodeState
