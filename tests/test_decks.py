@@ -9,7 +9,7 @@ import pytest
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Block, OwnLock
 from sidmacib.loading import lateral_load
-from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from workflow.case import Case
@@ -207,3 +207,13 @@ def test_a_load_that_cannot_be_a_peak_does_not_count(case: Case, load: float) ->
     with pytest.raises(ResultError):
         assembly, found = read_returned(returned(case, load), case)
         record_of(case, assembly, lateral_load(case.joint, assembly, case.loading), found, {})
+
+
+def test_elastic_pieces_are_deformable_blocks_with_the_material(case: Case) -> None:
+    bends = replace(case, joint=replace(case.joint, elastic=Elastic(2e10, 0.25)))
+    lines = deck(bends).splitlines()
+    assert "block zone cmodel assign elastic" in lines
+    (law,) = (line for line in lines if line.startswith("block zone property"))
+    assert law.split()[3:] == ["density", "1400.0", "young", "20000000000.0", "poisson", "0.25"]
+    assert not any("densify" in line for line in lines)
+    assert any("densify" in line for line in deck(case).splitlines())

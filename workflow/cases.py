@@ -69,7 +69,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     model=run.model.name,
                     variant=run.variant,
                     sample=sample,
-                    joint=joint(sample, run.assembly),
+                    joint=joint(sample, run.assembly, run.change.young),
                     mesh=mesh,
                     nodes=run.nodes,
                     loading=loading(ratio, run.assembly),
@@ -95,7 +95,8 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
         for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
             assembly = change.assembly(study.assembly)
             nodes = change.nodes or study.nodes
-            same = variant != REFERENCE and (assembly, nodes) == (study.assembly, study.nodes)
+            before = study.assembly, study.nodes, None
+            same = variant != REFERENCE and (assembly, nodes, change.young) == before
             if same and Ability.NUMERICS not in model.abilities:
                 continue
             run = _Run(model, variant, change, assembly, nodes)

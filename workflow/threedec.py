@@ -83,6 +83,7 @@ def deck(case: Case) -> str:
         dry=_law(asdict(case.joint.dry)),
         mesh=case.mesh,
         density=case.joint.density,
+        elastic=case.joint.elastic,
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,

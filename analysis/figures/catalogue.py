@@ -70,6 +70,8 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         yield FigureSpec(f"models-{sample}", "models", sample)
     yield FigureSpec("meshes", "meshes")
     yield FigureSpec("side_by_side", "side_by_side")
+    if any(change.young for change in study.variants.values()):
+        yield FigureSpec("stiffness", "stiffness")
 
 
 def _stress_case(own: list[Case], study: Study, distance: Callable[[float], float]) -> Case:

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import curves, models, side_by_side, stress_maps, style
+from analysis.figures import curves, models, side_by_side, stiffness, stress_maps, style
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import Material, Stresses
 from workflow.results.files import BATCH_NODES, read_records
@@ -22,6 +22,7 @@ DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
     "torsion_stress": stress_maps.torsion_stress,
     "models": models.models,
     "side_by_side": side_by_side.side_by_side,
+    "stiffness": stiffness.stiffness,
 }
 KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES)
 

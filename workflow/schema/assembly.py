@@ -10,7 +10,7 @@ from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.schema.hold_down import HeldDown
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section, changes_to
-from workflow.schema.values import Eccentricities, Lengths
+from workflow.schema.values import Eccentricities, Lengths, Modulus
 
 
 class Pieces(StrEnum):
@@ -39,6 +39,7 @@ class VariantSection(_CHANGES):
 
     numerics: NumericsChanges = NumericsChanges()
     nodes: NodeLayout | None = None
+    young: Modulus | None = None
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
 

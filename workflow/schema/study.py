@@ -53,8 +53,10 @@ class Study(Section):
         own = self.samples[sample].models
         return tuple(name for name in self.model_names if own is None or name in own)
 
-    def joint(self, sample: str, assembly: AssemblySection | None = None) -> Joint:
-        """The joint of ``sample``, assembled as in the study or, if given, as in ``assembly``."""
+    def joint(
+        self, sample: str, assembly: AssemblySection | None = None, young: float | None = None
+    ) -> Joint:
+        """The joint of ``sample``, with the study's assembly and ``young`` (Pa) if not given."""
         assembly = assembly or self.assembly
         return self.samples[sample].joint(
             self.geometry,
@@ -62,11 +64,11 @@ class Study(Section):
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,
-            elastic=self._block() if assembly.pieces is Pieces.ELASTIC else None,
+            elastic=self._block(young) if assembly.pieces is Pieces.ELASTIC else None,
         )
 
-    def _block(self) -> Elastic:
-        return Elastic(self.materials.young, self.materials.poisson)
+    def _block(self, young: float | None) -> Elastic:
+        return Elastic(young or self.materials.young, self.materials.poisson)
 
     def tables_json(self) -> str:
         """What the tables depend on, as JSON; the engines' numerics are not part of it."""
