@@ -86,6 +86,10 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
                 "inertia_kgm2": float(piece.inertia.max()),
                 "force_N": permanent[:3].tolist(),
                 "moment_Nm": permanent[3:].tolist(),
+                "low_m": list(piece.low),
+                "high_m": list(piece.high),
+                "young_Pa": piece.elastic.young if piece.elastic else None,
+                "poisson": piece.elastic.poisson if piece.elastic else 0.0,
             }
             for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
         ],
@@ -106,6 +110,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             for index, load in enumerate(loads.variable)
             if load.any()
         ],
+        "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
+        "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
+        "layout": str(assembly.layout),
         "nodes": {
             "face": assembly.nodes.face.tolist(),
             "position_m": assembly.nodes.position.tolist(),
