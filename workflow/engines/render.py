@@ -47,27 +47,36 @@ def write_script(
 
 def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str) -> str:
     """The engine's script for ``assembly`` under ``loads``."""
-    frequencies = natural_frequencies(assembly)
-    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
-    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
     return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
         materials={name: asdict(law) for law, name in _material_names(assembly).items()},
         ductile=assembly.failure is Failure.DUCTILE,
-        flat_radius_m=2 * assembly.length,
-        time_step_s=_rounded(time_step),
-        period_steps=_rounded(period_steps),
         ranks=numerics.ranks,
-        ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
-        hold_steps=math.ceil(numerics.hold_periods * period_steps),
         first_increment_N=numerics.first_increment * loads.scale,
-        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(assembly, loads)),
-        damping=numerics.damping,
         tolerance=numerics.tolerance,
-        unbalanced_ratio=numerics.unbalanced_ratio,
+        **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )
+
+
+def _rigid_pieces_in_time(
+    assembly: Assembly, loads: Loads, numerics: Numerics
+) -> dict[str, float | int]:
+    """What rigid pieces need that move in time on contact spheres."""
+    frequencies = natural_frequencies(assembly)
+    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
+    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
+    return {
+        "flat_radius_m": 2 * assembly.length,
+        "time_step_s": _rounded(time_step),
+        "period_steps": _rounded(period_steps),
+        "ramp_steps": math.ceil(numerics.ramp_periods * period_steps),
+        "hold_steps": math.ceil(numerics.hold_periods * period_steps),
+        "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
+        "damping": numerics.damping,
+        "unbalanced_ratio": numerics.unbalanced_ratio,
+    }
 
 
 def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:

@@ -1,12 +1,12 @@
 """CalculiX's input deck of an assembly of elastic pieces.
 
 Every piece has a grid of its own, of hexahedra with incompatible modes (C3D8I), which bend without
-locking. Grid lines run through the contact nodes of inner and dry faces, so that displacement jumps
-are read there, and between these elements are no longer than half the mesh. Fixed pieces are one
-layer whose nodes are all held.
+locking. Grid lines run through the contact nodes of all but smooth faces, so that displacement
+jumps are read there, and between these elements are no longer than half the mesh. Fixed pieces are
+one layer whose nodes are all held, with the grid of what they touch.
 
 A face is one contact pair, surface to surface. Inner faces are tied with their stiffness, whatever
-they carry; dry faces and the plate are linear springs that cannot pull, with friction.
+they carry; others are linear springs that cannot pull, with friction.
 
 Loads are nodal forces, consistent with the shape functions: force and moment are exact.
 """
@@ -27,11 +27,12 @@ CORNERS = (
     *((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
 )
 SIDES = (("S6", "S4"), ("S3", "S5"), ("S1", "S2"))
+FIRST_SHARE = 0.05  # of the first step of the load, in its first increment
 LEAST_FRICTION = 1e-9  # CalculiX wants more than none
 DIGITS = 12  # of printed numbers
 PER_LINE = 8  # numbers
 
-Cell = tuple[int, int, int]
+Steps = tuple[int, ...]  # along x, y and z
 Forces = dict[tuple[int, int], float]  # N, or per newton, by node and direction 1, 2, 3
 
 
@@ -44,12 +45,12 @@ class Grid:
     first_element: int
 
     @property
-    def nodes(self) -> list[Cell]:
+    def nodes(self) -> list[Steps]:
         """Steps along x, y and z to each node, in the order of their numbers."""
         return list(product(*(range(len(line)) for line in self.lines)))
 
     @property
-    def cells(self) -> list[Cell]:
+    def cells(self) -> list[Steps]:
         """Steps to the first corner of each element, in the order of their numbers."""
         return list(product(*(range(len(line) - 1) for line in self.lines)))
 
@@ -104,7 +105,7 @@ def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]
 
 
 class Deck:
-    """The deck of ``assembly``; ``mesh_m`` (inf: as its contact nodes ask) sets its elements."""
+    """The deck of ``assembly``, and what its nodes tell."""
 
     def __init__(self, assembly: Assembly) -> None:
         for piece in assembly.pieces:
@@ -147,16 +148,16 @@ class Deck:
             if piece.fixed:
                 other = known[face.above if face.below == index else face.below][axis]
                 places += [place for place in other if start <= place <= end]
-            elif face.kind != "plate":
+            elif face.cohesive or face.material.friction > LEAST_FRICTION:
                 places += self._node_lines(number, axis, start, end)
         places = merged(places, near)
         if piece.fixed:
             return tuple(places)
         longest = (self.assembly.mesh_m or math.inf) / PER_MESH
         found = []
-        for one, other in pairwise(places):
-            parts = max(1, math.ceil((other - one) / longest - CLOSE))
-            found += [one + (other - one) * part / parts for part in range(parts)]
+        for one, next_one in pairwise(places):
+            parts = max(1, math.ceil((next_one - one) / longest - CLOSE))
+            found += [one + (next_one - one) * part / parts for part in range(parts)]
         return (*found, places[-1])
 
     def _node_lines(self, number: int, axis: int, low: float, high: float) -> list[float]:
@@ -190,13 +191,14 @@ class Deck:
     def text(self, title: str, loads: Sequence[float]) -> str:
         """The deck: first what always acts, then one step to each of the ``loads`` (N)."""
         lines = ["*HEADING", title, *self._mesh(), *self._contacts()]
-        lines += self._step(self.permanent)
-        for load in loads:
+        lines += self._step(self.permanent, 1.0)
+        for number, load in enumerate(loads):
             total = {
                 place: self.permanent.get(place, 0.0) + load * force
                 for place, force in self.variable.items()
             }
-            lines += self._step(total)
+            # What little the dry faces carry at first soon opens, closes and slips.
+            lines += self._step(total, 1.0 if number else FIRST_SHARE)
         return "\n".join(lines) + "\n"
 
     def _mesh(self) -> Iterator[str]:
@@ -251,8 +253,9 @@ class Deck:
             spans[axis] = range(1)
         return [grid.element(steps) for steps in product(*spans)]
 
-    def _step(self, forces: Forces) -> Iterator[str]:
-        yield from ("*STEP, INC=1000", "*STATIC", "1., 1., 1e-6, 1.")
+    def _step(self, forces: Forces, share: float) -> Iterator[str]:
+        """A step of CalculiX to these forces; ``share``: its first increment."""
+        yield from ("*STEP, INC=1000", "*STATIC", f"{share}, 1., 1e-6, 1.")
         if forces:
             yield "*CLOAD"
         for (node, direction), force in sorted(forces.items()):

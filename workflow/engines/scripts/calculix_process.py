@@ -56,6 +56,14 @@ class CalculixProcess:
         self.process.kill()
         self.process.wait()
 
+    def version(self) -> str:
+        """Its own version, such as 2.20, which its results hold."""
+        with self.results.open() as stream:
+            found = re.search(r"^ +1UVERSION +Version ([\w.]+)", stream.read(4096), re.MULTILINE)
+        if not found:
+            raise SystemExit("CalculiX does not tell its version")
+        return found[1]
+
     def why(self) -> str:
         """Its last error, or how it ended."""
         lines = [line.strip() for line in self.log.read_text(errors="replace").splitlines()]

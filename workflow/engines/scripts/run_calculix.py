@@ -31,7 +31,7 @@ class State:
 
 
 def find_first_failure(
-    title: str, assembly: Assembly, first_increment_N: float, tolerance: float, version: str
+    title: str, assembly: Assembly, first_increment_N: float, tolerance: float
 ) -> None:
     """Look for it and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
@@ -65,7 +65,7 @@ def find_first_failure(
         forces = record(history, failing, Outcome.EQUILIBRIUM.value)
         load = failing.load
         peak = Peak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
-        history.write(peak, "calculix", version)
+        history.write(peak, "calculix", engine.version())
         return
     if before is None:
         raise SystemExit(f"CalculiX finds no equilibrium under permanent loads: {engine.why()}")
