@@ -8,6 +8,7 @@ import pandas as pd
 
 from analysis.fit import winner
 from workflow.case import REFERENCE
+from workflow.models import first_failure_only
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
@@ -70,9 +71,11 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     if held.empty:
         return
     size = held["difference_to_static"].abs()
+    first = any(map(first_failure_only, held["model"].unique()))
+    what = "Peaks, or first failures of models that go no further," if first else "Peaks"
     yield ""
     yield (
-        f"Peaks against the static model on the same nodes: {len(held)} cases, at most "
+        f"{what} against the static model on the same nodes: {len(held)} cases, at most "
         f"{100 * size.max():.2f} %; {(size > AGREEMENT).sum()} of them differ by more than "
         f"{100 * AGREEMENT:g} %"
     )
