@@ -17,6 +17,7 @@ import pandas as pd
 from analysis.published import Published
 from sidmacib.mechanics.assembly import Floats
 from workflow.configuration import ConfigError
+from workflow.models import MODELS, Ability
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection as Geometry
 
@@ -71,9 +72,10 @@ def curve_study(
 def engine_study(
     study: Study, samples: Mapping[str, int], chosen: Mapping[str, Geometry], results: str
 ) -> dict[str, Any]:
-    """The same in pure shear, in the study's engines as well."""
+    """The same in pure shear, in the study's engines as well that know rigid pieces."""
+    able = [name for name in study.dem.engines if Ability.RIGID in MODELS[name].abilities]
     return geometry_study(study, samples, chosen, results) | {
-        "dem": study.dem.model_dump(mode="json")
+        "dem": {**study.dem.model_dump(mode="json"), "engines": able}
     }
 
 

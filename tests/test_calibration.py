@@ -100,6 +100,12 @@ def test_the_confirmation_is_a_study_of_the_chosen_geometries(study: Study) -> N
     assert own.joint("rank1_n5").h == pytest.approx(chosen[1].h)
     assert own.results == "there"
     assert own.dem.engines == study.dem.engines
+    elastic = read_study(
+        {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}, "meshes": [0.005]}
+    )
+    assert elastic.dem.engines == ("calculix",)  # the confirmation's pieces are rigid
+    of_elastic = engine_study(elastic, {"n3": 3}, ranked, "there")
+    assert read_study(of_elastic).dem.engines == ()
 
 
 def test_the_figure_shows_the_map_three_profiles_and_a_curve_for_each_sample(

@@ -26,6 +26,13 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY)
 
 
+def test_elastic_pieces_have_stress_maps_of_the_leading_model_and_of_their_engine() -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
+    figures = figures_of(study, detailed(study.model_names))
+    assert figures["shear_stress-n3"].case.model == "static"
+    assert figures["shear_stress-n3-calculix"].case.model == "calculix"
+
+
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}})
     figures = figures_of(study, detailed(study.model_names))

@@ -64,7 +64,8 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 
     ranked = named([study.geometry, *best[: study.calibration.confirmed]])
     content = engine_study(study, samples, ranked, str(place / "best"))
-    found = done("best", content, installed_engines(study))
+    able = [name for name in installed_engines(study) if name in content["dem"]["engines"]]
+    found = done("best", content, able)
     if found is None:
         return "the confirmation is incomplete, see above"
     confirmed = misfit_table(*found, published)

@@ -52,7 +52,7 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
-        for model in study.dem.engines or detailed[:1]:
+        for model in dict.fromkeys((*detailed[:1], *study.dem.engines)):
             own = [case for case in cases if case.model == model and case.sample == sample]
             suffix = "" if model == detailed[0] else f"-{model}"
             for kind, case in (
