@@ -193,7 +193,7 @@ def test_displacements_without_a_time_are_not_understood() -> None:
 def test_loads_rise_whatever_is_carried_and_follow_from_the_time() -> None:
     loads = raised(10.0)
     assert all(0.0 < high - low <= max(10.0, 0.3 * low) for low, high in pairwise([0.0, *loads]))
-    assert loads[-1] >= 1e5
+    assert loads[-1] >= 1e7
     assert [load_at(t, loads) for t in (0.5, 1.0, 1.5, 2.0, 2.25)] == pytest.approx(
         [0.0, 0.0, 5.0, 10.0, 12.5]
     )
@@ -270,7 +270,7 @@ def test_the_static_model_finds_the_same_first_failure_and_weights(
     assert found.first_failure_load == found.peak_load < found.failed_load
     expected, _, _ = solved(case, static_model)
     assert found.peak_load == pytest.approx(expected.first_failure_load_N, rel=allowed)
-    assert found.unbalanced_share < 0.02
+    assert found.unbalanced_share < 0.01
     assert found.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
     history = found.history[found.history["stage"] == "equilibrium"]
     assert history["load_N"].is_monotonic_increasing
@@ -281,5 +281,5 @@ def test_the_static_model_finds_the_same_first_failure_and_weights(
 @pytest.mark.engine
 def test_pieces_that_slide_with_all_bonds_whole_have_no_first_failure(tmp_path: Path) -> None:
     joint = elastic(Joint(1, hold_down=HoldDown.force(100.0), dry=replace(DRY, friction=0.1)))
-    with pytest.raises(EngineError, match="no first failure: at"):
+    with pytest.raises(EngineError, match=r"no first failure: at 10\.1\d* N 3\.\d* % of"):
         run_case(a_case("calculix", joint, Loading(Direction(0.0)), 0.03), tmp_path)
