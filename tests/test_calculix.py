@@ -16,7 +16,7 @@ from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly as Discretised
 from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
 from sidmacib.pieces import assemble
-from workflow.configuration import ConfigError, read_study
+from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
@@ -232,6 +232,16 @@ def test_a_study_with_rigid_pieces_refuses_it_and_one_with_elastic_pieces_takes_
     with pytest.raises(ConfigError, match="pieces: rigid is not possible with calculix; it must"):
         read_study({**config, "dem": {"engines": ["calculix"]}})
     assert read_study({**config, "assembly": {"pieces": "elastic"}}).dem.engines == ("calculix",)
+
+
+def test_a_study_goes_on_without_it_where_it_is_not_installed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
+    monkeypatch.setenv("PATH", "")
+    assert installed_engines(study) == []
+    told = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study goes on"
+    assert told in capsys.readouterr().err
 
 
 def test_first_failures_alone_are_not_enough_for_a_study() -> None:
