@@ -18,7 +18,7 @@ from .records import History, NodeForce, Outcome, Peak
 FIRST_FAILURE = "first failure"  # the mode: what comes after it is not known
 GROWTH = 0.25  # of the load, a step where that is more than the first one
 LARGEST_LOAD = 1e6  # over the first step
-LARGEST_UNBALANCED = 0.05  # mean force left on a piece, over the load: found up to 0.007
+LARGEST_UNBALANCED = 0.05  # mean force left on a piece over the load; found up to 0.007
 HALVINGS = 50  # to find where between two states the strength is reached
 
 
