@@ -280,7 +280,7 @@ def test_the_static_model_finds_the_same_first_failure_and_weights(
     assert found.first_failure_load == found.peak_load < found.failed_load
     expected, _, _ = solved(case, static_model)
     assert found.peak_load == pytest.approx(expected.first_failure_load_N, rel=allowed)
-    assert found.unbalanced_share < 0.01
+    assert found.unbalanced_share < 0.02
     assert found.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
     history = found.history[found.history["stage"] == "equilibrium"]
     assert history["load_N"].is_monotonic_increasing
