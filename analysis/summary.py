@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.fit import winner
 from workflow.case import REFERENCE
-from workflow.models import first_failure_only
+from workflow.models import MODELS, first_failure_only
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
@@ -110,7 +110,8 @@ def _models(capacity: pd.DataFrame) -> Iterator[str]:
     own = capacity[capacity["failed_load_N"].notna() & (capacity["variant"] == REFERENCE)]
     models = list(own["model"].unique())
     yield ""
-    yield f"Largest load along each direction (N): {', '.join(models)}"
+    told = (f"{m} (first failure)" if m in MODELS and first_failure_only(m) else m for m in models)
+    yield f"Largest load along each direction (N): {', '.join(told)}"
     keys = ["sample", "mesh_m", "eccentricity_m"]
     for _, rows in own.groupby("case", sort=False):
         sample, mesh, eccentricity = rows[keys].iloc[0]
