@@ -22,6 +22,7 @@ import pandas as pd
 from analysis.curve_shape import TwoParts
 from analysis.published import Published
 from workflow.configuration import ConfigError
+from workflow.models import MODELS, Ability
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection as Geometry
 
@@ -102,9 +103,10 @@ def curve_study(
 def engine_study(
     study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
 ) -> dict[str, Any]:
-    """The same in pure shear, in the study's engines as well."""
+    """The same in pure shear, in the study's engines as well that know rigid pieces."""
+    able = [name for name in study.dem.engines if Ability.RIGID in MODELS[name].abilities]
     return candidate_study(study, locks, chosen, results) | {
-        "dem": study.dem.model_dump(mode="json")
+        "dem": {**study.dem.model_dump(mode="json"), "engines": able}
     }
 
 

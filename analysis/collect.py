@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.mesh_error import errors_of
 from workflow.case import REFERENCE
-from workflow.models import WITNESS
+from workflow.models import WITNESS, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
@@ -38,14 +38,18 @@ def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
 def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) -> pd.DataFrame:
     """One row per case; failed ones have the reason.
 
-    ``witnesses``: results of the static model for the same joints, nodes and loads.
+    ``witnesses``: results of the static model for the same joints, nodes and loads. Models that go
+    no further than to the first failure are held against its first failure, others against its
+    peak.
     """
     witnesses = list(witnesses)
     mesh_errors = errors_of([*witnesses, *records])
-    static = {record.physics: record.load_N for record in witnesses if record.model == WITNESS}
+    static = {record.physics: record for record in witnesses if record.model == WITNESS}
     rows = []
     for record in records:
-        witness = static.get(record.physics) if record.model != WITNESS else None
+        other = static.get(record.physics) if record.model != WITNESS else None
+        first = first_failure_only(record.model)
+        witness = other and (other.first_failure_load_N if first else other.load_N)
         row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }

@@ -10,6 +10,7 @@ import pandas as pd
 from analysis.beside import beside, difference
 from analysis.fit import winner
 from workflow.case import REFERENCE
+from workflow.models import MODELS, first_failure_only
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
@@ -73,9 +74,11 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     if held.empty:
         return
     size = held["difference_to_static"].abs()
+    first = any(map(first_failure_only, held["model"].unique()))
+    what = "Peaks, or first failures of models that go no further," if first else "Peaks"
     yield ""
     yield (
-        f"Peaks against the static model on the same nodes: {len(held)} cases, at most "
+        f"{what} against the static model on the same nodes: {len(held)} cases, at most "
         f"{100 * size.max():.2f} %; {(size > AGREEMENT).sum()} of them differ by more than "
         f"{100 * AGREEMENT:g} %"
     )
@@ -116,7 +119,8 @@ def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
     own = own[np.isclose(own["mesh_m"].to_numpy()[:, None], meshes).any(axis=1)]
     models = list(own["model"].unique())
     yield ""
-    yield f"Largest load along each direction (N): {', '.join(models)}; largest mesh error"
+    names = (f"{m} (first failure)" if m in MODELS and first_failure_only(m) else m for m in models)
+    yield f"Largest load along each direction (N): {', '.join(names)}; largest mesh error"
     keys = ["sample", "mesh_m", "eccentricity_m"]
     for _, rows in own.groupby("case", sort=False):
         sample, mesh, eccentricity = rows[keys].iloc[0]

@@ -40,6 +40,7 @@ settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).parents[1]
+DISTINCT = tuple(name for name, engine in ENGINES.items() if not engine.elastic)  # rigid pieces
 
 
 @pytest.fixture

@@ -128,6 +128,15 @@ def test_every_engines_case_is_held_against_the_static_model_on_the_same_nodes(r
     assert table["difference_to_static"].iloc[1:].isna().all()
 
 
+def test_a_first_failure_is_held_against_the_static_models_first_failure(results) -> None:
+    found = [replace(r, model="calculix", first_failure_load_N=r.load_N) for r in results[:1]]
+    first = 0.98 * results[0].load_N
+    witness = [replace(results[0], model="static", first_failure_load_N=first)]
+    table = cases_table([*found, *results[:1]], witness)
+    assert table["difference_to_static"].tolist() == pytest.approx([1 / 0.98 - 1, 0.0])
+    assert table["static_load_N"].tolist() == pytest.approx([first, results[0].load_N])
+
+
 def test_a_case_of_another_joint_is_no_witness(results) -> None:
     witness = [replace(r, model="static", physics="other") for r in results]
     assert cases_table(results, witness)["difference_to_static"].isna().all()

@@ -207,6 +207,12 @@ def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     assert own.joint("rank1_n5").dry.friction == chosen[1].friction
     assert (own.results, own.nodes) == ("there", study.nodes)
     assert own.dem.engines == study.dem.engines
+    elastic = read_study(
+        {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}, "meshes": [0.005]}
+    )
+    assert elastic.dem.engines == ("calculix",)  # the confirmation's pieces are rigid
+    of_elastic = engine_study(elastic, check(study, PUBLISHED), ranked, "there")
+    assert read_study(of_elastic).dem.engines == ()
 
 
 def test_a_row_gives_back_its_candidate(study: Study, grid: pd.DataFrame) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import yaml
-from conftest import ROOT
+from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -78,7 +78,7 @@ def test_a_variant_changes_what_it_names_where_it_says() -> None:
 def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> None:
     study = read_study(merged(meshes=[0.02], eccentricities=[0]))
     found = {(model, case.mesh) for (model, _), case in cases_of(study).items()}
-    engines = {(engine, 0.02) for engine in ENGINES}
+    engines = {(engine, 0.02) for engine in study.dem.engines}
     assert found == engines | {(model, mesh) for model in study.models for mesh in (0.02, 0.01)}
     assert case_count(study) == len(cases_of(study))
 
@@ -118,7 +118,7 @@ def test_an_engine_is_left_out_for_the_sample_that_it_cannot_run() -> None:
 def test_a_variant_of_the_numerics_is_for_engines_only() -> None:
     cases = cases_of(read_study(merged(variants={"slow": {"numerics": {"ramp_periods": 80}}})))
     slow = [case for case in cases.values() if case.variant == "slow"]
-    assert {case.model for case in slow} == {*ENGINES}
+    assert {case.model for case in slow} == {*DISTINCT}
     assert all(c.numerics and c.numerics == Numerics(ramp_periods=80) for c in slow)
     assert all((case.numerics is None) == (case.model not in ENGINES) for case in cases.values())
 
@@ -133,7 +133,7 @@ def test_an_override_changes_one_case_only() -> None:
     before = cases_of(read_study(ONE))
     after = cases_of(read_study(merged(overrides={"n3-mesh0.02-torsion": {"ramp_periods": 50}})))
     changed = [key for key in before if before[key] != after[key]]
-    assert changed == [(engine, "n3-mesh0.02-torsion") for engine in ENGINES]
+    assert changed == [(engine, "n3-mesh0.02-torsion") for engine in DISTINCT]
     assert after[changed[0]].numerics == Numerics(ramp_periods=50)
 
 

@@ -12,6 +12,7 @@ from conftest import ROOT
 from workflow import closure as module
 from workflow.closure import closure, code_digest
 from workflow.configuration import read_study
+from workflow.engines import ENGINES
 from workflow.plan import plan_of
 
 TRACE = """
@@ -142,7 +143,7 @@ def _assert_covered(job, results: Path) -> None:
 
 
 @pytest.mark.engine
-@pytest.mark.parametrize("model", ["yade", "liggghts"])
+@pytest.mark.parametrize("model", ENGINES)
 def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
     tmp_path: Path, model: str
 ) -> None:
@@ -152,6 +153,7 @@ def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
             "meshes": [0.04],
             "eccentricities": [0],
             "sidmacib": {"reductions": ["none"]},
+            "assembly": {"pieces": "elastic" if ENGINES[model].elastic else "rigid"},
             "dem": {"engines": [model]},
             "results": str(tmp_path),
         }

@@ -1,4 +1,4 @@
-"""What every engine must find, against theory and the static model. Real runs, small ones."""
+"""What distinct elements must find, against theory and the static model. Real runs, small ones."""
 
 import json
 from dataclasses import replace
@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import a_case, block_on_ground, load_on_block, run_case
+from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case
 from stack import overturning, tilted_stack
 
 from sidmacib.hold_down import HoldDown
@@ -26,7 +26,7 @@ from workflow.steps.solve import solved
 pytestmark = pytest.mark.engine
 
 
-@pytest.fixture(params=ENGINES)
+@pytest.fixture(params=DISTINCT)
 def engine(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 

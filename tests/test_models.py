@@ -52,7 +52,9 @@ def test_engines_can_what_their_entries_say() -> None:
         assert (Ability.DUCTILE in can) != engine.brittle_only
         assert (Ability.TWO_STIFFNESSES in can) != engine.one_stiffness
         assert (Ability.RANKS in can) == engine.shares_out
-        assert {Ability.PROGRESSIVE, Ability.NUMERICS, Ability.STRESSES} <= can
+        assert {Ability.NUMERICS, Ability.STRESSES, Ability.FIRST_FAILURE} <= can
+        assert (Ability.PROGRESSIVE in can) != engine.first_failure_only
+        assert (Ability.ELASTIC in can) == engine.elastic == (Ability.RIGID not in can)
 
 
 @pytest.mark.parametrize("name", SOLVED)

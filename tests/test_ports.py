@@ -9,7 +9,7 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
@@ -70,11 +70,14 @@ def test_the_watcher_sees_a_listener_of_the_run_and_no_other(tmp_path: Path) -> 
         other.wait()
 
 
-@pytest.mark.parametrize(("name", "ranks"), [("yade", 1), ("liggghts", 1), ("liggghts", 2)])
+@pytest.mark.parametrize(
+    ("name", "ranks"), [("yade", 1), ("liggghts", 1), ("liggghts", 2), ("calculix", 1)]
+)
 def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
     if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
         pytest.skip("this system allows no private network")
-    engine, joint = ENGINES[name], Joint(2)
+    engine = ENGINES[name]
+    joint = Joint(2, elastic=Elastic(1e10) if engine.elastic else None)
     assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
     write_script(engine, assembly, loads, Numerics(ranks=ranks), "case", tmp_path)

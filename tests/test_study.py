@@ -214,7 +214,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(dem={"engines": ["3dec"]}),
-            "dem.engines: '3dec' is not allowed; it must be yade or liggghts",
+            "dem.engines: '3dec' is not allowed; it must be yade or liggghts or calculix",
         ),
         (
             merged(models=["magic", "static"]),

@@ -69,7 +69,8 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 
     chosen = own | ranked(best[: study.calibration.confirmed])
     content = engine_study(study, locks, chosen, str(place / "best"))
-    found = done("best", content, installed_engines(study))
+    able = [name for name in installed_engines(study) if name in content["dem"]["engines"]]
+    found = done("best", content, able)
     if found is None:
         return "the confirmation is incomplete, see above"
     confirmed = misfit_table(*found, published)

@@ -208,7 +208,8 @@ def _models(study: Study) -> Iterator[str]:
     if not detailed(known):
         can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
         yield (
-            f"models: {_some(study.models)} is not enough while dem.engines is empty; it must "
+            f"models: {_some(study.models)} is not enough while dem.engines is "
+            f"{_some(study.dem.engines) if study.dem.engines else 'empty'}; it must "
             f"have {' or '.join(can)}"
         )
 

@@ -94,9 +94,11 @@ def _of_engine(engine: Engine) -> Model:
         Ability.DUCTILE: engine.brittle_only,
         Ability.TWO_STIFFNESSES: engine.one_stiffness,
         Ability.RANKS: not engine.shares_out,
+        Ability.PROGRESSIVE: engine.first_failure_only,
         Ability.SOFTENING: True,
-        Ability.ELASTIC: True,
-        Ability.JOINED: True,
+        Ability.RIGID: engine.elastic,
+        Ability.ELASTIC: not engine.elastic,
+        Ability.JOINED: not engine.elastic,
     }
     can = frozenset(ability for ability in Ability if not lacks.get(ability, False))
     return Model(engine.name, Obtained.ENGINE, can, ignores=frozenset(engine.ignores))
@@ -153,6 +155,12 @@ MODELS = {
 def obtained_by(way: Obtained) -> tuple[str, ...]:
     """Names of the models whose results are obtained in one ``way``."""
     return tuple(name for name, model in MODELS.items() if model.obtained is way)
+
+
+def first_failure_only(name: str) -> bool:
+    """Whether a model finds the first failure and goes no further: that is no peak."""
+    can = MODELS[name].abilities
+    return Ability.FIRST_FAILURE in can and Ability.PROGRESSIVE not in can
 
 
 def detailed(names: Iterable[str]) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ engines=
 for engine in yade liggghts; do
     command -v "$engine" >/dev/null || engines="$engines $engine"
 done
+command -v ccx >/dev/null || engines="$engines calculix-ccx"
 
 install() {
     as=

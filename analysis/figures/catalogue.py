@@ -53,8 +53,8 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
         followed = [model for model in detailed if model in study.models_of(sample)]
-        engines = [model for model in followed if model in study.dem.engines]
-        for model in engines or followed[:1]:
+        own_engines = [model for model in study.dem.engines if model in study.models_of(sample)]
+        for model in dict.fromkeys((*followed[:1], *own_engines)):
             own = [case for case in cases if case.model == model and case.sample == sample]
             suffix = "" if model == followed[0] else f"-{model}"
             for kind, case in (

@@ -1,4 +1,7 @@
-"""The distinct-element programs that a study can run. To add one, see CONTRIBUTING.md."""
+"""The programs that a study can run: distinct elements, and finite ones for elastic pieces.
+
+To add one, see CONTRIBUTING.md.
+"""
 
 import os
 import re
@@ -24,7 +27,9 @@ class Engine:
 
     What it cannot do: ``brittle_only``: it knows no ductile faces; ``one_stiffness``: its inner
     faces are as stiff along as across. What it can: ``shares_out``: share a case out to several
-    processes. ``ignores``: numerics that it does not use.
+    processes. ``elastic``: its pieces are elastic, and it needs no time step or period of rigid
+    ones. ``first_failure_only``: it goes no further than to the first node that fails.
+    ``ignores``: numerics that it does not use.
     """
 
     name: str
@@ -38,6 +43,8 @@ class Engine:
     brittle_only: bool = False
     one_stiffness: bool = False
     shares_out: bool = False
+    elastic: bool = False
+    first_failure_only: bool = False
     ignores: tuple[str, ...] = ()
 
     def missing(self) -> str | None:
@@ -80,6 +87,13 @@ def _liggghts_help() -> str:
     ).stdout
 
 
+def _calculix_version() -> str:
+    """What CalculiX says of itself; it ends with an exit code although nothing is wrong."""
+    return subprocess.run(
+        ["ccx", "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    ).stdout
+
+
 ENGINES = {
     engine.name: engine
     for engine in (
@@ -108,6 +122,23 @@ ENGINES = {
             one_stiffness=True,
             shares_out=True,
             ignores=("damping",),
+        ),
+        Engine(
+            name="calculix",
+            template="calculix.py.j2",
+            script="joint.py",
+            command=(sys.executable,),  # the script starts CalculiX and reads what it writes
+            package="calculix-ccx",
+            probe="ccx",
+            version_text=_calculix_version,
+            version_pattern=r"Version ([\d.]+)",
+            brittle_only=True,
+            elastic=True,
+            first_failure_only=True,
+            ignores=(
+                *("ramp_periods", "hold_periods", "unbalanced_ratio", "collapse_ratio"),
+                *("damping", "time_step_ratio"),
+            ),
         ),
     )
 }

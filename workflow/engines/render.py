@@ -47,27 +47,36 @@ def write_script(
 
 def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str) -> str:
     """The engine's script for ``assembly`` under ``loads``."""
-    frequencies = natural_frequencies(assembly)
-    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
-    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
     return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
-        materials={name: _law(law) for law, name in _material_names(assembly).items()},
+        materials={name: told_law(law) for law, name in _material_names(assembly).items()},
         ductile=assembly.failure is Failure.DUCTILE,
-        flat_radius_m=2 * assembly.length,
-        time_step_s=_rounded(time_step),
-        period_steps=_rounded(period_steps),
         ranks=numerics.ranks,
-        ramp_steps=math.ceil(numerics.ramp_periods * period_steps),
-        hold_steps=math.ceil(numerics.hold_periods * period_steps),
         first_increment_N=numerics.first_increment * loads.scale,
-        collapse_m_per_N=_rounded(numerics.collapse_ratio * compliance(assembly, loads)),
-        damping=numerics.damping,
         tolerance=numerics.tolerance,
-        unbalanced_ratio=numerics.unbalanced_ratio,
+        **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )
+
+
+def _rigid_pieces_in_time(
+    assembly: Assembly, loads: Loads, numerics: Numerics
+) -> dict[str, float | int]:
+    """What rigid pieces need that move in time on contact spheres."""
+    frequencies = natural_frequencies(assembly)
+    time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
+    period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
+    return {
+        "flat_radius_m": 2 * assembly.length,
+        "time_step_s": _rounded(time_step),
+        "period_steps": _rounded(period_steps),
+        "ramp_steps": math.ceil(numerics.ramp_periods * period_steps),
+        "hold_steps": math.ceil(numerics.hold_periods * period_steps),
+        "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
+        "damping": numerics.damping,
+        "unbalanced_ratio": numerics.unbalanced_ratio,
+    }
 
 
 def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
@@ -86,6 +95,10 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
                 "inertia_kgm2": float(piece.inertia.max()),
                 "force_N": permanent[:3].tolist(),
                 "moment_Nm": permanent[3:].tolist(),
+                "low_m": list(piece.low),
+                "high_m": list(piece.high),
+                "young_Pa": piece.elastic.young if piece.elastic else None,
+                "poisson": piece.elastic.poisson if piece.elastic else 0.0,
             }
             for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
         ],
@@ -106,6 +119,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             for index, load in enumerate(loads.variable)
             if load.any()
         ],
+        "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
+        "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
+        "layout": str(assembly.layout),
         "nodes": {
             "face": assembly.nodes.face.tolist(),
             "position_m": assembly.nodes.position.tolist(),
@@ -168,7 +184,7 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
     return names
 
 
-def _law(material: FaceMaterial) -> dict[str, float]:
+def told_law(material: FaceMaterial) -> dict[str, float]:
     """What engines know of a material: none of them has bonds that fade."""
     fading = ("residual", "fracture_energy")
     return {key: value for key, value in asdict(material).items() if key not in fading}

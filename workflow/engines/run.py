@@ -33,6 +33,11 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
     if engine.brittle_only and assembly.failure is not Failure.BRITTLE:
         return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
+    deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
+    if engine.elastic and not all(deforms):
+        return "pieces are rigid; it knows only elastic ones"
+    if any(deforms) and not engine.elastic:
+        return "pieces are elastic; it knows only rigid ones"
     for face in assembly.faces:
         law = face.material
         unequal = law.normal_stiffness != law.shear_stiffness

@@ -33,10 +33,11 @@ class Material:
 
 @dataclass(frozen=True)
 class Piece:
-    """A rigid piece; force (N) and moment (N m) are what always acts on it at its centroid.
+    """A piece; force (N) and moment (N m) are what always acts on it at its centroid.
 
     ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
-    depend on it.
+    depend on it. ``low_m``, ``high_m``: opposite corners. ``young_Pa``: Young's modulus, None of
+    a rigid piece.
     """
 
     name: str
@@ -46,6 +47,10 @@ class Piece:
     inertia_kgm2: float
     force_N: Vector
     moment_Nm: Vector
+    low_m: Vector = ()
+    high_m: Vector = ()
+    young_Pa: float | None = None
+    poisson: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -79,6 +84,21 @@ class PieceLoad:
 
 
 @dataclass(frozen=True)
+class SideLoad:
+    """The part of a piece's loads that acts on its side across ``axis``, the far one if ``high``.
+
+    ``wrench``: force (N) and moment (N m) about the centroid, or per newton of load unless
+    ``permanent``; the stress on the side varies linearly.
+    """
+
+    piece: int
+    axis: int
+    high: bool
+    wrench: Vector
+    permanent: bool
+
+
+@dataclass(frozen=True)
 class Node:
     """A contact node: index of its face, position in m, tributary area in m2."""
 
@@ -89,12 +109,19 @@ class Node:
 
 @dataclass(frozen=True)
 class Assembly:
-    """Pieces that meet across faces with nodes, and the loads on them."""
+    """Pieces that meet across faces with nodes, and the loads on them.
+
+    For elastic pieces only: ``sides``, the parts of the loads that act on sides of pieces, the rest
+    being spread over the volume; ``mesh_m`` and ``layout`` tell how the nodes were made.
+    """
 
     pieces: list[Piece]
     faces: list[Face]
     nodes: list[Node]
     loads: list[PieceLoad]
+    sides: Sequence[SideLoad] = ()
+    mesh_m: float | None = None
+    layout: str = ""
 
     @property
     def free(self) -> list[int]:
@@ -145,6 +172,9 @@ def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> Assembly
         faces,
         nodes,
         [PieceLoad(**load) for load in data["loads"]],
+        [SideLoad(**side) for side in data["sides"]],
+        data["mesh_m"],
+        data["layout"],
     )
 
 

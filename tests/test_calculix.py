@@ -1,0 +1,295 @@
+"""CalculiX on elastic pieces: its deck, its results as they are read, and small real runs."""
+
+import math
+import re
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import a_case, run_case
+
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly as Discretised
+from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
+from sidmacib.pieces import assemble
+from workflow.configuration import ConfigError, installed_engines, read_study
+from workflow.engines import ENGINES
+from workflow.engines.execute import EngineError
+from workflow.engines.numerics import Numerics
+from workflow.engines.render import _material_names, assembly_data, script, told_law
+from workflow.engines.run import refusal
+from workflow.engines.scripts.assembly import (
+    Assembly,
+    Face,
+    Material,
+    Node,
+    Piece,
+    PieceLoad,
+    SideLoad,
+)
+from workflow.engines.scripts.calculix_deck import Deck, line_weights
+from workflow.engines.scripts.calculix_process import read_state
+from workflow.engines.scripts.run_calculix import State, at_strength, load_at, most_used, raised
+from workflow.models import MODELS, WITNESS, detailed, first_failure_only
+from workflow.solvers.static import solve as static_model
+from workflow.steps.solve import solved
+
+ENGINE = ENGINES["calculix"]
+BLOCK = Elastic(1e10, 0.2)
+installed = pytest.mark.skipif(ENGINE.missing() is not None, reason="CalculiX is not installed")
+
+
+def elastic(joint: Joint, body: UpperBody = UpperBody.COLUMNS, block: Elastic = BLOCK) -> Joint:
+    return replace(joint, elastic=block, upper_body=body)
+
+
+def loaded(
+    joint: Joint, eccentricity: float, layout: NodeLayout = NodeLayout.VERTICES
+) -> tuple[Discretised, Loads]:
+    assembly = assemble(joint, 0.02, layout)
+    return assembly, lateral_load(joint, assembly, Loading(Direction(eccentricity)))
+
+
+def as_read(assembly: Discretised, loads: Loads) -> Assembly:
+    """What a script reads of it."""
+    data = assembly_data(assembly, loads)
+    laws = {name: Material(**told_law(law)) for law, name in _material_names(assembly).items()}
+    return Assembly(
+        [Piece(**piece) for piece in data["pieces"]],
+        [Face(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],
+        [Node(*row) for row in zip(*data["nodes"].values(), strict=True)],
+        [PieceLoad(**load) for load in data["loads"]],
+        [SideLoad(**side) for side in data["sides"]],
+        data["mesh_m"],
+        data["layout"],
+    )
+
+
+def deck_of(joint: Joint, eccentricity: float = 0.5, **layout: NodeLayout) -> Deck:
+    return Deck(as_read(*loaded(joint, eccentricity, **layout)))
+
+
+def places(deck: Deck) -> dict[int, np.ndarray]:
+    return {
+        number: np.array(grid.place(steps))
+        for grid in deck.grids
+        for number, steps in enumerate(grid.nodes, start=grid.first_node)
+    }
+
+
+def resultant(deck: Deck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
+    """Force and moment about a piece's centre of the nodal forces on it."""
+    where, piece, grid = places(deck), deck.assembly.pieces[index], deck.grids[index]
+    own = range(grid.first_node, grid.first_node + len(grid.nodes))
+    found = np.zeros(6)
+    for (node, direction), force in forces.items():
+        if node in own:
+            vector = force * np.eye(3)[direction - 1]
+            arm = where[node] - np.array(piece.centre_m)
+            found += [*vector, *np.cross(arm, vector)]
+    return found
+
+
+# --- the deck ------------------------------------------------------------------------------------
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+@pytest.mark.parametrize("hold_down", [HoldDown(), HoldDown.force(500.0)])
+def test_nodal_forces_have_the_force_and_moment_of_every_pieces_loads(
+    eccentricity: float, hold_down: HoldDown
+) -> None:
+    joint = elastic(Joint(3, hold_down=hold_down))
+    assembly, loads = loaded(joint, eccentricity)
+    deck = Deck(as_read(assembly, loads))
+    for index, piece in enumerate(assembly.pieces):
+        for forces, whole in ((deck.permanent, loads.permanent), (deck.variable, loads.variable)):
+            expected = np.zeros(6) if piece.fixed else whole[index]
+            assert resultant(deck, forces, index) == pytest.approx(expected, abs=1e-12)
+
+
+def test_the_lateral_load_acts_on_its_side_only() -> None:
+    deck = deck_of(elastic(Joint(3)))
+    where = places(deck)
+    assert {float(where[node][1]) for node, _ in deck.variable} == {0.0}
+
+
+@pytest.mark.parametrize("body", UpperBody)
+def test_the_deck_holds_every_piece_and_a_contact_of_two_equal_areas_for_every_face(
+    body: UpperBody,
+) -> None:
+    deck = deck_of(elastic(Joint(3), body))
+    text = deck.text("three", [10.0, 20.0])
+    assert text.count("*ELEMENT,") == text.count("*SOLID SECTION") == len(deck.assembly.pieces)
+    assert text.count("*CONTACT PAIR") == len(deck.assembly.faces)
+    inner = [face for face in deck.assembly.faces if face.cohesive]
+    assert text.count("=TIED") == len(inner)
+    assert text.count("*STEP") == text.count("*END STEP") == 3
+    for number in range(len(deck.assembly.faces)):
+        (one, other) = (
+            re.search(rf"NAME={side}{number}, TYPE=ELEMENT\n((?:\d+, S\d\n)+)", text)[1].split("\n")
+            for side in "BA"
+        )
+        assert len(one) == len(other) > 1
+
+
+def test_every_contact_node_of_a_rough_face_is_a_node_of_both_grids() -> None:
+    for layout in (NodeLayout.VERTICES, NodeLayout.LOBATTO):
+        deck = deck_of(elastic(Joint(3), UpperBody.MONOLITHIC), layout=layout)
+        for number, node in enumerate(deck.assembly.nodes):
+            face, weights = deck.assembly.faces[node.face], deck.jump_weights(number)
+            assert sum(weights.values()) == pytest.approx(0.0, abs=1e-12)
+            if face.material.friction or face.cohesive:
+                assert sorted(weights.values()) == pytest.approx([-1.0, 1.0])
+
+
+def test_a_node_at_a_cells_centre_stands_for_the_mean_over_the_cell() -> None:
+    deck = deck_of(elastic(Joint(3)), layout=NodeLayout.CENTRES)
+    for number in range(len(deck.assembly.nodes)):
+        weights = deck.jump_weights(number)
+        assert sum(w for w in weights.values() if w > 0.0) == pytest.approx(1.0)
+        assert max(weights.values()) == pytest.approx(0.25)
+
+
+def test_elements_are_no_longer_than_half_the_mesh() -> None:
+    deck = deck_of(elastic(Joint(3), UpperBody.MONOLITHIC))
+    for piece, grid in zip(deck.assembly.pieces, deck.grids, strict=True):
+        for line in () if piece.fixed else grid.lines:
+            assert max(high - low for low, high in pairwise(line)) <= 0.01 + 1e-9
+
+
+def test_stiff_columns_reach_the_deck() -> None:
+    text = deck_of(elastic(Joint(3), UpperBody.JOINED)).text("joined", [1.0])
+    assert "=TIED\n1.000000000000e+13\n" in text
+
+
+def test_a_place_that_is_not_on_the_grid_is_no_place() -> None:
+    assert line_weights((0.0, 1.0), 0.25) == [(0, 0.75), (1, 0.25)]
+    with pytest.raises(ValueError, match="not on the grid"):
+        line_weights((0.0, 1.0), 2.0)
+
+
+# --- what comes back -----------------------------------------------------------------------------
+BLOCK_TEXT = """
+  100CL  102 1.062500000           2                     0    2           1
+ -4  DISP        4    1
+ -5  D1          1    2    1    0
+ -1         1 1.00000E-05-2.00000E-06 0.00000E+00
+ -1        12-3.50000E-05 0.00000E+00 1.00000E-07"""
+
+
+def test_displacements_are_read_by_node() -> None:
+    time, moved = read_state(BLOCK_TEXT)
+    assert time == 1.0625
+    assert moved == {1: (1e-5, -2e-6, 0.0), 12: (-3.5e-5, 0.0, 1e-7)}
+
+
+def test_displacements_without_a_time_are_not_understood() -> None:
+    with pytest.raises(SystemExit, match="without a time"):
+        read_state(BLOCK_TEXT.replace("100CL", "100XX"))
+
+
+def test_loads_rise_whatever_is_carried_and_follow_from_the_time() -> None:
+    loads = raised(10.0)
+    assert all(0.0 < high - low <= max(10.0, 0.3 * low) for low, high in pairwise([0.0, *loads]))
+    assert loads[-1] >= 1e7
+    assert [load_at(t, loads) for t in (0.5, 1.0, 1.5, 2.0, 2.25)] == pytest.approx(
+        [0.0, 0.0, 5.0, 10.0, 12.5]
+    )
+
+
+def test_where_the_strength_is_reached_is_found_between_two_states() -> None:
+    assembly = as_read(*loaded(elastic(Joint(3)), 0.0))
+    inner = next(n for n, node in enumerate(assembly.nodes) if assembly.faces[node.face].cohesive)
+    law = assembly.faces[assembly.nodes[inner].face].material
+
+    def state(load: float) -> State:  # sheared by the load, which reaches the cohesion at 80 N
+        jumps = [[0.0, 0.0, 0.0] for _ in assembly.nodes]
+        jumps[inner] = [load / 80.0 * law.cohesion / law.shear_stiffness, 0.0, 0.0]
+        return State(load, jumps, load)
+
+    found = at_strength(assembly, state(60.0), state(90.0))
+    assert found.load == found.displacement == pytest.approx(80.0)
+    assert most_used(assembly, found.jumps) == pytest.approx(1.0)
+
+
+# --- what it can do ------------------------------------------------------------------------------
+def test_it_is_no_model_of_the_peak_and_says_what_it_needs() -> None:
+    assert first_failure_only("calculix")
+    assert not any(map(first_failure_only, set(MODELS) - {"calculix"}))
+    assert detailed(["calculix", WITNESS]) == (WITNESS,)
+    rigid, deforms = (loaded(joint, 0.0)[0] for joint in (Joint(3), elastic(Joint(3))))
+    assert refusal(ENGINE, deforms) is None
+    assert "only elastic" in str(refusal(ENGINE, rigid))
+    assert "ductile" in str(refusal(ENGINE, replace(deforms, failure=Failure.DUCTILE)))
+    assert "only rigid" in str(refusal(ENGINES["yade"], deforms))
+
+
+def test_a_study_with_rigid_pieces_refuses_it_and_one_with_elastic_pieces_takes_it() -> None:
+    config = {"samples": {"n3": {"locks": 3}}}
+    assert read_study(config).dem.engines == ("yade", "liggghts")
+    with pytest.raises(ConfigError, match="pieces: rigid is not possible with calculix; it must"):
+        read_study({**config, "dem": {"engines": ["calculix"]}})
+    assert read_study({**config, "assembly": {"pieces": "elastic"}}).dem.engines == ("calculix",)
+
+
+def test_a_study_goes_on_without_it_where_it_is_not_installed(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
+    monkeypatch.setenv("PATH", "")
+    assert installed_engines(study) == []
+    told = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study goes on"
+    assert told in capsys.readouterr().err
+
+
+def test_first_failures_alone_are_not_enough_for_a_study() -> None:
+    with pytest.raises(ConfigError, match=r"limit is not enough while dem\.engines is calculix"):
+        read_study(
+            {
+                "samples": {"n3": {"locks": 3}},
+                "assembly": {"pieces": "elastic"},
+                "models": ["limit"],
+                "dem": {"engines": ["calculix"]},
+            }
+        )
+
+
+def test_its_script_needs_no_time_step() -> None:
+    text = script(ENGINE, *loaded(elastic(Joint(3)), 0.0), Numerics(), "three")
+    assert "first_increment_N=12.0" in text
+    assert "time_step" not in text
+
+
+# --- real runs, small ones -----------------------------------------------------------------------
+@installed
+@pytest.mark.engine
+@pytest.mark.parametrize(
+    ("body", "eccentricity", "allowed"),
+    [(UpperBody.MONOLITHIC, 0.0, 0.005), (UpperBody.COLUMNS, 0.5, 0.01)],
+)
+def test_the_static_model_finds_the_same_first_failure_and_weights(
+    run, body: UpperBody, eccentricity: float, allowed: float
+) -> None:
+    joint = elastic(Joint(3), body)
+    loading = Loading(Direction(eccentricity))
+    case = a_case("calculix", joint, loading, 0.02, NodeLayout.LOBATTO, first_increment=0.2)
+    found = run(case)
+    assert found.record.mode == "first failure"
+    assert found.first_failure_load == found.peak_load < found.failed_load
+    expected, _, _ = solved(case, static_model)
+    assert found.peak_load == pytest.approx(expected.first_failure_load_N, rel=allowed)
+    assert found.unbalanced_share < 0.02
+    assert found.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
+    history = found.history[found.history["stage"] == "equilibrium"]
+    assert history["load_N"].is_monotonic_increasing
+    assert history["displacement_m"].is_monotonic_increasing
+
+
+@installed
+@pytest.mark.engine
+def test_pieces_that_slide_with_all_bonds_whole_have_no_first_failure(tmp_path: Path) -> None:
+    joint = elastic(Joint(1, hold_down=HoldDown.force(100.0), dry=replace(DRY, friction=0.1)))
+    with pytest.raises(EngineError, match=r"no first failure: at 10\.1\d* N 3\.\d* % of"):
+        run_case(a_case("calculix", joint, Loading(Direction(0.0)), 0.03), tmp_path)

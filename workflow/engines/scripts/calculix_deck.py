@@ -1,0 +1,393 @@
+"""CalculiX's input deck of an assembly of elastic pieces.
+
+Every piece has a grid of its own, of hexahedra with incompatible modes (C3D8I), which bend without
+locking. Grid lines run through the contact nodes of all but smooth faces, so that displacement
+jumps are read there, and between these elements are no longer than half the mesh. Fixed pieces are
+one layer whose nodes are all held, with the grid of what they touch.
+
+A face is one contact pair, surface to surface. Inner faces are tied with their stiffness, whatever
+they carry; others are linear springs that cannot pull, with friction.
+
+Loads are nodal forces, consistent with the shape functions: force and moment are exact.
+"""
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+from .assembly import Assembly, Face, Piece, Vector, cross, plus
+
+CLOSE = 1e-7  # of a piece's longest edge: grid lines that are no further apart are one
+PER_MESH = 2  # elements in the length of the mesh, at least
+NODES, HELD, JOB = "NALL", "HELD", "joint"
+# Corners of an element, as steps along x, y and z, and the names of its sides, low and high.
+CORNERS = (
+    *((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)),
+    *((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)),
+)
+SIDES = (("S6", "S4"), ("S3", "S5"), ("S1", "S2"))
+FIRST_SHARE = 0.05  # of the first step of the load, in its first increment
+LEAST_FRICTION = 1e-9  # CalculiX wants more than none
+DIGITS = 12  # of printed numbers
+PER_LINE = 8  # numbers
+
+Steps = tuple[int, ...]  # along x, y and z
+Forces = dict[tuple[int, int], float]  # N, or per newton, by node and direction 1, 2, 3
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Grid of a piece: places of its lines (m) along x, y and z, and how it is numbered."""
+
+    lines: tuple[tuple[float, ...], ...]
+    first_node: int
+    first_element: int
+
+    @property
+    def nodes(self) -> list[Steps]:
+        """Steps along x, y and z to each node, in the order of their numbers."""
+        return list(product(*(range(len(line)) for line in self.lines)))
+
+    @property
+    def cells(self) -> list[Steps]:
+        """Steps to the first corner of each element, in the order of their numbers."""
+        return list(product(*(range(len(line) - 1) for line in self.lines)))
+
+    def node(self, steps: Sequence[int]) -> int:
+        """Number of a node."""
+        _, second, third = map(len, self.lines)
+        return self.first_node + (steps[0] * second + steps[1]) * third + steps[2]
+
+    def element(self, steps: Sequence[int]) -> int:
+        """Number of an element."""
+        _, second, third = (len(line) - 1 for line in self.lines)
+        return self.first_element + (steps[0] * second + steps[1]) * third + steps[2]
+
+    def place(self, steps: Sequence[int]) -> list[float]:
+        """Where a node is, in m."""
+        return [line[step] for line, step in zip(self.lines, steps, strict=True)]
+
+    def corners(self, steps: Sequence[int]) -> list[int]:
+        """Numbers of the nodes of an element, in CalculiX's order."""
+        return [self.node([s + c for s, c in zip(steps, own, strict=True)]) for own in CORNERS]
+
+    def weights(self, place: Vector) -> dict[int, float]:
+        """Shape functions at a place in m, by node; those that are 0 there are left out."""
+        along = [line_weights(line, x) for line, x in zip(self.lines, place, strict=True)]
+        return {
+            self.node([step for step, _ in own]): math.prod(share for _, share in own)
+            for own in product(*along)
+        }
+
+    def span(self, axis: int, low: float, high: float) -> range:
+        """Elements along an axis that lie between two places in m."""
+        line, near = self.lines[axis], CLOSE * (self.lines[axis][-1] - self.lines[axis][0])
+        inside = [
+            step
+            for step, (one, other) in enumerate(pairwise(line))
+            if one >= low - near and other <= high + near
+        ]
+        return range(inside[0], inside[-1] + 1)
+
+
+def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]:
+    """Steps to the grid lines about a place, and their shares in it."""
+    near = CLOSE * (line[-1] - line[0])
+    for step, own in enumerate(line):
+        if abs(own - place) <= near:
+            return [(step, 1.0)]
+    for step, (low, high) in enumerate(pairwise(line)):
+        if low < place < high:
+            share = (place - low) / (high - low)
+            return [(step, 1.0 - share), (step + 1, share)]
+    raise ValueError(f"{place} m is not on the grid from {line[0]} to {line[-1]} m")
+
+
+class Deck:
+    """The deck of ``assembly``, and what its nodes tell."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        for piece in assembly.pieces:
+            if not piece.fixed and piece.young_Pa is None:
+                raise SystemExit(f"{piece.name} is rigid: CalculiX needs elastic pieces here")
+        self.assembly = assembly
+        self.rectangles = [rectangle(assembly, face) for face in assembly.faces]
+        self.grids = self._grids()
+        self.permanent = self._forces(permanent=True)
+        self.variable = self._forces(permanent=False)
+
+    # --- grids -----------------------------------------------------------------------------------
+    def _grids(self) -> list[Grid]:
+        pieces = self.assembly.pieces
+        lines: dict[int, tuple[tuple[float, ...], ...]] = {}
+        # Fixed pieces have the grid of those that they touch.
+        for index in sorted(range(len(pieces)), key=lambda number: pieces[number].fixed):
+            lines[index] = tuple(self._lines(index, axis, lines) for axis in range(3))
+        grids, node, element = [], 1, 1
+        for index in range(len(pieces)):
+            grid = Grid(lines[index], node, element)
+            grids.append(grid)
+            node += len(grid.nodes)
+            element += len(grid.cells)
+        return grids
+
+    def _lines(
+        self, index: int, axis: int, known: dict[int, tuple[tuple[float, ...], ...]]
+    ) -> tuple[float, ...]:
+        """Places of a piece's grid lines along an axis."""
+        piece = self.assembly.pieces[index]
+        low, high = piece.low_m[axis], piece.high_m[axis]
+        near = CLOSE * max(plus(piece.high_m, piece.low_m, -1.0))
+        places = [low, high]
+        for number, face in enumerate(self.assembly.faces):
+            if index not in (face.below, face.above) or across(face) == axis:
+                continue
+            start, end = (corner[axis] for corner in self.rectangles[number])
+            places += [start, end]
+            if piece.fixed:
+                other = known[face.above if face.below == index else face.below][axis]
+                places += [place for place in other if start <= place <= end]
+            elif face.cohesive or face.material.friction > LEAST_FRICTION:
+                places += self._node_lines(number, axis, start, end)
+        places = merged(places, near)
+        if piece.fixed:
+            return tuple(places)
+        longest = (self.assembly.mesh_m or math.inf) / PER_MESH
+        found = []
+        for one, next_one in pairwise(places):
+            parts = max(1, math.ceil((next_one - one) / longest - CLOSE))
+            found += [one + (next_one - one) * part / parts for part in range(parts)]
+        return (*found, places[-1])
+
+    def _node_lines(self, number: int, axis: int, low: float, high: float) -> list[float]:
+        """Where a face's contact nodes are along an axis, and the edges of their cells."""
+        nodes = self.assembly.nodes
+        own = merged([n.position_m[axis] for n in nodes if n.face == number], CLOSE * (high - low))
+        if self.assembly.layout != "centres":
+            return own
+        return [*own, *(low + (high - low) * cell / len(own) for cell in range(len(own) + 1))]
+
+    # --- loads -----------------------------------------------------------------------------------
+    def _forces(self, permanent: bool) -> Forces:
+        """Nodal forces of what always acts (N), or of the load per newton of it."""
+        found: Forces = {}
+        for index, piece in enumerate(self.assembly.pieces):
+            if piece.fixed:
+                continue
+            rest = [*piece.force_N, *piece.moment_Nm] if permanent else [0.0] * 6
+            for load in self.assembly.loads if not permanent else ():
+                if load.piece == index:
+                    rest = plus(rest, [*load.force, *load.moment_m])
+            for side in self.assembly.sides:
+                if side.piece == index and side.permanent == permanent:
+                    rest = plus(rest, side.wrench, -1.0)
+                    end = side.axis, side.high
+                    add(found, spread(self.grids[index], piece, side.wrench, end))
+            add(found, spread(self.grids[index], piece, rest, None))
+        return {place: force for place, force in found.items() if force}
+
+    # --- text ------------------------------------------------------------------------------------
+    def text(self, title: str, loads: Sequence[float]) -> str:
+        """The deck: first what always acts, then one step to each of the ``loads`` (N)."""
+        lines = ["*HEADING", title, *self._mesh(), *self._contacts()]
+        lines += self._step(self.permanent, 1.0)
+        for number, load in enumerate(loads):
+            total = {
+                place: self.permanent.get(place, 0.0) + load * force
+                for place, force in self.variable.items()
+            }
+            # What little the dry faces carry at first soon opens, closes and slips.
+            lines += self._step(total, 1.0 if number else FIRST_SHARE)
+        return "\n".join(lines) + "\n"
+
+    def _mesh(self) -> Iterator[str]:
+        pieces = self.assembly.pieces
+        yield f"*NODE, NSET={NODES}"
+        for grid in self.grids:
+            for number, steps in enumerate(grid.nodes, start=grid.first_node):
+                yield f"{number}, " + ", ".join(map(printed, grid.place(steps)))
+        for index, grid in enumerate(self.grids):
+            yield f"*ELEMENT, TYPE=C3D8I, ELSET=P{index}"
+            for number, steps in enumerate(grid.cells, start=grid.first_element):
+                yield f"{number}, " + ", ".join(map(str, grid.corners(steps)))
+        held = [self.grids[i] for i, piece in enumerate(pieces) if piece.fixed]
+        yield f"*NSET, NSET={HELD}"
+        for grid in held:
+            yield from listed(range(grid.first_node, grid.first_node + len(grid.nodes)))
+        if held:
+            yield from ("*BOUNDARY", f"{HELD}, 1, 3")
+        some = next(piece for piece in pieces if piece.young_Pa is not None)
+        for index, piece in enumerate(pieces):
+            own = some if piece.young_Pa is None else piece  # of fixed pieces any will do
+            assert own.young_Pa is not None
+            yield f"*MATERIAL, NAME=M{index}"
+            yield from ("*ELASTIC", f"{printed(own.young_Pa)}, {printed(own.poisson)}")
+            yield f"*SOLID SECTION, ELSET=P{index}, MATERIAL=M{index}"
+
+    def _contacts(self) -> Iterator[str]:
+        for number, face in enumerate(self.assembly.faces):
+            law, axis = face.material, across(face)
+            for name, index, high in (("B", face.below, 1), ("A", face.above, 0)):
+                yield f"*SURFACE, NAME={name}{number}, TYPE=ELEMENT"
+                for element in self._under(index, axis, high, *self.rectangles[number]):
+                    yield f"{element}, {SIDES[axis][high]}"
+            yield f"*SURFACE INTERACTION, NAME=I{number}"
+            kind = "TIED" if face.cohesive else "LINEAR"
+            yield f"*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE={kind}"
+            yield printed(law.normal_stiffness)
+            friction = 1.0 if face.cohesive else law.friction
+            if friction > LEAST_FRICTION:
+                yield from ("*FRICTION", f"{printed(friction)}, {printed(law.shear_stiffness)}")
+            yield f"*CONTACT PAIR, INTERACTION=I{number}, TYPE=SURFACE TO SURFACE"
+            # The slave is a piece that moves.
+            below_is_slave = self.assembly.pieces[face.above].fixed
+            yield f"B{number}, A{number}" if below_is_slave else f"A{number}, B{number}"
+
+    def _under(self, index: int, axis: int, high: int, low_m: Vector, high_m: Vector) -> list[int]:
+        """Elements of a piece that lie under a face, on one of its sides."""
+        grid = self.grids[index]
+        spans = [grid.span(k, low_m[k], high_m[k]) for k in range(3) if k != axis]
+        spans.insert(axis, range(len(grid.lines[axis]) - 2, len(grid.lines[axis]) - 1))
+        if not high:
+            spans[axis] = range(1)
+        return [grid.element(steps) for steps in product(*spans)]
+
+    def _step(self, forces: Forces, share: float) -> Iterator[str]:
+        """A step of CalculiX to these forces; ``share``: its first increment."""
+        yield from ("*STEP, INC=1000", "*STATIC", f"{share}, 1., 1e-6, 1.")
+        if forces:
+            yield "*CLOAD"
+        for (node, direction), force in sorted(forces.items()):
+            yield f"{node}, {direction}, {printed(force)}"
+        yield from ("*NODE FILE", "U", "*END STEP")
+
+    # --- what its nodes tell ---------------------------------------------------------------------
+    def jump_weights(self, number: int) -> dict[int, float]:
+        """Shares of the grid's nodes in the displacement of below less above at a contact node.
+
+        A node at a cell's centre stands for the mean over the cell.
+        """
+        node = self.assembly.nodes[number]
+        face = self.assembly.faces[node.face]
+        found: dict[int, float] = {}
+        for place, share in self._places(number):
+            for index, sign in ((face.below, 1.0), (face.above, -1.0)):
+                for own, weight in self.grids[index].weights(place).items():
+                    found[own] = found.get(own, 0.0) + sign * share * weight
+        return found
+
+    def _places(self, number: int) -> list[tuple[list[float], float]]:
+        node = self.assembly.nodes[number]
+        position = list(node.position_m)
+        if self.assembly.layout != "centres":
+            return [(position, 1.0)]
+        low, high = self.rectangles[node.face]
+        axis, along = across(self.assembly.faces[node.face]), []
+        for k in range(3):
+            same = [n.position_m[k] for n in self.assembly.nodes if n.face == node.face]
+            count = len(merged(same, CLOSE * (high[k] - low[k]))) if k != axis else 1
+            half = (high[k] - low[k]) / count / 2
+            shares = ((-half, 0.25), (0.0, 0.5), (half, 0.25)) if k != axis else ((0.0, 1.0),)
+            along.append([(position[k] + shift, share) for shift, share in shares])
+        return [
+            ([place for place, _ in own], math.prod(share for _, share in own))
+            for own in product(*along)
+        ]
+
+
+def across(face: Face) -> int:
+    """The axis of a face's normal."""
+    return max(range(3), key=lambda axis: abs(face.normal[axis]))
+
+
+def rectangle(assembly: Assembly, face: Face) -> tuple[list[float], list[float]]:
+    """Two opposite corners of a face, in m."""
+    one, other = assembly.pieces[face.below], assembly.pieces[face.above]
+    low = [*map(max, one.low_m, other.low_m)]
+    high = [*map(min, one.high_m, other.high_m)]
+    axis = across(face)
+    low[axis] = high[axis] = one.high_m[axis]
+    return low, high
+
+
+def merged(places: Iterable[float], near: float) -> list[float]:
+    """``places`` in order, those that are no further apart than ``near`` being one."""
+    found: list[float] = []
+    for place in sorted(places):
+        if not found or place - found[-1] > near:
+            found.append(place)
+    return found
+
+
+def add(one: Forces, other: Forces) -> None:
+    """Add forces to ``one``."""
+    for place, force in other.items():
+        one[place] = one.get(place, 0.0) + force
+
+
+def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | None) -> Forces:
+    """Nodal forces of a force and a moment about a piece's centre, spread over a side or all of it.
+
+    What is spread varies linearly: uniform for the force, like a rotation for the moment. ``end``:
+    the axis that the side lies across, and whether it is the far one.
+    """
+    if not any(wrench):
+        return {}
+    size = plus(piece.high_m, piece.low_m, -1.0)
+    size = [0.0 if end and k == end[0] else edge for k, edge in enumerate(size)]
+    centre = [(low + high) / 2 for low, high in zip(piece.low_m, piece.high_m, strict=True)]
+    arm = [0.0, 0.0, 0.0]  # of the side
+    if end:
+        axis, high = end
+        arm[axis] = (piece.high_m if high else piece.low_m)[axis] - centre[axis]
+    force = list(wrench[:3])
+    moment = plus(wrench[3:], cross(arm, force), -1.0)  # about the side's own centre
+    turn = [0.0, 0.0, 0.0]
+    for k in range(3):
+        second = sum(edge**2 for j, edge in enumerate(size) if j != k) / 12
+        turn[k] = moment[k] / second if second else 0.0
+    along = []
+    for k, line in enumerate(grid.lines):
+        if end and k == end[0]:
+            along.append([(len(line) - 1 if end[1] else 0, 1.0, 0.0)])
+        else:
+            along.append(shares(line))
+    middle = plus(centre, arm)
+    found: Forces = {}
+    for own in product(*along):
+        node = grid.node([step for step, _, _ in own])
+        part = math.prod(share for _, share, _ in own)
+        # From the middle to the mean place, weighted by the node's shape function.
+        lever = [
+            0.0 if end and k == end[0] else own[k][2] / own[k][1] - middle[k] for k in range(3)
+        ]
+        for k, value in enumerate(plus(force, cross(turn, lever))):
+            if value:
+                found[node, k + 1] = part * value
+    return found
+
+
+def shares(line: Sequence[float]) -> list[tuple[int, float, float]]:
+    """Of each grid line: its step, the mean of its shape function and that times the place."""
+    length = line[-1] - line[0]
+    mean, first = [0.0] * len(line), [0.0] * len(line)
+    for step, (low, high) in enumerate(pairwise(line)):
+        part = (high - low) / length
+        mean[step] += part / 2
+        mean[step + 1] += part / 2
+        first[step] += part * (2 * low + high) / 6
+        first[step + 1] += part * (low + 2 * high) / 6
+    return [(step, m, f) for step, (m, f) in enumerate(zip(mean, first, strict=True))]
+
+
+def listed(numbers: Iterable[int]) -> Iterator[str]:
+    """``numbers`` on lines that are not too long."""
+    every = list(map(str, numbers))
+    for start in range(0, len(every), PER_LINE):
+        yield ", ".join(every[start : start + PER_LINE]) + ","
+
+
+def printed(value: float) -> str:
+    """A number as CalculiX reads it: no more than 20 characters, and never taken for an integer."""
+    return f"{value:.{DIGITS}e}"

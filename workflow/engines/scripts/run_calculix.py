@@ -1,0 +1,199 @@
+"""The first failure of an assembly of elastic pieces, by finite elements in CalculiX.
+
+Its tied contacts do not break, so the load rises beyond the first failure, in steps that know
+nothing of where it is, until the strength of a node is exceeded. Between the last two states nodes
+are taken to move in proportion to the load.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from .assembly import Assembly, Vector, dot, length, plus
+from .calculix_deck import JOB, Deck
+from .calculix_process import CalculixProcess, Displacements
+from .records import History, NodeForce, Outcome, Peak
+
+FIRST_FAILURE = "first failure"  # the mode: what comes after it is not known
+GROWTH = 0.25  # of the load, a step where that is more than the first one
+LARGEST_LOAD = 1e6  # over the first step
+LARGEST_UNBALANCED = 0.05  # mean force left on a piece over the load; found up to 0.007
+HALVINGS = 50  # to find where between two states the strength is reached
+
+
+@dataclass(frozen=True)
+class State:
+    """An equilibrium: its load (N), the nodes' jumps (m) and the displacement it does work on."""
+
+    load: float
+    jumps: Sequence[Vector]  # below less above
+    displacement: float
+
+
+def find_first_failure(
+    title: str, assembly: Assembly, first_increment_N: float, tolerance: float
+) -> None:
+    """Look for it and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
+
+    ``first_increment_N``: the first step of the load; ``tolerance``: to which the load is told.
+    """
+    loads = raised(first_increment_N)
+    deck = Deck(assembly)
+    Path(f"{JOB}.inp").write_text(deck.text(title, loads))
+    weights = [deck.jump_weights(number) for number in range(len(assembly.nodes))]
+    history = History(assembly)
+    before: State | None = None
+    engine = CalculixProcess(JOB)
+    for time, moved in engine.states():
+        history.time_steps += 1
+        history.attempts = history.time_steps
+        along = sum(force * moved[node][k - 1] for (node, k), force in deck.variable.items())
+        if not math.isfinite(along):
+            raise SystemExit(f"the computation has diverged: displacement {along} m")
+        jumps = [jump(own, moved) for own in weights]
+        state = State(load_at(time, loads), jumps, along)
+        used = most_used(assembly, jumps)
+        over = not used <= 1.0
+        print(f"{state.load:12.4f} N uses {100 * used:.2f} % of the strength", flush=True)
+        if not over:
+            record(history, state, Outcome.EQUILIBRIUM.value)
+            before = state
+            continue
+        engine.stop()
+        if before is None:
+            raise SystemExit("the assembly does not stand under its permanent loads")
+        record(history, state, "overstressed")
+        failing = at_strength(assembly, before, state)
+        forces = record(history, failing, Outcome.EQUILIBRIUM.value)
+        # Pieces that slide off are carried as far as one likes, as friction has no tangent there.
+        if not max(row["unbalanced_ratio"] for row in history.rows[-2:]) <= LARGEST_UNBALANCED:
+            raise SystemExit(
+                f"no first failure: {told(assembly, before)}, and beyond it the displacements that "
+                "CalculiX finds are no equilibrium"
+            )
+        load = failing.load
+        peak = Peak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
+        history.write(peak, "calculix", engine.version())
+        return
+    if before is None:
+        raise SystemExit(f"CalculiX finds no equilibrium under permanent loads: {engine.why()}")
+    why = f"CalculiX goes no further: {engine.why()}"
+    if before.load >= loads[-1] * (1.0 - 1e-9):
+        why = "the load grows without a failure"
+    raise SystemExit(f"no first failure: {told(assembly, before)}, and {why}")
+
+
+def told(assembly: Assembly, state: State) -> str:
+    """A state in words."""
+    used = 100 * most_used(assembly, state.jumps)
+    return f"at {state.load:g} N {used:.3g} % of the strength is used"
+
+
+def raised(first: float) -> list[float]:
+    """Loads (N) that the load is raised to, one after another, whatever the assembly carries."""
+    loads = [first]
+    while loads[-1] < LARGEST_LOAD * first:
+        loads.append(loads[-1] + max(first, GROWTH * loads[-1]))
+    return loads
+
+
+def load_at(time: float, loads: Sequence[float]) -> float:
+    """The load (N) at a ``time``: 1 is the end of permanent loads, then comes 1 for each load."""
+    if time <= 1.0:
+        return 0.0
+    step = min(math.ceil(time - 1.0 - 1e-9), len(loads))
+    low = loads[step - 2] if step > 1 else 0.0
+    return low + (loads[step - 1] - low) * (time - step)
+
+
+def jump(weights: dict[int, float], moved: Displacements) -> list[float]:
+    """Displacement of below less above at a contact node."""
+    found = [0.0, 0.0, 0.0]
+    for node, weight in weights.items():
+        found = plus(found, moved[node], weight)
+    return found
+
+
+def node_force(assembly: Assembly, number: int, moved: Vector) -> NodeForce:
+    """Force at a contact node for its jump; friction has no history here."""
+    node = assembly.nodes[number]
+    face = assembly.faces[node.face]
+    law = face.material
+    closed = dot(moved, face.normal)
+    normal = law.normal_stiffness * node.area_m2 * closed
+    stiffness = law.shear_stiffness * node.area_m2
+    shear = [stiffness * each for each in plus(moved, face.normal, -closed)]
+    if face.cohesive:
+        return NodeForce(normal, shear, True)
+    normal = max(normal, 0.0)
+    size, most = length(shear), law.friction * normal
+    if size > most:
+        shear = [each * most / size for each in shear]
+    return NodeForce(normal, shear, False)
+
+
+def most_used(assembly: Assembly, jumps: Sequence[Vector]) -> float:
+    """The largest part of its strength that a node of an inner face carries."""
+    most = 0.0
+    for number, node in enumerate(assembly.nodes):
+        if assembly.faces[node.face].cohesive:
+            law = assembly.faces[node.face].material
+            force = node_force(assembly, number, jumps[number])
+            shear, tension = length(force.shear), -force.normal
+            for stress, strength in (
+                (shear / node.area_m2, law.cohesion),
+                (tension / node.area_m2, law.told_tensile_strength),
+            ):
+                if stress > 0.0:
+                    most = max(most, stress / strength if strength else math.inf)
+    return most
+
+
+def at_strength(assembly: Assembly, before: State, after: State) -> State:
+    """The state between two where the first node reaches its strength."""
+
+    def between(share: float) -> State:
+        return State(
+            before.load + share * (after.load - before.load),
+            [
+                plus(one, plus(other, one, -1.0), share)
+                for one, other in zip(before.jumps, after.jumps, strict=True)
+            ],
+            before.displacement + share * (after.displacement - before.displacement),
+        )
+
+    low, high = 0.0, 1.0
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if most_used(assembly, between(middle).jumps) > 1.0:
+            high = middle
+        else:
+            low = middle
+    return between(low)
+
+
+def record(history: History, state: State, stage: str) -> list[NodeForce]:
+    """Add a state to the history; the forces at its nodes."""
+    assembly = history.assembly
+    forces = [node_force(assembly, number, moved) for number, moved in enumerate(state.jumps)]
+    share = unbalanced(assembly, forces, state.load)
+    history.record(state.load, stage, state.displacement, share, forces)
+    return forces
+
+
+def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> float:
+    """Mean force that is left on a piece, over the load, or over what always acts if that is more.
+
+    It tells how well these node forces stand for CalculiX's contacts.
+    """
+    left = [plus([0.0, 0.0, 0.0], piece.force_N) for piece in assembly.pieces]
+    for own in assembly.loads:
+        left[own.piece] = plus(left[own.piece], own.force, load)
+    for force, node in zip(forces, assembly.nodes, strict=True):
+        face = assembly.faces[node.face]
+        whole = plus(force.shear, face.normal, force.normal)
+        left[face.above] = plus(left[face.above], whole)
+        left[face.below] = plus(left[face.below], whole, -1.0)
+    free = assembly.free
+    return sum(length(left[i]) for i in free) / len(free) / max(load, assembly.permanent_N, 1e-300)
