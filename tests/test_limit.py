@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Direction, Joint
+from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import NodeLaw
@@ -272,3 +272,18 @@ def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
     model = assemble(smooth, 0.02, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(eccentricity)))
     assert limit_load(model, loads).load >= static_peak(model, loads).peak.load * (1 - 1e-5)
+
+
+@pytest.mark.parametrize("locks", [3, 5])
+@pytest.mark.parametrize("body", UpperBody)
+def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(
+    locks: int, body: UpperBody
+) -> None:
+    joint = Joint(locks, upper_body=body)
+    model = assemble(joint, 0.02, NodeLayout.LOBATTO)
+    found = [
+        limit_load(model, lateral_load(joint, model, Loading(Direction(eccentricity)))).load
+        for eccentricity in (0.49, 0.5, 0.51)
+    ]
+    assert found == sorted(found, reverse=True)
+    assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-3)

@@ -27,6 +27,7 @@ ACCURACY = 1e-9  # of the load, over itself or the loads' scale if that is large
 DIGITS = 9  # of the load: those that are checked
 SMALL = 1e-5  # of the second aim in units of the first, so that it decides between equals only
 LOST = 1e-8  # of the load, at most, to the second aim
+LARGEST = 10.0  # force of a node over its part of the scale, about, where forces concentrate
 WHAT = "limit analysis"
 
 
@@ -61,14 +62,14 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     solve(cp.Problem(cp.Maximize(load), constraints), WHAT, ACCURACY)
     largest = float(load.value)
     # In the norm of the areas: the same state however fine the mesh.
-    size = cp.sum_squares(cp.multiply(np.sqrt(programme.share)[:, None], force))
+    size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     solve(cp.Problem(cp.Maximize(load - SMALL * size), constraints), WHAT, ACCURACY)
     if largest - float(load.value) > LOST * max(abs(largest), 1.0):
         raise SolverError(f"{WHAT}: no forces of least size were found that carry the limit load")
     return LimitState(
         _rounded(largest * programme.scale, programme.scale),
         # Noise is rounded away; plus 0: no -0 in tables.
-        programme.unit[:, None] * (np.round(force.value, DIGITS) + 0.0),
+        programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, DIGITS) + 0.0),
     )
 
 
@@ -81,8 +82,8 @@ class _Programme:
         self.share = area / area.sum()
         # Where nothing has strength, permanent loads are the only measure.
         self.scale = loads.scale or float(np.abs(loads.permanent).max()) or 1.0
-        # A node's unit: its part of the scale on a face of mean area.
-        self.unit = self.scale * self.share * len(assembly.faces)
+        # A node's unit: its part of the scale on a face of mean area, and more.
+        self.unit = LARGEST * self.scale * self.share * len(assembly.faces)
         # Forces over the scale, and moments over the scale times the length, are about 1.
         size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6) * self.scale
         columns = np.repeat(self.unit, 3)
