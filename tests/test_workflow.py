@@ -268,14 +268,14 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
         *("model", "locks", "mesh_m", "eccentricity_m", "lock", "block"),
         *("weight", "mean_shear_ratio", "max_shear_ratio"),
     ]
-    # The static model leaves the ductile variant to the others; it runs at half the mesh too.
-    assert len(weights) == 3 * (len(CASES) + 2 * len(CASES - {"n3-mesh0.03-e0a-soft"}))
+    # The static model runs at half the mesh too.
+    assert len(weights) == 3 * (len(CASES) + 2 * len(CASES))
     cases = pd.read_csv(results / "tables/cases.csv").set_index(["model", "name"])
     assert cases["error"].isna().all()
     held = cases.loc["yade", "difference_to_static"]
-    assert held.notna().sum() == 3
+    assert held.notna().all()
     assert held.abs().max() < 0.01
-    assert cases.loc["yade", "mesh_error"].drop("n3-mesh0.03-e0a-soft").notna().all()
+    assert cases.loc["yade", "mesh_error"].notna().all()
     brittle = cases.loc["yade"].drop("n3-mesh0.03-e0a-soft")
     assert set(brittle["mode"]) == set(cases.loc["static", "mode"]) == {"bonds"}
     assert cases.loc["yade", "versions"].str.startswith("yade ").all()
