@@ -200,3 +200,18 @@ def cross(one: Vector, other: Vector) -> list[float]:
         one[2] * other[0] - one[0] * other[2],
         one[0] * other[1] - one[1] * other[0],
     ]
+
+
+def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> float:
+    """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
+    along = dot(force, normal)
+    shear = length(plus(force, normal, -along))
+    strengths = (shear, law.cohesion * area), (-along, law.told_tensile_strength * area)
+    return max(_over(own, strength) for own, strength in strengths)
+
+
+def _over(force: float, strength: float) -> float:
+    """A force over its strength; infinite where there is none to withstand it."""
+    if strength:
+        return force / strength
+    return math.inf if force > 0.0 else 0.0

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .assembly import Material, Vector, dot, length, plus
+from .assembly import Vector, dot, length, plus, utilisation
 from .flatness import STILL, Motion, check_flat
 from .liggghts_deck import Deck
 from .liggghts_process import LiggghtsProcess
@@ -227,10 +227,3 @@ class LiggghtsModel:
     def check_flat(self, nodes: Sequence[NodeForce]) -> None:
         """End with a reason where contact spheres no longer stand for flat faces."""
         check_flat(self.assembly, self.motions(), self.deck.radii, nodes, self.load)
-
-
-def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> float:
-    """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
-    along = dot(force, normal)
-    shear = length(plus(force, normal, -along))
-    return max(shear / (law.cohesion * area), -along / (law.told_tensile_strength * area))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .assembly import Assembly, Vector, dot, length, plus
+from .assembly import Assembly, Vector, dot, length, plus, utilisation
 from .calculix_deck import JOB, Deck
 from .calculix_process import CalculixProcess, Displacements
 from .records import History, NodeForce, Outcome, Peak
@@ -135,19 +135,14 @@ def node_force(assembly: Assembly, number: int, moved: Vector) -> NodeForce:
 
 def most_used(assembly: Assembly, jumps: Sequence[Vector]) -> float:
     """The largest part of its strength that a node of an inner face carries."""
-    most = 0.0
+    used = [0.0]
     for number, node in enumerate(assembly.nodes):
-        if assembly.faces[node.face].cohesive:
-            law = assembly.faces[node.face].material
+        face = assembly.faces[node.face]
+        if face.cohesive:
             force = node_force(assembly, number, jumps[number])
-            shear, tension = length(force.shear), -force.normal
-            for stress, strength in (
-                (shear / node.area_m2, law.cohesion),
-                (tension / node.area_m2, law.told_tensile_strength),
-            ):
-                if stress > 0.0:
-                    most = max(most, stress / strength if strength else math.inf)
-    return most
+            whole = plus(force.shear, face.normal, force.normal)
+            used.append(utilisation(whole, face.normal, face.material, node.area_m2))
+    return max(used)
 
 
 def at_strength(assembly: Assembly, before: State, after: State) -> State:
