@@ -92,7 +92,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
     """Each model with the variants that change its results, and each sample that it can run."""
     allowed = {name: sample.models or models for name, sample in study.samples.items()}
     for model in (MODELS[name] for name in models):
-        for variant, change in {REFERENCE: VariantSection(), **study.variants}.items():
+        for variant, change in study.every_variant.items():
             assembly = change.assembly(study.assembly)
             nodes = change.nodes or study.nodes
             before = study.assembly, study.nodes, None

@@ -119,10 +119,7 @@ def notes(study: Study) -> list[str]:
 
 def _fading(study: Study) -> Iterator[str]:
     """Keys of bonds that fade, where none do."""
-    every = (
-        study.assembly,
-        *(change.assembly(study.assembly) for change in study.variants.values()),
-    )
+    every = [change.assembly(study.assembly) for change in study.every_variant.values()]
     if any(assembly.failure is Failure.SOFTENING for assembly in every):
         return
     for key in ("residual", "fracture_energy"):

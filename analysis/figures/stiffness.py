@@ -11,13 +11,11 @@ from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
 from analysis.figures.material import Material
 from sidmacib.joint import Joint, UpperBody
-from workflow.case import REFERENCE, case_name
-from workflow.schema.assembly import VariantSection
+from workflow.case import case_name
 
-WORDS = {
-    UpperBody.COLUMNS: "columns",
-    UpperBody.JOINED: "joined columns",
-    UpperBody.MONOLITHIC: "one piece",
+LOOKS = {  # of the bodies that are drawn: words and line
+    UpperBody.COLUMNS: ("columns", "o-"),
+    UpperBody.MONOLITHIC: ("one piece", "s--"),
 }
 
 
@@ -32,9 +30,8 @@ def capacities_by_stiffness(material: Material, model: str) -> pd.DataFrame:
     loads = rows.set_index(["variant", "case"])["load_N"]
 
     def found() -> Iterator[dict[str, object]]:
-        variants = {REFERENCE: VariantSection(), **study.variants}
         for sample in shown_samples(study):
-            for name, change in variants.items():
+            for name, change in study.every_variant.items():
                 joint = study.joint(sample, change.assembly(study.assembly), change.young)
                 key = name, case_name(sample, mesh, direction)
                 if key in loads.index and pd.notna(loads[key]):
@@ -78,10 +75,10 @@ def stiffness(material: Material) -> Figure:
 def _by_stiffness(axes: Axes, table: pd.DataFrame) -> None:
     samples = dict.fromkeys(table["sample"])
     for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
-        for body, line in ((UpperBody.COLUMNS, "o-"), (UpperBody.MONOLITHIC, "s--")):
+        for body, (words, line) in LOOKS.items():
             own = table[(table["sample"] == sample) & (table["body"] == body)]
             bends = own[np.isfinite(own["ratio"])].sort_values("ratio")
-            label = f"{sample}, {WORDS[body]}"
+            label = f"{sample}, {words}"
             axes.plot(bends["ratio"], bends["load_N"], line, color=colour, ms=3.5, label=label)
             for load in own.loc[np.isinf(own["ratio"]), "load_N"]:
                 axes.axhline(load, color=colour, lw=0.7, ls=":")
@@ -93,14 +90,13 @@ def _by_stiffness(axes: Axes, table: pd.DataFrame) -> None:
 
 
 def _by_locks(axes: Axes, table: pd.DataFrame) -> None:
-    shown = [UpperBody.COLUMNS, UpperBody.MONOLITHIC]
-    groups = table[table["body"].isin(shown)].groupby(["ratio", "body"], sort=True)
+    groups = table[table["body"].isin(LOOKS)].groupby(["ratio", "body"], sort=True)
     ratios = dict(zip(sorted(set(table["ratio"])), style.COLOURS * 3, strict=False))
     for (ratio, body), rows in groups:
         own = rows.sort_values("locks")
-        line = "o-" if body == UpperBody.COLUMNS else "s--"
+        words, line = LOOKS[UpperBody(body)]
         told = "rigid" if np.isinf(ratio) else f"E / (Kn b) = {ratio:g}"
-        label = f"{told}, {WORDS[UpperBody(body)]}"
+        label = f"{told}, {words}"
         counted = own["load_N"] / own["T0_N"]
         axes.plot(own["locks"], counted, line, color=ratios[ratio], ms=3.5, label=label)
     locks = np.array(sorted(set(table["locks"])))

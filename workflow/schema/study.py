@@ -7,6 +7,7 @@ from pydantic import Field
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
+from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
@@ -42,6 +43,11 @@ class Study(Section):
     def model_names(self) -> tuple[str, ...]:
         """Names of the models that the study runs: engines, then the others."""
         return *self.dem.engines, *self.models
+
+    @property
+    def every_variant(self) -> dict[str, VariantSection]:
+        """The variants by name, the one without changes first."""
+        return {REFERENCE: VariantSection(), **self.variants}
 
     @property
     def interlocking(self) -> tuple[str, ...]:
