@@ -1,4 +1,4 @@
-"""The joint as an assembly: cut into rigid pieces that meet across inner and dry faces."""
+"""The joint as an assembly: cut into pieces that meet across inner and dry faces."""
 
 from collections.abc import Iterator
 from dataclasses import replace

@@ -21,7 +21,7 @@ from scipy.sparse import csr_array
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 
 ROUNDS = 200
@@ -52,7 +52,7 @@ def least_energy_forces(
     law, rows = NodeLaw.of(assembly), free_rows(assembly)
     dry = np.flatnonzero(~law.cohesive)
     # In units of each node's share, by area, of the load; moments over the assembly's length.
-    size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6)
+    size = row_units(assembly)
     target = (loads.permanent + load * loads.variable).ravel()[rows] / size
     largest = float(np.abs(target).max())
     share = assembly.nodes.area / assembly.nodes.area.sum()

@@ -22,13 +22,13 @@ import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve, lapack, lu_factor, lu_solve
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Integers, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
 from sidmacib.mechanics.newton import node_laws
-from sidmacib.mechanics.path import Equilibrium
-from sidmacib.mechanics.quadrature import cell_counts
+from sidmacib.mechanics.path import Equilibrium, lifted_part
+from sidmacib.mechanics.quadrature import cell_counts, cells_along
 
 STEPS = 60  # of Newton's method
 PATIENCE = 16  # steps in which what is wrong must become half of what it was, at least
@@ -45,16 +45,17 @@ class DeformableSolver:
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.law = NodeLaw.of(assembly)
-        count = len(self.law.friction)
-        stiffness = np.column_stack([self.law.normal_stiffness, *[self.law.shear_stiffness] * 2])
+        normal, shear = self.law.normal_stiffness, self.law.shear_stiffness
+        self.of_node = np.column_stack([normal, shear])
         # Shear where there never is any is no unknown.
-        rough = self.law.cohesive | (self.law.friction > 0.0)
-        self.kept = np.flatnonzero(np.column_stack([np.ones(count), rough, rough]).ravel())
-        self.stiffness = stiffness.ravel()[self.kept]
+        self.rough = self.law.cohesive | (self.law.friction > 0.0)
+        every = np.ones_like(self.rough)
+        self.kept = np.flatnonzero(np.column_stack([every, self.rough, self.rough]).ravel())
+        self.stiffness = np.column_stack([normal, shear, shear]).ravel()[self.kept]
         self.node = self.kept // 3
         give, moved, self.own = _flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
-        size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6)
+        size = row_units(assembly)
         rigid = (equilibrium_matrix(assembly)[rows][:, self.kept] / size[:, None]).T
         give[np.diag_indices_from(give)] += 1.0 / self.stiffness
         inverse, _ = lapack.dpotri(cho_factor(give, lower=True, check_finite=False)[0], lower=1)
@@ -115,18 +116,13 @@ class DeformableSolver:
         raise NoEquilibriumError(f"no equilibrium at {load:g} N")
 
     def lift(self, point: Equilibrium, load: float) -> float:
-        """Part of the pieces' motion that lifts them where they move off under ``load`` (N).
-
-        It is the cosine between their displacements and the opposite of what always acts.
-        """
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
         elastic = self.forces @ np.array([1.0, load])
         slip = np.zeros((len(self.law.friction), 3))
         slip[:, 1:] = point.state.slip
         _, tangent, wrong = self._law(elastic, point.unknowns, slip, point.state.whole)
         step = self._step(tangent, wrong, point.unknowns, slip)
-        moved = cho_solve(self.factor, self.held.T @ step)
-        size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
-        return -float(self.weight @ moved) / size if size else 0.0
+        return lifted_part(self.weight, cho_solve(self.factor, self.held.T @ step))
 
     def _law(
         self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats
@@ -135,22 +131,15 @@ class DeformableSolver:
         balanced = elastic - self.influence @ jump
         displacement = np.zeros(slip.size)
         displacement[self.kept] = balanced / self.stiffness + jump
-        law = self.law
-        force, tangent = node_laws(
-            np.column_stack([law.normal_stiffness, law.shear_stiffness]),
-            law.friction,
-            whole,
-            displacement.reshape(-1, 3) - slip,
-        )
+        moved = displacement.reshape(-1, 3) - slip
+        force, tangent = node_laws(self.of_node, self.law.friction, whole, moved)
         return force, tangent, balanced - force.ravel()[self.kept]
 
     def _step(self, tangent: Floats, wrong: Floats, jump: Floats, slip: Floats) -> Floats:
         """Newton step of the jumps."""
         # Where nodes stick the law is linear and a jump is just the slip.
-        elastic = np.abs(tangent[:, 1, 1] - self.law.shear_stiffness) <= 0.0
-        elastic |= np.isin(np.arange(len(elastic)), self.node[self.kept % 3 == 1], invert=True)
-        elastic &= np.abs(tangent[:, 0, 0] - self.law.normal_stiffness) <= 0.0
-        sticks = elastic[self.node]
+        held = (tangent[:, 1, 1] == self.law.shear_stiffness) | ~self.rough
+        sticks = (held & (tangent[:, 0, 0] == self.law.normal_stiffness))[self.node]
         step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
         # wrong + J step = 0 with J = -W - T (1 - W / k); there is no T where a node is open.
         target = wrong - self.influence @ step if step.any() else wrong
@@ -220,10 +209,8 @@ def _flexibility(
     face = nodes.face[kept // 3]
     axes = (np.array([each.axis for each in faces])[face] + kept % 3) % 3
     below, above = np.array([(each.below, each.above) for each in faces])[face].T
-    means, quadratic = (
-        assembly.layout is NodeLayout.CENTRES,
-        assembly.layout is not NodeLayout.VERTICES,
-    )
+    means = assembly.layout is NodeLayout.CENTRES
+    quadratic = assembly.layout is not NodeLayout.VERTICES
     size = np.array([np.subtract(each.high, each.low) for each in faces])
     cells = (size / cell_counts(faces, assembly.mesh))[face]
     give, moved = np.zeros((len(kept), len(kept))), (np.zeros(len(kept)), np.zeros(len(kept)))
@@ -304,9 +291,10 @@ def _grid(assembly: Assembly, number: int) -> Grid:
         places = np.array([piece.low[axis], *ends, piece.high[axis]])
         places = np.unique(np.round(places - piece.centre[axis], DIGITS))
         places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-DIGITS]
+        counts = cells_along(np.diff(places), assembly.mesh)
         found = [
-            np.linspace(low, high, max(1, math.ceil((high - low) / assembly.mesh - CLOSE)) + 1)[:-1]
-            for low, high in pairwise(places)
+            np.linspace(low, high, count + 1)[:-1]
+            for (low, high), count in zip(pairwise(places), counts, strict=True)
         ]
         return (*np.concatenate(found).tolist(), float(places[-1]))
 

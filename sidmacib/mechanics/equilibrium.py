@@ -50,6 +50,15 @@ def equilibrium_matrix(assembly: Assembly) -> Floats:
     return matrix
 
 
+def row_units(assembly: Assembly) -> Floats:
+    """Units of the rows `free_rows`, (6 F,): 1 for forces, the assembly's length for moments.
+
+    Over these, forces (N) and moments (N m) are all in N.
+    """
+    free = sum(not piece.fixed for piece in assembly.pieces)
+    return np.tile([1.0] * 3 + [assembly.length] * 3, free)
+
+
 def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
     free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]

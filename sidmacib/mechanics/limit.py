@@ -20,7 +20,7 @@ from scipy.sparse import csr_array
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import NodeLaw
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 
 ACCURACY = 1e-9  # of the load, over itself or the loads' scale if that is larger
@@ -48,8 +48,8 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
 
     Accurate to 1e-9 of the load or of ``loads.scale``, whichever is larger. Associated friction has
     no limit under a fixed plate, which can press as hard as it likes: put a force in its place, see
-    `sidmacib.hold_down`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is
-    no largest load.
+    `sidmacib.hold_down`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is no
+    largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(
@@ -85,7 +85,7 @@ class _Programme:
         # A node's unit: its part of the scale on a face of mean area, and more.
         self.unit = LARGEST * self.scale * self.share * len(assembly.faces)
         # Forces over the scale, and moments over the scale times the length, are about 1.
-        size = np.tile([1.0] * 3 + [assembly.length] * 3, len(rows) // 6) * self.scale
+        size = row_units(assembly) * self.scale
         columns = np.repeat(self.unit, 3)
         self.balance = csr_array(equilibrium_matrix(assembly)[rows] / size[:, None] * columns)
         self.permanent = loads.permanent.ravel()[rows] / size

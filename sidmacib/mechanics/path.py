@@ -4,6 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Protocol
 
+import numpy as np
+
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState
 
@@ -45,6 +47,12 @@ class Solver(Protocol):
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
+
+
+def lifted_part(weight: Floats, moved: Floats) -> float:
+    """Part of a motion that lifts: the cosine between it and the opposite of what always acts."""
+    size = float(np.linalg.norm(weight) * np.linalg.norm(moved))
+    return -float(weight @ moved) / size if size else 0.0
 
 
 class Mode(StrEnum):

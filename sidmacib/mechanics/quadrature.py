@@ -4,9 +4,11 @@ Every face is divided into equal cells, and both of its sides have a rule: point
 and weights that add up to 1. Nodes are the points of one side by those of the other.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
-from sidmacib.mechanics.assembly import CLOSE, Face, Floats, NodeLayout, Nodes
+from sidmacib.mechanics.assembly import CLOSE, Face, Floats, Integers, NodeLayout, Nodes
 
 # The rule of one cell: places in the cell, and weights.
 RULES = {
@@ -16,11 +18,15 @@ RULES = {
 }
 
 
-def cell_counts(faces: tuple[Face, ...], mesh: float) -> list[tuple[int, int, int]]:
-    """Cells of each face along x, y and z, none longer than ``mesh`` (m); 1 along its normal."""
+def cells_along(lengths: Floats, mesh: float) -> Integers:
+    """Equal cells on ``lengths`` (m), none longer than ``mesh`` (m), and at least one."""
+    return np.maximum(1, np.ceil(lengths / mesh - CLOSE)).astype(np.int64)
+
+
+def cell_counts(faces: tuple[Face, ...], mesh: float) -> Integers:
+    """Cells of each face along x, y and z, (F, 3); 1 along its normal."""
     low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
-    counts = np.maximum(1, np.ceil((high - low) / mesh - CLOSE)).astype(int)
-    return [(int(x), int(y), int(z)) for x, y, z in counts]
+    return cells_along(high - low, mesh)
 
 
 def side_rule(layout: NodeLayout, cells: int) -> tuple[Floats, Floats]:
@@ -36,22 +42,28 @@ def side_rule(layout: NodeLayout, cells: int) -> tuple[Floats, Floats]:
     return found, weight
 
 
+@lru_cache(maxsize=1024)
+def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[Floats, Floats]:
+    """Nodes on that many cells of a face of unit sides across ``axis``: places, (K, 3), and areas.
+
+    The last axis runs fastest.
+    """
+    sides = [
+        (np.zeros(1), np.ones(1)) if k == axis else side_rule(layout, count)
+        for k, count in enumerate(counts)
+    ]
+    (_, x), (_, y), (_, z) = sides
+    place = np.stack(np.meshgrid(*(own for own, _ in sides), indexing="ij"), axis=-1)
+    return place.reshape(-1, 3), (x[:, None, None] * y[:, None] * z).ravel()
+
+
 def contact_nodes(faces: tuple[Face, ...], mesh: float, layout: NodeLayout) -> Nodes:
     """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
-    rules: dict[int, tuple[Floats, Floats]] = {}
     positions, areas = [], []
-    for face, counts in zip(faces, cell_counts(faces, mesh), strict=True):
-        places, shares = [np.zeros(1)] * 3, [np.ones(1)] * 3
-        for k in range(3):
-            if k != face.axis:
-                if counts[k] not in rules:
-                    rules[counts[k]] = side_rule(layout, counts[k])
-                places[k], shares[k] = rules[counts[k]]
-        # The last axis runs fastest.
-        place = np.stack(np.meshgrid(*places, indexing="ij"), axis=-1).reshape(-1, 3)
-        share = shares[0][:, None, None] * shares[1][:, None] * shares[2]
+    for face, counts in zip(faces, cell_counts(faces, mesh).tolist(), strict=True):
+        place, share = unit_face(layout, tuple(counts), face.axis)
         low, high = np.array(face.low), np.array(face.high)
         positions.append(low + place * (high - low))
-        areas.append(face.area * share.ravel())
+        areas.append(face.area * share)
     index = np.repeat(np.arange(len(faces)), [len(area) for area in areas])
     return Nodes(index, np.concatenate(positions), np.concatenate(areas))

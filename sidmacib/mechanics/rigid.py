@@ -15,14 +15,12 @@ from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
 from sidmacib.mechanics.ordering import Ordering, ordering
-from sidmacib.mechanics.path import Equilibrium
+from sidmacib.mechanics.path import Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
-DRAG = (
-    1e-6  # on pieces that move off, over a face's stiffness: they do so by far more than they give
-)
+DRAG = 1e-6  # over a face's stiffness, on pieces that move off: far less than holds them
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -77,10 +75,7 @@ class RigidSolver:
         return Equilibrium(load, self._outside(unknowns), moved, force, after)
 
     def lift(self, point: Equilibrium, load: float) -> float:
-        """Part of the pieces' motion that lifts them where they move off under ``load`` (N).
-
-        It is the cosine between their displacements and the opposite of what always acts.
-        """
+        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
         target = load * self.load + self.weight
         begin = self._inside(point.unknowns * self.units)
         # Newton's steps with drag in place of a floor: as nothing carries the load, they go on.
@@ -89,9 +84,7 @@ class RigidSolver:
         _, end, _, _ = equilibrium(
             self.structure, self.matrix, target, begin, state.slip, state.whole, limits
         )
-        moved = end - begin
-        size = float(np.linalg.norm(self.weight) * np.linalg.norm(moved))
-        return -float(self.weight @ moved) / size if size else 0.0
+        return lifted_part(self.weight, end - begin)
 
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""
