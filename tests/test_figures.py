@@ -24,12 +24,20 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
     of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
-    assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - {"stiffness"}
+    assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - {
+        "stiffness",
+        "fracture_energy",
+    }
 
 
 def test_a_study_of_blocks_of_different_stiffness_has_a_figure_of_it() -> None:
     study = read_study_file(ROOT / "elastic.yaml")
     assert "stiffness" in figures_of(study, detailed(study.model_names))
+
+
+def test_a_study_of_bonds_of_different_fracture_energy_has_a_figure_of_it() -> None:
+    study = read_study_file(ROOT / "softening.yaml")
+    assert "fracture_energy" in figures_of(study, detailed(study.model_names))
 
 
 def test_elastic_pieces_have_stress_maps_of_the_leading_model_and_of_their_engine() -> None:

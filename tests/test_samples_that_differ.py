@@ -71,7 +71,9 @@ def material(study: Study, tables: dict[str, pd.DataFrame]) -> Callable[[FigureS
     def of(spec: FigureSpec) -> Material:
         columns = ["model", "sample", "case"]
         shown = (tables["capacity"], tables["validation"], tables["cases"][columns], pd.DataFrame())
-        return Material(spec, study, detailed(study.model_names), *shown, None)
+        return Material(
+            spec, study, detailed(study.model_names), *shown, variants=pd.DataFrame(), stresses=None
+        )
 
     return of
 

@@ -53,7 +53,8 @@ def case_count(study: Study) -> int:
 
 
 def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
-    joint = cache(study.joint)
+    variants = study.every_variant
+    joint = cache(lambda sample, variant: study.joint(sample, variants[variant]))
 
     @cache
     def loading(ratio: float, assembly: AssemblySection) -> Loading:
@@ -61,7 +62,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 
     for run, sample in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample), run):
+        for mesh in _levels(study, joint(sample, REFERENCE), run):
             for ratio in run.change.eccentricities or study.eccentricities:
                 name = case_name(sample, mesh, ratio, run.variant)
                 yield Case(
@@ -69,7 +70,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     model=run.model.name,
                     variant=run.variant,
                     sample=sample,
-                    joint=joint(sample, run.assembly, run.change.young),
+                    joint=joint(sample, run.variant),
                     mesh=mesh,
                     nodes=run.nodes,
                     loading=loading(ratio, run.assembly),
@@ -95,8 +96,8 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
         for variant, change in study.every_variant.items():
             assembly = change.assembly(study.assembly)
             nodes = change.nodes or study.nodes
-            before = study.assembly, study.nodes, None
-            same = variant != REFERENCE and (assembly, nodes, change.young) == before
+            before = study.assembly, study.nodes, VariantSection().material
+            same = variant != REFERENCE and (assembly, nodes, change.material) == before
             if same and Ability.NUMERICS not in model.abilities:
                 continue
             run = _Run(model, variant, change, assembly, nodes)

@@ -119,8 +119,14 @@ def notes(study: Study) -> list[str]:
 
 def _fading(study: Study) -> Iterator[str]:
     """Keys of bonds that fade, where none do."""
-    every = [change.assembly(study.assembly) for change in study.every_variant.values()]
-    if any(assembly.failure is Failure.SOFTENING for assembly in every):
+    fades = {
+        name: change.assembly(study.assembly).failure is Failure.SOFTENING
+        for name, change in study.every_variant.items()
+    }
+    for name, change in study.variants.items():
+        if change.fracture_energy and not fades[name]:
+            yield f"variants.{name}.fracture_energy: no effect while its failure is not softening"
+    if any(fades.values()):
         return
     for key in ("residual", "fracture_energy"):
         if getattr(study.materials.inner, key):

@@ -198,7 +198,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
     detailed_models = detailed(study.model_names)
     tables = study.tables_json()
     tables_of = [f"tables/{name}.csv" for name in TABLES]
-    weights, _, of_cases, models = tables_of
+    weights, sums, of_cases, models = tables_of
     published = ("analysis/published.yaml",)
     home = {case: job.outputs[0] for job in found.values() for case in job.finds}
     shown = {
@@ -234,6 +234,14 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
             arguments={"study": tables},
         ),
         Job(
+            name="variants",
+            step="analysis.variants",
+            message="Tell what each variant changes",
+            inputs=("tables/capacity.csv", sums),
+            outputs=("tables/variants.csv",),
+            arguments={"study": study.pieces_json()},
+        ),
+        Job(
             name="validation",
             step="analysis.validation",
             message="Compare with the published numbers",
@@ -248,13 +256,13 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
             message="Draw the figures",
             inputs=(
                 *("tables/capacity.csv", "tables/validation.csv", models, "tables/envelopes.csv"),
-                *stresses,
+                *("tables/variants.csv", *stresses),
             ),
             outputs=tuple(figure_files(study, detailed_models)),
             arguments={
                 "study": study.figures_json(),
                 "detailed_models": detailed_models,
-                "records": {name: 4 + stresses.index(path) for name, path in shown.items()},
+                "records": {name: 5 + stresses.index(path) for name, path in shown.items()},
             },
             files=published,
         ),

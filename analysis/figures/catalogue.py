@@ -72,6 +72,8 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
     yield FigureSpec("side_by_side", "side_by_side")
     if any(change.young for change in study.variants.values()):
         yield FigureSpec("stiffness", "stiffness")
+    if any(change.fracture_energy for change in study.variants.values()):
+        yield FigureSpec("fracture_energy", "fracture_energy")
 
 
 def _stress_case(own: list[Case], study: Study, distance: Callable[[float], float]) -> Case:

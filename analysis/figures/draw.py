@@ -7,11 +7,18 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import curves, models, side_by_side, stiffness, stress_maps, style
+from analysis.figures import curves, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import Material, Stresses
 from workflow.results.files import BATCH_NODES, read_records
-from workflow.results.tables import CAPACITY, ENVELOPES, MODELS, VALIDATION, read_table
+from workflow.results.tables import (
+    CAPACITY,
+    ENVELOPES,
+    MODELS,
+    VALIDATION,
+    VARIANTS,
+    read_table,
+)
 from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
@@ -22,9 +29,10 @@ DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
     "torsion_stress": stress_maps.torsion_stress,
     "models": models.models,
     "side_by_side": side_by_side.side_by_side,
-    "stiffness": stiffness.stiffness,
+    "stiffness": variants.stiffness,
+    "fracture_energy": variants.fracture_energy,
 }
-KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES)
+KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
 def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
@@ -49,12 +57,12 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
     """Draw every figure into the files that are named after it."""
     study = Study.model_validate_json(arguments["study"])
     detailed_models = tuple(arguments["detailed_models"])
-    capacity, validation, table, envelopes = (
+    capacity, validation, table, envelopes, variants_told = (
         read_table(kind, path) for kind, path in zip(KINDS, inputs, strict=False)
     )
     for name, spec in figures_of(study, detailed_models).items():
         place = arguments["records"].get(name)
         stresses = None if place is None else stresses_of(spec, inputs[place])
-        tables = (capacity, validation, table, envelopes)
+        tables = (capacity, validation, table, envelopes, variants_told)
         figure = DRAWN_BY[spec.kind](Material(spec, study, detailed_models, *tables, stresses))
         style.save(figure, [path for path in outputs if path.stem == name])

@@ -35,6 +35,7 @@ class Material:
     validation: pd.DataFrame
     table: pd.DataFrame
     envelopes: pd.DataFrame
+    variants: pd.DataFrame
     stresses: Stresses | None
 
     @property

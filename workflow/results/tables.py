@@ -79,6 +79,15 @@ CAPACITY = Table(
     ),
     ("model", "variant", "weights_from", "case"),
 )
+VARIANTS = Table(
+    "variants",
+    (
+        *("model", "variant", "sample", "locks", "mesh_m", "case", "failure", "upper_body"),
+        *("young_Pa", "stiffness_ratio", "fracture_energy_J_m2", "eccentricity_m", "load_N"),
+        *("load_over_T0", "lower_weight_sum", "mesh_error", "directions", "option", *_ERRORS),
+    ),
+    ("model", "variant", "case"),
+)
 ENVELOPES = Table(
     "envelopes",
     ("sample", "option", "friction", "vertex", "shear_N", "torque_Nm"),

@@ -10,7 +10,7 @@ from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.schema.hold_down import HeldDown
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section, changes_to
-from workflow.schema.values import Eccentricities, Lengths, Modulus
+from workflow.schema.values import Eccentricities, FractureEnergy, Lengths, Modulus
 
 
 class Pieces(StrEnum):
@@ -35,13 +35,22 @@ _CHANGES: Any = changes_to(AssemblySection)
 
 
 class VariantSection(_CHANGES):
-    """What differs from the study, and at which meshes and eccentricities (None: at all)."""
+    """What differs from the study, and at which meshes and eccentricities (None: at all).
+
+    ``young``: of the block (Pa). ``fracture_energy``: of the inner faces (J/m2).
+    """
 
     numerics: NumericsChanges = NumericsChanges()
     nodes: NodeLayout | None = None
     young: Modulus | None = None
+    fracture_energy: FractureEnergy | None = None
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
+
+    @property
+    def material(self) -> tuple[float | None, float | None]:
+        """What it changes of the materials."""
+        return self.young, self.fracture_energy
 
     def assembly(self, study: AssemblySection) -> AssemblySection:
         """The assembly of this variant."""

@@ -13,7 +13,7 @@ from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
 from workflow.schema.figures import FiguresSection
 from workflow.schema.geometry import GeometrySection, SampleSection
-from workflow.schema.materials import MaterialsSection
+from workflow.schema.materials import InnerChanges, MaterialsSection
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
@@ -59,18 +59,18 @@ class Study(Section):
         own = self.samples[sample].models
         return tuple(name for name in self.model_names if own is None or name in own)
 
-    def joint(
-        self, sample: str, assembly: AssemblySection | None = None, young: float | None = None
-    ) -> Joint:
-        """The joint of ``sample``, with the study's assembly and ``young`` (Pa) if not given."""
-        assembly = assembly or self.assembly
+    def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
+        """The joint of ``sample``, with what a variant changes."""
+        change = change or VariantSection()
+        assembly, materials = change.assembly(self.assembly), self.materials
+        energy = InnerChanges(fracture_energy=change.fracture_energy)
         return self.samples[sample].joint(
             self.geometry,
-            self.materials,
+            materials.model_copy(update={"inner": energy.changed(materials.inner)}),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,
-            elastic=self._block(young) if assembly.pieces is Pieces.ELASTIC else None,
+            elastic=self._block(change.young) if assembly.pieces is Pieces.ELASTIC else None,
         )
 
     def _block(self, young: float | None) -> Elastic:

@@ -1,0 +1,159 @@
+"""What variants do: capacity against the stiffness of the block, and against fracture energy."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from analysis.figures import style
+from analysis.figures.catalogue import shown_samples
+from analysis.figures.material import Material
+from sidmacib.joint import UpperBody
+
+BODIES = {  # those that are drawn: words and line
+    UpperBody.COLUMNS: ("columns", "o-"),
+    UpperBody.MONOLITHIC: ("one piece", "s--"),
+}
+RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest that bends
+
+
+def shown_rows(material: Material) -> pd.DataFrame:
+    """Rows of the table of variants: the leading model at the finest mesh of the study."""
+    table, study = material.variants, material.study
+    return table[
+        (table["model"] == material.detailed[0])
+        & np.isclose(table["mesh_m"], min(study.meshes))
+        & table["sample"].isin(shown_samples(study))
+        & table["upper_body"].isin(BODIES)
+    ]
+
+
+def stiffness(material: Material) -> Figure:
+    """Capacity, lower locks' weights and the rule's error against the stiffness of the block."""
+    rows = shown_rows(material)
+    stiffest = rows["stiffness_ratio"].max()
+    rows = rows.assign(drawn=rows["stiffness_ratio"].fillna(RIGID * stiffest))
+    least = rows[np.isclose(rows["eccentricity_m"], rows["eccentricity_m"].min())]
+    figure = Figure(figsize=(9.6, 8.2), layout="constrained")
+    (by_stiffness, by_locks), (weights, errors) = figure.subplots(2, 2)
+    _against(by_stiffness, least, "load_over_T0", "pure shear: largest V / T0")
+    _against(weights, least, "lower_weight_sum", "pure shear: sum of the lower locks' weights")
+    fitted = least.dropna(subset=["misfit"])
+    if fitted.empty:
+        errors.set_axis_off()
+    else:
+        signed = fitted.assign(percent=100 * fitted["largest_unsafe_error"])
+        _against(errors, signed, "percent", "(n - 1) / 2 unsafe by at most (%), best option")
+        errors.set_yscale("symlog", linthresh=10)
+        errors.set_yticks([0, 5, 10, 20, 50, 100, 200, 500], [0, 5, 10, 20, 50, 100, 200, 500])
+    for axes in (by_stiffness, weights, errors):
+        if axes.axison:
+            _stiffness_axis(axes, sorted(set(rows["stiffness_ratio"].dropna())), stiffest)
+    _by_locks(by_locks, least)
+    _key(by_stiffness, rows)
+    style.caption(
+        figure,
+        f"{material.detailed[0]}, mesh {min(material.study.meshes):g} m. E: Young's modulus of the "
+        "block, Kn b: stiffness of an inner face times the width of a lock. "
+        "(n - 1) / 2: the paper's rule for how many locks count; its error is over all directions "
+        "that were run, with the option that fits that block best, without friction.",
+        height=0.07,
+    )
+    return figure
+
+
+def fracture_energy(material: Material) -> Figure:
+    """Capacity against the fracture energy of the bonds, direction by direction."""
+    rows = shown_rows(material)
+    faded = rows[rows["failure"] == "softening"]
+    samples = [s for s in shown_samples(material.study) if s in set(faded["sample"])]
+    figure = Figure(figsize=(3.3 * max(len(samples), 2), 3.9), layout="constrained")
+    panels = figure.subplots(1, len(samples), squeeze=False)[0]
+    for axes, sample in zip(panels, samples, strict=True):
+        own = faded[faded["sample"] == sample]
+        ends = rows[(rows["sample"] == sample) & (rows["failure"] != "softening")]
+        directions = own.sort_values("fracture_energy_J_m2").groupby("eccentricity_m")
+        for (e, curve), colour in zip(directions, style.COLOURS * 3, strict=False):
+            ratio = e / material.study.joint(sample).a
+            label = "torsion" if np.isinf(e) else f"e = {ratio:g} a"
+            style_of = {"color": colour, "ms": 3.5}
+            axes.plot(
+                "fracture_energy_J_m2", "load_over_T0", "o-", data=curve, label=label, **style_of
+            )
+            for failure, line in (("brittle", ":"), ("ductile", "--")):
+                there = ends[(ends["failure"] == failure) & (ends["eccentricity_m"] == e)]
+                for load in there["load_over_T0"]:
+                    axes.axhline(load, color=colour, lw=0.8, ls=line)
+        axes.set_xscale("log")
+        axes.set_ylim(bottom=0)
+        axes.set_title(sample, loc="left", fontsize=10)
+        axes.set_xlabel("fracture energy (J/m²)")
+    figure.axes[0].legend(fontsize=7)
+    figure.axes[0].set_ylabel("largest load along the path / T0")
+    style.caption(
+        figure,
+        f"{material.detailed[0]}, mesh {min(material.study.meshes):g} m. Dotted: brittle bonds, "
+        "dashed: ductile ones.",
+        height=0.1,
+    )
+    return figure
+
+
+def _against(axes: Axes, rows: pd.DataFrame, column: str, words: str) -> None:
+    """Curves of ``column`` over the stiffness, one for each sample and body."""
+    for (sample, body), colour in _curves(rows):
+        own = rows[(rows["sample"] == sample) & (rows["upper_body"] == body)].sort_values("drawn")
+        axes.plot(own["drawn"], own[column], BODIES[body][1], color=colour, ms=3.5)
+    axes.set_ylabel(words)
+    axes.set_ylim(bottom=0)
+
+
+def _curves(rows: pd.DataFrame) -> Iterator[tuple[tuple[str, UpperBody], str]]:
+    samples = dict.fromkeys(rows["sample"])
+    for sample, colour in zip(samples, style.COLOURS * 3, strict=False):
+        for body in BODIES:
+            yield (sample, body), colour
+
+
+def _stiffness_axis(axes: Axes, ratios: list[float], stiffest: float) -> None:
+    axes.set_xscale("log")
+    axes.set_xticks([*ratios, RIGID * stiffest], [*(f"{r:g}" for r in ratios), "rigid"])
+    axes.set_xticks([], minor=True)
+    axes.set_xlabel("E / (Kn b)")
+
+
+def _key(axes: Axes, rows: pd.DataFrame) -> None:
+    """Which colour is which sample, and which line which body."""
+    samples = dict(zip(dict.fromkeys(rows["sample"]), style.COLOURS * 3, strict=False))
+    handles = [Line2D([], [], color=colour, label=name) for name, colour in samples.items()]
+    drawn = set(rows["upper_body"])
+    for body, (words, line) in BODIES.items():
+        if body in drawn:
+            marker, dashes = line[0], line[1:]
+            handles.append(
+                Line2D([], [], color="0.3", marker=marker, ls=dashes, ms=3.5, label=words)
+            )
+    axes.legend(handles=handles, fontsize=7, ncols=2)
+
+
+def _by_locks(axes: Axes, rows: pd.DataFrame) -> None:
+    """Capacity over the number of locks, one curve for each stiffness and body."""
+    colours = dict(zip(sorted(set(rows["drawn"])), style.COLOURS * 3, strict=False))
+    for (drawn, body), curve in rows.groupby(["drawn", "upper_body"], sort=True):
+        own = curve.sort_values("locks")
+        ratio = own["stiffness_ratio"].iloc[0]
+        told = "rigid" if np.isnan(ratio) else f"E / (Kn b) = {ratio:g}"
+        line = BODIES[UpperBody(body)][1]
+        label = told if told not in axes.get_legend_handles_labels()[1] else None
+        axes.plot(
+            own["locks"], own["load_over_T0"], line, color=colours[drawn], ms=3.5, label=label
+        )
+    locks = np.array(sorted(set(rows["locks"])))
+    axes.plot(locks, (locks - 1) / 2, color="0.3", lw=1.2, label="(n - 1) / 2")
+    axes.set_xlabel("locks n")
+    axes.set_ylabel("pure shear: largest V / T0")
+    axes.set_ylim(bottom=0)
+    axes.legend(fontsize=7)

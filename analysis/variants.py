@@ -1,0 +1,85 @@
+"""What each variant does to capacity, to weights and to the option that fits best."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.fit import LoadErrors, misfit
+from sidmacib.joint import Joint
+from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
+from workflow.schema import Study
+
+FEWEST = 3  # directions that an option is judged by
+
+
+def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> pd.DataFrame:
+    """One row for each direction that a variant of a model was run in, with the best option.
+
+    ``option``: of SiDMACIB with (n - 1) / 2 locks and without friction, the one with the least
+    misfit over all directions of the variant; empty if there are fewer than three, or no such rule
+    in the study. ``stiffness_ratio``: E over Kn b, empty if the pieces are rigid.
+    """
+    own = capacity[capacity["failed_load_N"].notna() & capacity["load_N"].notna()]
+    limit = capacity[(capacity["reduction"] == "half") & ~capacity["friction"].eq(True)]
+    keys = ["model", "variant", "case"]
+    own = own.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
+    rows = []
+    names = ["variant", "sample", "model", "mesh_m"]
+    for (variant, sample, *_), curve in own.groupby(names, sort=False):
+        joint = study.joint(str(sample), study.every_variant[str(variant)])
+        fit = _best_option(limit, curve)
+        told = curve.assign(
+            failure=str(joint.failure),
+            upper_body=str(joint.upper_body),
+            young_Pa=joint.elastic.young if joint.elastic else math.nan,
+            stiffness_ratio=_stiffness_ratio(joint),
+            fracture_energy_J_m2=joint.inner.fracture_energy,
+            load_over_T0=curve["load_N"] / joint.T0,
+            directions=len(curve),
+            **fit,
+        )
+        rows.append(told[list(VARIANTS.columns)])
+    if not rows:
+        return pd.DataFrame(columns=list(VARIANTS.columns))
+    return pd.concat(rows, ignore_index=True)
+
+
+def _stiffness_ratio(joint: Joint) -> float:
+    """Young's modulus over the stiffness of inner faces times the width of a lock; nan if rigid."""
+    if joint.elastic is None:
+        return math.nan
+    return joint.elastic.young / (joint.inner.normal_stiffness * joint.b)
+
+
+def _best_option(limit: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:
+    """The option that fits ``curve`` best, and its errors; empty if it cannot be told."""
+    unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
+    return min(_errors(limit, curve), key=lambda each: each["misfit"], default=unknown)
+
+
+def _errors(limit: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """The errors of each option that was solved in all directions of ``curve``."""
+    if len(curve) < FEWEST:
+        return
+    loads = curve.set_index("case")["load_N"]
+    near = limit[
+        limit["case"].isin(loads.index) & (limit["weights_from"] == curve["model"].iloc[0])
+    ]
+    for option, rows in near.groupby("option", sort=False):
+        promised = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
+        if np.isfinite(promised).all():
+            yield {"option": option, **vars(misfit(promised, loads.to_numpy(dtype=float)))}
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the table."""
+    study = Study.model_validate_json(arguments["study"])
+    capacity, sums = (
+        read_table(kind, path) for kind, path in zip((CAPACITY, WEIGHT_SUMS), inputs, strict=True)
+    )
+    write_table(VARIANTS, variants_table(study, capacity, sums), outputs[0])

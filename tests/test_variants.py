@@ -1,0 +1,125 @@
+"""What variants change: in the joints, in a table, and in its figures."""
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pandas as pd
+import pytest
+from test_analysis import record_with
+
+from analysis.capacity import capacity_table
+from analysis.collect import cases_table, weight_sums, weights_table
+from analysis.figures.catalogue import FigureSpec
+from analysis.figures.material import Material
+from analysis.figures.variants import fracture_energy, stiffness
+from analysis.variants import variants_table
+from sidmacib.mechanics.assembly import Failure
+from workflow.case import Case
+from workflow.cases import cases_of
+from workflow.configuration import read_study
+from workflow.consistency import notes
+from workflow.models import detailed
+from workflow.schema import Study
+
+ONLY_STATIC = {"models": ["static"], "dem": {"engines": []}}
+BENDS = {"soft": {"young": 1e9}, "rigid": {"pieces": "rigid"}}
+FADES = {
+    "tough": {"failure": "softening", "fracture_energy": 10},
+    "tougher": {"failure": "softening", "fracture_energy": 100, "eccentricities": [0]},
+    "ductile": {"failure": "ductile"},
+}
+
+
+def study_of(variants: Mapping[str, Any], **others: Any) -> Study:
+    return read_study(
+        {
+            "samples": {"n3": {"locks": 3}},
+            "meshes": [0.02, 0.01],
+            "eccentricities": [0, 0.5, "torsion"],
+            "variants": variants,
+            **ONLY_STATIC,
+            **others,
+        }
+    )
+
+
+def elastic_study() -> Study:
+    return study_of(BENDS, assembly={"pieces": "elastic"})
+
+
+def tables_of(study: Study, load: Callable[[Case], float]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Capacities, and what variants change, of results with made-up loads."""
+    results = [record_with(case, 0.5, load(case)) for case in cases_of(study).values()]
+    weights = weights_table(results)
+    capacity = capacity_table(study, cases_table(results, results), weights)
+    return capacity, variants_table(study, capacity, weight_sums(weights))
+
+
+def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:
+    """Loads of SiDMACIB with (n - 1) / 2 locks and one option, by case."""
+    rows = capacity[(capacity["option"] == option) & (capacity["reduction"] == "half")]
+    return rows[rows["friction"].eq(False)].set_index("case")["load_N"].to_dict()
+
+
+def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
+    cases = cases_of(study_of(FADES))
+    tough = cases["static", "n3-mesh0.02-e0a-tough"].joint
+    assert (tough.failure, tough.inner.fracture_energy) == (Failure.SOFTENING, 10.0)
+    assert cases["static", "n3-mesh0.02-e0a"].joint.inner.fracture_energy == 0.0
+
+
+def test_a_fracture_energy_without_softening_is_told_of() -> None:
+    study = study_of({"brittle": {"fracture_energy": 3}})
+    assert list(notes(study)) == [
+        "variants.brittle.fracture_energy: no effect while its failure is not softening"
+    ]
+    assert not notes(study_of(FADES))
+
+
+def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> None:
+    study = elastic_study()
+    _, table = tables_of(study, lambda case: 100.0 if case.variant == "soft" else 200.0)
+    assert len(table) == 3 * 2 * 3
+    own = table[table["case"] == "n3-mesh0.02-e0a"].set_index("variant")
+    assert own["stiffness_ratio"].to_dict() == pytest.approx(
+        {"reference": 20.0, "soft": 2.0, "rigid": math.nan}, nan_ok=True
+    )
+    assert own["load_over_T0"].to_dict() == pytest.approx(
+        {"reference": 200 / 240, "soft": 100 / 240, "rigid": 200 / 240}
+    )
+    assert (own["lower_weight_sum"] == 0.5).all()
+
+
+@pytest.mark.parametrize("option", ["option1", "option2", "option3", "option4"])
+def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
+    study = elastic_study()
+    capacity, _ = tables_of(study, lambda case: 100.0)
+    follows = half_capacity(capacity, option)
+    _, table = tables_of(
+        study,
+        lambda case: follows[case.name.removesuffix("-soft")] if case.variant == "soft" else 1,
+    )
+    soft = table[table["variant"] == "soft"]
+    assert set(soft["option"]) == {option}
+    assert soft["misfit"].to_numpy() == pytest.approx(0.0, abs=1e-9)
+
+
+def test_no_option_is_the_best_of_fewer_than_three_directions() -> None:
+    _, table = tables_of(study_of(FADES), lambda case: 200.0)
+    told = table.groupby("variant")["option"].count()
+    assert told["tougher"] == 0
+    assert told["tough"] == 6
+
+
+@pytest.mark.parametrize(
+    ("study", "draw", "panels"),
+    [(elastic_study(), stiffness, 4), (study_of(FADES), fracture_energy, 1)],
+)
+def test_figures_show_every_sample(study: Study, draw: Callable[..., Any], panels: int) -> None:
+    capacity, table = tables_of(study, lambda case: 200.0)
+    empty = pd.DataFrame()
+    spec = FigureSpec("made_up", "made_up")
+    models = detailed(study.model_names)
+    figure = draw(Material(spec, study, models, capacity, empty, empty, empty, table, None))
+    assert len([axes for axes in figure.axes if axes.lines]) == panels
