@@ -1,0 +1,1 @@
+"""How many locks work: the chain of springs, its closed form, and a safe rule."""

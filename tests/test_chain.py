@@ -1,0 +1,183 @@
+"""The chain of springs: statics, symmetry, scaling, and the static model beside it."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.law import chain
+from sidmacib.law.chain import ChainState, first_failure
+from sidmacib.law.pairs import pairs_of
+from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
+
+SMOOTH = replace(DRY, friction=0.0)
+DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)
+BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
+
+
+def joint_of(locks: int, **others: Any) -> Joint:
+    """A joint without friction and weight: its chain is linear but for the contacts."""
+    return Joint(locks, **({"dry": SMOOTH, "density": 0.0} | others))
+
+
+def failure(joint: Joint, eccentricity: float = 0.0, push: Push = Push.PLUS_Y) -> ChainState:
+    return first_failure(joint, Loading(Direction(eccentricity), push=push))
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", DIRECTIONS)
+@pytest.mark.parametrize("locks", [3, 4, 8])
+def test_the_lower_locks_carry_the_load(locks: int, eccentricity: float, body: UpperBody) -> None:
+    """Shear and, about the origin of x, torque: forces along y have no arm along y."""
+    joint = joint_of(locks, upper_body=body)
+    state = failure(joint, eccentricity)
+    lower = np.array([not joint.is_upper(lock) for lock in joint.numbers])
+    direction = Direction(eccentricity)
+    assert -state.force_y[lower].sum() == pytest.approx(
+        state.load * direction.shear, abs=1e-6 * joint.T0
+    )
+    assert -state.torque[lower].sum() == pytest.approx(
+        state.load * direction.torque * joint.a, abs=1e-6 * joint.T0 * joint.a
+    )
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_three_locks_carry_one_in_pure_shear(body: UpperBody) -> None:
+    joint = joint_of(3, upper_body=body)
+    assert failure(joint).load == pytest.approx(joint.T0, rel=1e-6)
+
+
+def test_one_pair_in_torsion_carries_what_a_lock_does_at_its_corner() -> None:
+    """T0 sqrt(a2 + b2) / 6: the elastic torque of a rectangle of rigid ends, over its corner."""
+    joint = joint_of(3)
+    lock = joint.T0 * math.hypot(joint.a, joint.b) / 6.0
+    assert failure(joint, math.inf).load * joint.a == pytest.approx(lock, rel=1e-6)
+
+
+@pytest.mark.parametrize("locks", [4, 6, 9, 15])
+def test_without_tilt_the_chain_is_its_closed_form(
+    locks: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(chain, "LOCK_TILT", 0.0)
+    monkeypatch.setattr(chain, "COLUMN_TILT", 1e7)
+    joint = joint_of(locks)
+    assert failure(joint).load / joint.T0 == pytest.approx(pairs_of(joint).working, rel=1e-5)
+
+
+def test_one_rigid_piece_has_as_many_working_locks_as_pairs_if_loaded_on_its_body() -> None:
+    joint = joint_of(9, upper_body=UpperBody.MONOLITHIC)
+    loading = Loading(Direction(0.0), share=LoadShare.BODY)
+    assert first_failure(joint, loading).load == pytest.approx(4 * joint.T0, rel=1e-6)
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    size=st.floats(-3, 3),
+    stiffness=st.floats(-4, 4),
+    strength=st.floats(-4, 4),
+    eccentricity=st.sampled_from(DIRECTIONS),
+)
+def test_the_first_failure_scales_with_strength_and_area_and_with_no_stiffness(
+    size: float, stiffness: float, strength: float, eccentricity: float
+) -> None:
+    plain = joint_of(5)
+    length, k, s = 10.0**size, 10.0**stiffness, 10.0**strength
+    scaled = joint_of(
+        5,
+        **{name: length * getattr(plain, name) for name in ("a", "b", "h", "H")},
+        inner=replace(
+            INNER,
+            normal_stiffness=k * INNER.normal_stiffness,
+            shear_stiffness=k * INNER.shear_stiffness,
+            cohesion=s * INNER.cohesion,
+            tensile_strength=s * INNER.tensile_strength,
+        ),
+        dry=replace(
+            SMOOTH,
+            normal_stiffness=k * DRY.normal_stiffness,
+            shear_stiffness=k * DRY.shear_stiffness,
+        ),
+    )
+    loads = [failure(each, eccentricity).load / each.T0 for each in (plain, scaled)]
+    assert loads[1] == pytest.approx(loads[0], rel=1e-4)
+
+
+@pytest.mark.parametrize("eccentricity", DIRECTIONS)
+def test_torques_of_either_sign_are_alike(eccentricity: float) -> None:
+    joint = joint_of(4)
+    assert failure(joint, -eccentricity).load == pytest.approx(
+        failure(joint, eccentricity).load, rel=1e-4
+    )
+
+
+def test_an_odd_joint_is_the_same_from_both_sides_and_an_even_one_is_not() -> None:
+    for locks, same in ((5, True), (6, False)):
+        joint = joint_of(locks)
+        there, back = (failure(joint, push=push).load for push in Push)
+        assert math.isclose(there, back, rel_tol=1e-6) is same
+
+
+def test_an_even_joint_pushed_back_is_one_that_begins_with_a_lower_lock() -> None:
+    there = failure(joint_of(6), 0.2, Push.MINUS_Y)
+    other = failure(joint_of(6, first=Block.LOWER), 0.2)
+    assert there.load == pytest.approx(other.load, rel=1e-9)
+
+
+def test_friction_and_what_presses_add_to_shear() -> None:
+    rough = joint_of(5, dry=replace(DRY, friction=0.4))
+    pressed = replace(rough, hold_down=HoldDown.pressure(2e4))
+    loads = [failure(each).load for each in (joint_of(5), rough, pressed)]
+    assert loads[0] < loads[1] < loads[2]
+    assert loads[2] - loads[1] < 0.4 * 2e4 * 5 * rough.a * rough.b
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", [0.0, 0.3, math.inf])
+@pytest.mark.parametrize(
+    "locks, others",
+    [
+        (3, {}),
+        (5, {}),
+        (8, {"H": 0.06, "h": 0.02}),
+        (11, {"a": 0.1, "H": 0.1, "inner": replace(INNER, shear_stiffness=3e9)}),
+    ],
+)
+def test_first_failures_are_those_of_the_static_model(
+    locks: int, others: dict[str, Any], eccentricity: float, body: UpperBody
+) -> None:
+    joint = joint_of(locks, upper_body=body, **others)
+    loading = Loading(Direction(eccentricity))
+    assembly = assemble(joint, 0.99 * joint.b)
+    static = static_peak(assembly, lateral_load(joint, assembly, loading))
+    assert first_failure(joint, loading).load == pytest.approx(static.first_failure_load, rel=0.03)
+
+
+def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:
+    joint = joint_of(9, H=0.012, dry=replace(SMOOTH, normal_stiffness=3e8))
+    assert failure(joint, math.inf).cut_fails
+    assert not failure(joint, 0.0).cut_fails
+
+
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        ({"locks": 1}, "locks: 1 not possible with the law; it must be at least 2"),
+        ({"different": {2: OwnLock(width=0.03)}}, "different: locks of their own"),
+        ({"upper_body": UpperBody.JOINED}, "upper_body: joined"),
+        ({"elastic": Elastic(1e10)}, "elastic: pieces that bend"),
+        ({"failure": Failure.DUCTILE}, "failure: ductile"),
+        ({"inner": replace(INNER, friction=0.2)}, "inner.friction: 0.2"),
+    ],
+)
+def test_what_is_no_chain_is_refused(others: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        failure(Joint(**({"locks": 3} | others)))
