@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.law import chain
@@ -159,6 +160,12 @@ def test_first_failures_are_those_of_the_static_model(
     assembly = assemble(joint, 0.99 * joint.b)
     static = static_peak(assembly, lateral_load(joint, assembly, loading))
     assert first_failure(joint, loading).load == pytest.approx(static.first_failure_load, rel=0.03)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
+def test_without_a_pair_that_bears_there_is_no_law(eccentricity: float) -> None:
+    with pytest.raises(CapacityError, match="no pair of 2 locks bears"):
+        failure(joint_of(2), eccentricity, Push.MINUS_Y)
 
 
 def test_a_weak_cut_fails_before_the_locks_under_torque() -> None:

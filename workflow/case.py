@@ -3,18 +3,15 @@
 import hashlib
 import json
 import math
-import types
-import typing
 from collections.abc import Collection
-from dataclasses import asdict, dataclass, fields, is_dataclass
-from enum import StrEnum
-from functools import cache
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
+from workflow.plain import read_plain
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 APART = 1.5  # ratio of two meshes, at least, to tell a mesh error: closer ones may give equal cells
@@ -86,11 +83,9 @@ class Case:
     def from_json(cls, text: str | bytes) -> "Case":
         """The case that `to_json` wrote; ValueError if ``text`` is anything else."""
         try:
-            found = _built(cls, json.loads(text, parse_constant=_refused))
+            return read_plain(cls, json.loads(text, parse_constant=_refused))
         except (TypeError, RecursionError, ValueError) as error:
             raise ValueError(f"not a case: {error}") from None
-        assert isinstance(found, cls)
-        return found
 
 
 def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) -> str:
@@ -110,35 +105,3 @@ def _plain(case: Case) -> dict[str, Any]:
 
 def _refused(constant: str) -> None:
     raise ValueError(f"{constant} is not a number")
-
-
-def _built(kind: Any, value: Any) -> Any:
-    """``value``, read from JSON, as ``kind``; ValueError or TypeError if it is not of that kind."""
-    if isinstance(kind, types.UnionType):
-        *_, kept = (k for k in typing.get_args(kind) if k is not types.NoneType)
-        # Of several kinds that are taken, the last is the one that is kept, and so written.
-        return None if value is None else _built(kept, value)
-    if typing.get_origin(kind) is tuple:
-        if not isinstance(value, list):
-            raise ValueError(f"{str(value)[:60]!r} is not a list")
-        first, *others = typing.get_args(kind)
-        every = [first] * len(value) if others == [...] else [first, *others]
-        return tuple(_built(own, each) for own, each in zip(every, value, strict=True))
-    if isinstance(kind, type) and is_dataclass(kind):
-        hints = _hints(kind)
-        if not isinstance(value, dict) or set(value) != set(hints):
-            raise ValueError(f"{kind.__name__} must have the keys {', '.join(hints)}")
-        return kind(**{key: _built(hints[key], own) for key, own in value.items()})
-    if issubclass(kind, StrEnum):
-        return kind(value)
-    if kind is float and (value in ("inf", "-inf") or type(value) in (float, int)):
-        return float(value)
-    if type(value) is not kind:
-        raise ValueError(f"{str(value)[:60]!r} is not of the kind {kind.__name__}")
-    return value
-
-
-@cache
-def _hints(kind: Any) -> dict[str, Any]:
-    hints = typing.get_type_hints(kind)
-    return {field.name: hints[field.name] for field in fields(kind)}

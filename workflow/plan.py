@@ -10,7 +10,7 @@ from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case, case_name, missing_level
 from workflow.cases import cases_of
 from workflow.engines import ENGINES
-from workflow.jobs import Job, case_jobs, deck_job, table_jobs
+from workflow.jobs import Job, case_jobs, deck_job, design_jobs, table_jobs
 from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt
 from workflow.schema import Study
@@ -50,7 +50,8 @@ def plan_of(study: Study) -> Plan:
     }
     found = case_jobs(study, [*cases.values(), *witnesses(cases.values())])
     tables = table_jobs(study, cases.values(), found)
-    return Plan(study, cases, {**found, **tables}, deck_job(of_decks.values()))
+    made = {**found, **tables, **design_jobs(study)}
+    return Plan(study, cases, made, deck_job(of_decks.values()))
 
 
 def witnesses(cases: Iterable[Case]) -> list[Case]:

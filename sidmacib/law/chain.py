@@ -20,6 +20,7 @@ import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
+from sidmacib.law.pairs import bearing_pairs
 from sidmacib.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import GRAVITY, Failure, Floats
 from sidmacib.mechanics.contact_law import Flags
@@ -33,11 +34,13 @@ UNKNOWNS = 7  # of a lock and its column, in m: a tilt counts times b, a turn ti
 COLUMN_Y, COLUMN_X, TILT, COLUMN_TURN, LOCK_Y, LOCK_X, LOCK_TURN = range(UNKNOWNS)
 POINTS, PARTS = np.polynomial.legendre.leggauss(6)  # of a dry face, along x
 SIGNS = (-1.0, 1.0)
+STILL = 1e-100  # slip, in m, that counts as none
 MOST_STEPS = 100  # until contacts and friction have settled
 MOST_LOADS = 30  # until the load is that of the first failure
-SETTLED = 1e-4  # change of a stiffness of friction, over that of the face
+SETTLED = 1e-3  # change of a stiffness of friction, over that of the face
 EXACT = 1e-4  # distance of the first failure from a utilisation of 1
 LOOSE = 1e-9  # stiffness, over a root's, of what nothing holds
+HELD = 1e-3  # force over the load: where as much hangs on what nothing holds, nothing carries it
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,8 @@ def first_failure(joint: Joint, loading: Loading) -> ChainState:
     elastic pieces or bonds that are not brittle. `CapacityError` if no face carries the load.
     """
     _require_chain(joint)
+    if not bearing_pairs(joint, loading.push):
+        raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
     springs = Springs(joint, loading)
     load = max(joint.strengths)
     moved: Floats | None = None
@@ -69,14 +74,14 @@ def first_failure(joint: Joint, loading: Loading) -> ChainState:
         moved = springs.equilibrium(load, moved)
         faces = springs.faces(moved)
         used = faces.used(joint)
-        if not np.isfinite(used) or used <= 0.0:
-            break
+        if not 0.0 < used < np.inf or LOOSE * springs.root * np.abs(moved).max() > HELD * load:
+            raise CapacityError(f"law: nothing holds {joint.locks} locks in this direction")
         if abs(used - 1.0) < EXACT:
             return ChainState(
                 load, faces.force_x, faces.force_y, faces.torque, faces.cut_fails(joint)
             )
         load, moved = load / used, moved / used
-    raise CapacityError(f"chain of {joint.locks} locks: no first failure was found")
+    raise CapacityError(f"law: contacts and friction of {joint.locks} locks do not settle")
 
 
 def _require_chain(joint: Joint) -> None:
@@ -287,12 +292,12 @@ class Springs:
         limit = self.joint.dry.friction
         slip = np.abs(self._pairs(moved) @ self.rubbed_rows.T)
         normal = self.push * np.maximum(self._closing(moved), 0.0)
-        rubbing = np.minimum(self.rub, limit * normal / np.maximum(slip, np.finfo(float).tiny))
+        rubbing = np.minimum(self.rub, limit * normal / np.maximum(slip, STILL))
         slid = np.linalg.norm(
             np.einsum("nij,nj->ni", self.standing_rows, self._locks(moved)), axis=1
         )
         held = limit * (self.pressing + self._pressed(moved, load))
-        standing = np.minimum(self.stand, held / np.maximum(slid, np.finfo(float).tiny))
+        standing = np.minimum(self.stand, held / np.maximum(slid, STILL))
         return rubbing, standing
 
     def _pressed(self, moved: Floats, load: float) -> Floats:

@@ -1,11 +1,11 @@
-# The jobs that find the cases' results: one for each case of an engine, or for each batch of a model
-# that is solved in this process.
-OF_CASES = {}
+# Jobs of which there are many of a kind: one for each case of an engine, or for each batch of a model
+# that is solved in this process, or of a design.
+OF_A_KIND = {}
 for job in JOBS.values():
-    if job.finds:
-        OF_CASES.setdefault(job.name.partition("/")[0], {})[job.name.partition("/")[2]] = job
+    if "/" in job.name:
+        OF_A_KIND.setdefault(job.name.partition("/")[0], {})[job.name.partition("/")[2]] = job
 
-for model, jobs in OF_CASES.items():
+for model, jobs in OF_A_KIND.items():
     first = next(iter(jobs.values()))
     outputs = [name.replace(first.name, f"{model}/{{job}}") for name in first.outputs]
 

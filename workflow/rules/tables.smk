@@ -1,6 +1,6 @@
 # From the cases' results to tables, figures and summary, and what is made on request.
 for job in JOBS.values():
-    if not job.finds:
+    if "/" not in job.name:
 
         rule:
             name:

@@ -11,6 +11,7 @@ from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
+from workflow.schema.design import DesignSection
 from workflow.schema.figures import FiguresSection
 from workflow.schema.geometry import GeometrySection, SampleSection
 from workflow.schema.materials import InnerChanges, MaterialsSection
@@ -38,6 +39,7 @@ class Study(Section):
     overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
     calibration: CalibrationSection = CalibrationSection()
     figures: FiguresSection = FiguresSection()
+    designs: dict[Name, DesignSection] = Field(default_factory=dict)
 
     @property
     def model_names(self) -> tuple[str, ...]:
@@ -59,6 +61,11 @@ class Study(Section):
         own = self.samples[sample].models
         return tuple(name for name in self.model_names if own is None or name in own)
 
+    @property
+    def base_joint(self) -> Joint:
+        """What the joints of designs have in common: the study's width, strength and weight."""
+        return SampleSection(locks=2).joint(self.geometry, self.materials)
+
     def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
         """The joint of ``sample``, with what a variant changes."""
         change = change or VariantSection()
@@ -78,19 +85,23 @@ class Study(Section):
 
     def tables_json(self) -> str:
         """What the tables depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without("results", "overrides", "variants", "calibration", "figures")
+        return self._without(
+            "results", "overrides", "variants", "calibration", "figures", "designs"
+        )
 
     def pieces_json(self) -> str:
         """What the models of the joint's pieces that need no engine depend on, as JSON."""
-        return self._without("results", "overrides", "calibration", "figures")
+        return self._without("results", "overrides", "calibration", "figures", "designs")
 
     def figures_json(self) -> str:
         """What the figures depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without("results", "overrides", "calibration")
+        return self._without("results", "overrides", "calibration", "designs")
 
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
-        return self.model_dump_json(exclude={"results", "overrides", "variants", "figures"})
+        return self.model_dump_json(
+            exclude={"results", "overrides", "variants", "figures", "designs"}
+        )
 
     def _without(self, *sections: str) -> str:
         """All but some sections and the engines' numerics; what is left is a valid study."""

@@ -1,0 +1,130 @@
+"""Joints that fill the space of their parameters evenly: a Sobol sequence, scrambled by a seed.
+
+Any part of it can be made alone, so that batches know nothing of each other. Sizes are relative to
+the width b of a lock, stiffnesses to the normal one of inner faces, pressures to the cohesion:
+first failures in units of T0 depend on nothing else but the weight, which is small.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Joint, UpperBody
+from sidmacib.loading import Push
+from sidmacib.mechanics.assembly import Elastic, Failure
+
+Span = tuple[float, float]
+DIMENSIONS = 13
+POISSON = 0.2
+
+
+@dataclass(frozen=True)
+class Design:
+    """Spans of the parameters of ``joints`` joints; ratios are spread evenly in their logarithm.
+
+    ``smooth``, ``one_piece``, ``pressed``: parts of the joints that have no friction, an upper
+    body of one piece, and a given pressure on top instead of the fixed plate. ``stiffness_ratio``:
+    E over Kn b of pieces that bend; None: rigid ones. ``energy_ratio``: of bonds that soften,
+    fracture energy over what is stored at failure, tau2 / (2 Ks). Even joints are pushed both ways
+    alike.
+    """
+
+    joints: int
+    seed: int
+    failure: Failure
+    locks: tuple[int, int]
+    a_over_b: Span
+    h_over_b: Span
+    H_over_b: Span
+    shear_over_normal: Span
+    dry_over_inner: Span
+    friction: Span
+    pressure_over_cohesion: Span
+    stiffness_ratio: Span | None
+    energy_ratio: Span
+    smooth: float
+    one_piece: float
+    pressed: float
+
+
+@dataclass(frozen=True)
+class Designed:
+    """A joint of a design: its number from 0, and the direction of the push."""
+
+    number: int
+    joint: Joint
+    push: Push
+
+
+def designed(design: Design, base: Joint, start: int, stop: int) -> Iterator[Designed]:
+    """The joints of ``design`` from ``start`` to before ``stop``, otherwise like ``base``."""
+    from scipy.stats import qmc  # takes longer to import than a study to plan
+
+    sequence = qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(design.seed))
+    places = sequence.random_base2(math.ceil(math.log2(design.joints)))  # these are balanced
+    for number in range(start, min(stop, design.joints)):
+        yield _joint(design, base, number, places[number].tolist())
+
+
+def _joint(design: Design, base: Joint, number: int, place: list[float]) -> Designed:
+    turn = iter(place)
+
+    def ratio(span: Span) -> float:
+        low, high = np.log(span)
+        return float(np.exp(low + next(turn) * (high - low)))
+
+    def part(share: float) -> bool:
+        return next(turn) < share
+
+    least, most = design.locks
+    locks = min(int(least * ((most + 1) / least) ** next(turn)), most)
+    a, h, high = (base.b * ratio(s) for s in (design.a_over_b, design.h_over_b, design.H_over_b))
+    normal = base.inner.normal_stiffness
+    shear = normal * ratio(design.shear_over_normal)
+    dry = normal * ratio(design.dry_over_inner)
+    rough = next(turn)
+    low, largest = design.friction
+    spread = max(rough - design.smooth, 0.0) / (1.0 - design.smooth or 1.0)
+    friction = 0.0 if rough < design.smooth else low + spread * (largest - low)
+    one_piece, pressed = part(design.one_piece), part(design.pressed)
+    pressure = base.inner.cohesion * ratio(design.pressure_over_cohesion)
+    push = Push.MINUS_Y if part(0.5) and locks % 2 == 0 else Push.PLUS_Y
+    last = next(turn)
+    joint = replace(
+        base,
+        locks=locks,
+        a=a,
+        h=h,
+        H=high,
+        inner=replace(
+            base.inner,
+            shear_stiffness=shear,
+            fracture_energy=_energy(design, base, shear, last),
+        ),
+        dry=replace(base.dry, normal_stiffness=dry, shear_stiffness=dry, friction=friction),
+        failure=design.failure,
+        upper_body=UpperBody.MONOLITHIC if one_piece else UpperBody.COLUMNS,
+        hold_down=HoldDown.pressure(pressure) if pressed else HoldDown.plate(),
+        elastic=_elastic(design, base, last),
+    )
+    return Designed(number, joint, push)
+
+
+def _energy(design: Design, base: Joint, shear: float, place: float) -> float:
+    """Fracture energy of bonds that soften, J/m2; 0 for others."""
+    if design.failure is not Failure.SOFTENING:
+        return 0.0
+    low, high = np.log(design.energy_ratio)
+    return float(np.exp(low + place * (high - low)) * base.inner.cohesion**2 / (2.0 * shear))
+
+
+def _elastic(design: Design, base: Joint, place: float) -> Elastic | None:
+    """Material of pieces that bend."""
+    if design.stiffness_ratio is None:
+        return None
+    low, high = np.log(design.stiffness_ratio)
+    ratio = float(np.exp(low + place * (high - low)))
+    return Elastic(ratio * base.inner.normal_stiffness * base.b, POISSON)
