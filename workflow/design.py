@@ -5,6 +5,7 @@ the width b of a lock, stiffnesses to the normal one of inner faces, pressures t
 first failures in units of T0 depend on nothing else but the weight, which is small.
 """
 
+import importlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -61,8 +62,8 @@ class Designed:
 
 def designed(design: Design, base: Joint, start: int, stop: int) -> Iterator[Designed]:
     """The joints of ``design`` from ``start`` to before ``stop``, otherwise like ``base``."""
-    from scipy.stats import qmc  # takes longer to import than a study to plan
-
+    # Imported where it is needed: it takes longer to import than a study to plan.
+    qmc = importlib.import_module("scipy.stats.qmc")
     sequence = qmc.Sobol(DIMENSIONS, scramble=True, rng=np.random.default_rng(design.seed))
     places = sequence.random_base2(math.ceil(math.log2(design.joints)))  # these are balanced
     for number in range(start, min(stop, design.joints)):
