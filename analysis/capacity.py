@@ -9,12 +9,14 @@ import pandas as pd
 
 from analysis.published import Published, read_published
 from analysis.pure_shear import pure_shear_weights
+from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
+from sidmacib.law.rule import RULES
 from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS
-from workflow.case import case_name
-from workflow.models import detailed
+from workflow.case import REFERENCE, case_name
+from workflow.models import MODELS, Obtained, detailed
 from workflow.results.tables import (
     CAPACITY,
     CASES,
@@ -71,6 +73,36 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                     }
 
 
+def law_rows(study: Study) -> Iterator[dict[str, Any]]:
+    """What the law and the safe rule say, if they are among the study's models.
+
+    They know no mesh: their rows are the same at each. A joint that they refuse has the reason.
+    """
+    chosen = [name for name in study.models if MODELS[name].obtained is Obtained.LAW]
+    for name, sample, ratio in product(chosen, study.samples, study.eccentricities):
+        if name not in study.models_of(sample):
+            continue
+        joint, direction = study.joint(sample), Direction(ratio)
+        told: dict[str, Any] = {"load_N": None, "shear_N": None, "torque_Nm": None, "error": None}
+        try:
+            found = RULES[name](joint, direction, study.assembly.push)
+            told |= {"load_N": found.load, "shear_N": found.shear, "torque_Nm": found.torque}
+        except (CapacityError, ValueError) as error:
+            told["error"] = str(error)
+        for mesh in study.meshes:
+            yield {
+                "model": name,
+                "variant": REFERENCE,
+                "sample": sample,
+                "locks": joint.locks,
+                "mesh_m": mesh,
+                "eccentricity_m": ratio * joint.a,
+                "case": case_name(sample, mesh, ratio),
+                "first_failure_load_N": told["load_N"] if name == "law" else None,
+                **told,
+            }
+
+
 def sidmacib_variant(option: str, friction: bool, reduction: str) -> str:
     """Name of a variant of SiDMACIB in the tables."""
     return f"{option}-{'friction' if friction else 'frictionless'}-{reduction}"
@@ -114,7 +146,11 @@ def envelope_rows(study: Study) -> Iterator[dict[str, Any]]:
 def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> pd.DataFrame:
     """Capacities of all models of the pieces, of SiDMACIB, and those that are published."""
     own = cases[[column for column in CAPACITY.columns if column in cases]]
-    rows = [*sidmacib_rows(study, weights), *published_rows(study, read_published())]
+    rows = [
+        *sidmacib_rows(study, weights),
+        *law_rows(study),
+        *published_rows(study, read_published()),
+    ]
     both = pd.concat([own, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
     return both[list(CAPACITY.columns)]
 

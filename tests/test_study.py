@@ -218,7 +218,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(models=["magic", "static"]),
-            "models: 'magic' is not allowed; it must be static or limit",
+            "models: 'magic' is not allowed; it must be static or limit or law or safe",
         ),
         (
             merged(models=["static", "static"]),

@@ -192,7 +192,7 @@ def _meshes(
 
 def _models(study: Study) -> Iterator[str]:
     for key, names, allowed in (
-        ("models", study.models, obtained_by(Obtained.SOLVED)),
+        ("models", study.models, (*obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW))),
         ("dem.engines", study.dem.engines, obtained_by(Obtained.ENGINE)),
     ):
         for place, name in enumerate(names):

@@ -5,7 +5,7 @@ compared with the receipt of what was made before.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,6 @@ from workflow.schema import Study
 from workflow.threedec import DECK, deck_folder
 
 BATCH = 512  # cases in a batch, on average, at most
-JOINTS = 64  # of a design in a batch
 RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
 
@@ -177,38 +176,6 @@ def _returned_job(case: Case) -> Job:
     )
 
 
-def design_jobs(study: Study) -> dict[str, Job]:
-    """The jobs that solve the study's designs, batch by batch, and ask the law of them."""
-    jobs = []
-    for name, section in study.designs.items():
-        told = {"design": asdict(section.design()), "base": asdict(study.base_joint)}
-        directions = {"eccentricities": section.eccentricities or study.eccentricities}
-        meshes = {"cells": section.cells, "limited": section.limited}
-        for number, start in enumerate(range(0, section.joints, JOINTS)):
-            part = {**told, "start": start, "stop": min(start + JOINTS, section.joints)}
-            place = f"{name}-{number:04}"
-            jobs += [
-                Job(
-                    name=f"designs/{place}",
-                    step="workflow.steps.design",
-                    message=f"Solve joints {start + 1} to {part['stop']} of the design {name}",
-                    inputs=(),
-                    outputs=(f"designs/{place}.parquet",),
-                    arguments={**part, "asked": {**directions, **meshes}},
-                    modules=("workflow.solvers.static", "workflow.solvers.limit"),
-                ),
-                Job(
-                    name=f"law/{place}",
-                    step="workflow.steps.law",
-                    message=f"Ask the law of joints {start + 1} to {part['stop']} of {name}",
-                    inputs=(),
-                    outputs=(f"law/{place}.parquet",),
-                    arguments={**part, "asked": directions},
-                ),
-            ]
-    return {job.name: job for job in jobs}
-
-
 def deck_job(cases: Iterable[Case]) -> dict[str, Job]:
     """The job that writes decks for ``cases``, by its name."""
     cases = list(cases)
@@ -319,9 +286,9 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
             arguments={},
         ),
     )
-    return {job.name: replace(job, others=_parquet(job.outputs)) for job in jobs}
+    return {job.name: replace(job, others=parquet_beside(job.outputs)) for job in jobs}
 
 
-def _parquet(outputs: Iterable[str]) -> tuple[str, ...]:
+def parquet_beside(outputs: Iterable[str]) -> tuple[str, ...]:
     """The same tables as Parquet, beside those in CSV."""
     return tuple(name[:-3] + "parquet" for name in outputs if name.endswith(".csv"))

@@ -21,6 +21,7 @@ class Obtained(StrEnum):
     ENGINE = auto()  # by an external program, one job for each case
     RETURNED = auto()  # by a program that somebody runs elsewhere
     RULE = auto()  # capacities of the abstracted joint, joint by joint, where tables are made
+    LAW = auto()  # capacities of the chain of springs, in the same place
 
 
 class Ability(StrEnum):
@@ -136,6 +137,19 @@ MODELS = {
             "3dec",
             Obtained.RETURNED,
             frozenset({*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE}),
+        ),
+        *(
+            Model(
+                name,
+                Obtained.LAW,
+                frozenset(
+                    {
+                        *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
+                        *(Ability.RIGID, Ability.FIRST_FAILURE),
+                    }
+                ),
+            )
+            for name in ("law", "safe")
         ),
         Model(
             "sidmacib",

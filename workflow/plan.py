@@ -9,8 +9,9 @@ from pathlib import Path
 from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case, case_name, missing_level
 from workflow.cases import cases_of
+from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
-from workflow.jobs import Job, case_jobs, deck_job, design_jobs, table_jobs
+from workflow.jobs import Job, case_jobs, deck_job, table_jobs
 from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt
 from workflow.schema import Study
@@ -50,7 +51,8 @@ def plan_of(study: Study) -> Plan:
     }
     found = case_jobs(study, [*cases.values(), *witnesses(cases.values())])
     tables = table_jobs(study, cases.values(), found)
-    made = {**found, **tables, **design_jobs(study)}
+    designs = design_jobs(study)
+    made = {**found, **tables, **designs, **design_tables(study, designs)}
     return Plan(study, cases, made, deck_job(of_decks.values()))
 
 

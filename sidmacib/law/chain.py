@@ -58,8 +58,11 @@ class ChainState:
     cut_fails: bool
 
 
-def first_failure(joint: Joint, loading: Loading) -> ChainState:
+def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> ChainState:
     """The state in which the first face of ``joint`` reaches its strength.
+
+    ``standing``: whether there is friction above and below the locks, of weight and of what holds
+    the joint down; there always is between them.
 
     ValueError for what is no such chain: fewer than two locks, locks of their own, joined columns,
     elastic pieces or bonds that are not brittle. `CapacityError` if no face carries the load.
@@ -67,7 +70,7 @@ def first_failure(joint: Joint, loading: Loading) -> ChainState:
     _require_chain(joint)
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
-    springs = Springs(joint, loading)
+    springs = Springs(joint, loading, standing)
     load = max(joint.strengths)
     moved: Floats | None = None
     for _ in range(MOST_LOADS):
@@ -151,7 +154,7 @@ class Faces:
 class Springs:
     """Stiffness of the chain of ``joint``, and the loads on it; all in N and m."""
 
-    def __init__(self, joint: Joint, loading: Loading) -> None:
+    def __init__(self, joint: Joint, loading: Loading, standing: bool = True) -> None:
         self.joint = joint
         self.count = joint.locks
         pushed = range(self.count) if loading.push is Push.PLUS_Y else range(self.count)[::-1]
@@ -165,7 +168,7 @@ class Springs:
         dry = joint.dry
         parts = joint.a * joint.h * PARTS / 2.0
         self.push, self.rub = dry.normal_stiffness * parts, dry.shear_stiffness * parts
-        self.stand = dry.shear_stiffness * joint.a * joint.b
+        self.stand = dry.shear_stiffness * joint.a * joint.b * standing
         self.pushed_rows, self.rubbed_rows = _contact_rows(joint)
         self.standing_rows = _standing_rows(joint, self.upper)
         self.standing_matrices = _outer(self.standing_rows).sum(axis=1)
@@ -262,7 +265,7 @@ class Springs:
             if friction:
                 rub, stand = self._friction(moved, load)
                 settled &= bool(np.abs(rub - rubbing).max() < SETTLED * self.rub.max())
-                settled &= bool(np.abs(stand - standing).max() < SETTLED * self.stand)
+                settled &= bool(np.abs(stand - standing).max() <= SETTLED * self.stand)
                 rubbing, standing = (rub + rubbing) / 2.0, (stand + standing) / 2.0
             if settled:
                 break

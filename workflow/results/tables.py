@@ -88,6 +88,33 @@ VARIANTS = Table(
     ),
     ("model", "variant", "case"),
 )
+_JOINT = (
+    *("locks", "push", "upper_body", "failure", "a_over_b", "h_over_b", "H_over_b"),
+    *("shear_over_normal", "dry_over_inner", "friction", "pressure_over_cohesion", "plate"),
+    *("stiffness_ratio", "energy_ratio"),
+)
+POINTS = Table(  # of designs; loads over T0
+    "points",
+    (
+        *("design", "number", "eccentricity_over_a", *_JOINT, "first_failure", "peak", "mode"),
+        *("first_failure_mesh_error", "peak_mesh_error", "unbalanced_share", "limit"),
+        *("weight_sum", "lower_weight_sum", "pairs", "closed_form", "saturation", "law", "safe"),
+        *("law_error", "error"),
+    ),
+    ("design", "number", "eccentricity_over_a"),
+)
+_SPREAD = (
+    *("points", "mean_error", "mean_absolute_error", "least_error"),
+    *("error_5_percent", "error_95_percent", "largest_error"),
+)
+_REGION = ("design", "held", "dry_faces", "upper_body", "eccentricity_over_a")
+LAW = Table("law", ("quantity", *_REGION, *_SPREAD), ("quantity", *_REGION), digits=4)
+RULE_ERRORS = Table(
+    "rules",
+    ("rule", "option", "upper_body", "locks", *_SPREAD, "unsafe_share"),
+    ("rule", "option", "upper_body", "locks"),
+    digits=4,
+)
 ENVELOPES = Table(
     "envelopes",
     ("sample", "option", "friction", "vertex", "shear_N", "torque_Nm"),

@@ -1,6 +1,7 @@
 """What the chain of springs says of a batch of a design's joints, in all directions."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from sidmacib.errors import CapacityError
+from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint
 from sidmacib.law.chain import first_failure
 from sidmacib.law.pairs import pairs_of
+from sidmacib.law.rule import RULES
 from sidmacib.loading import Loading
 from workflow.design import Design, Designed, designed
 from workflow.plain import read_plain
+
+MANY = 41  # locks
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
@@ -31,20 +36,34 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
 def law_rows(one: Designed, eccentricities: Sequence[float]) -> Iterator[dict[str, Any]]:
     """The law's load over T0 along each direction e / a, and the closed form of the pairs."""
     row = pairs_of(one.joint, one.push)
+    saturation = _saturation(one.joint)
     for ratio in map(float, eccentricities):
         told: dict[str, Any] = {
             "number": one.number,
             "eccentricity_over_a": ratio,
             "pairs": row.count,
             "closed_form": row.working,
-            "most": row.most,
-            "law": None,
-            "cut_fails": None,
+            "saturation": saturation,
             "law_error": None,
+            **dict.fromkeys(RULES),
         }
         try:
-            state = first_failure(one.joint, Loading(Direction(ratio), push=one.push))
-            told |= {"law": state.load / one.joint.T0, "cut_fails": state.cut_fails}
+            for name, rule in RULES.items():
+                told[name] = rule(one.joint, Direction(ratio), one.push).load / one.joint.T0
         except (CapacityError, ValueError) as error:
             told["law_error"] = str(error)
         yield told
+
+
+def _saturation(joint: Joint) -> float | None:
+    """Locks that work in pure shear if there are many, all smooth and under a plate."""
+    long = replace(
+        joint,
+        locks=MANY,
+        dry=replace(joint.dry, friction=0.0),
+        hold_down=HoldDown.plate(),
+    )
+    try:
+        return first_failure(long, Loading(Direction(0.0))).load / long.T0
+    except (CapacityError, ValueError):
+        return None

@@ -1,0 +1,125 @@
+"""How far law, safe rule and the paper's rules are from the static model, region by region."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.contact_points import OPTIONS
+from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.programme import Sidmacib, capacities
+from workflow.results.tables import LAW, POINTS, RULE_ERRORS, read_table, write_table
+
+ALL = "all"
+GROUPS = ((2, 3), (4, 5), (6, 9), (10, 15), (16, 31))  # numbers of locks that are told together
+QUANTITIES = {  # what is held against what
+    "law / first failure": ("law", "first_failure"),
+    "safe / peak": ("safe", "peak"),
+    "closed form / first failure": ("closed_form", "first_failure"),
+}
+
+
+def spread(error: "pd.Series[float]") -> dict[str, float]:
+    """Mean, mean size, extremes and quantiles of relative errors."""
+    return {
+        "points": len(error),
+        "mean_error": float(error.mean()),
+        "mean_absolute_error": float(error.abs().mean()),
+        "least_error": float(error.min()),
+        "error_5_percent": float(error.quantile(0.05)),
+        "error_95_percent": float(error.quantile(0.95)),
+        "largest_error": float(error.max()),
+    }
+
+
+def law_table(points: pd.DataFrame) -> pd.DataFrame:
+    """One row for each quantity and region, and for all regions of a design together.
+
+    The closed form is told of pure shear of smooth joints under a plate, which it is made for.
+    """
+    told = points.assign(
+        held=points["plate"].map({True: "plate", False: "pressed"}),
+        dry_faces=np.where(points["friction"] > 0.0, "rough", "smooth"),
+    )
+    region = ["design", "held", "dry_faces", "upper_body", "eccentricity_over_a"]
+    rows = []
+    for name, (ours, theirs) in QUANTITIES.items():
+        own = told[told[ours].gt(0.0) & told[theirs].gt(0.0)]
+        if ours == "closed_form":
+            made_for = own["held"].eq("plate") & own["dry_faces"].eq("smooth")
+            own = own[made_for & own["eccentricity_over_a"].eq(0.0)]
+        own = own.assign(error_of=own[ours] / own[theirs] - 1.0)
+        for keys in (region, ["design", "held", "dry_faces", "eccentricity_over_a"], ["design"]):
+            for values, group in own.groupby(keys, sort=True):
+                where = dict.fromkeys(region, ALL) | dict(zip(keys, values, strict=True))
+                rows.append({"quantity": name, **where, **spread(group["error_of"])})
+    table = pd.DataFrame(rows, columns=list(LAW.columns))
+    table["eccentricity_over_a"] = table["eccentricity_over_a"].astype(str)
+    return table
+
+
+def option_loads(ratios: Sequence[float]) -> dict[str, Floats]:
+    """SiDMACIB's load over that of the locks that count, per option and direction e / a.
+
+    Without friction its envelope grows with the number of locks that count, and nothing else.
+    """
+    joint = Joint(3)
+    directions = [Direction(ratio) for ratio in ratios]
+    return {
+        name: np.array(
+            [
+                point.load / (joint.locks * joint.T0)
+                for point in capacities(Sidmacib(joint, option, friction=False), directions)
+            ]
+        )
+        for name, option in OPTIONS.items()
+    }
+
+
+def rules_table(points: pd.DataFrame) -> pd.DataFrame:
+    """The paper's rules against the brittle peak: odd joints under a plate, by number of locks."""
+    own = points[points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)]
+    ratios = sorted(set(own["eccentricity_over_a"]))
+    place = own["eccentricity_over_a"].map({ratio: k for k, ratio in enumerate(ratios)}).to_numpy()
+    pure = own[own["eccentricity_over_a"].eq(0.0)].set_index(["design", "number"])
+    key = pd.MultiIndex.from_frame(own[["design", "number"]])
+    weights = pure[["weight_sum", "lower_weight_sum"]].reindex(key).to_numpy()
+    counted = {
+        "none": own["locks"].to_numpy(dtype=float),
+        "half": (own["locks"].to_numpy(dtype=float) - 1.0) / 2.0,
+        "floor_of_sum": np.floor(weights[:, 0]),
+        "lower_sum": weights[:, 1],
+    }
+    rows = []
+    for (option, loads), (rule, locks) in _pairs(option_loads(ratios), counted):
+        error = pd.Series(locks * loads[place] / own["peak"].to_numpy() - 1.0, index=own.index)
+        for body, least, most in _groups(own):
+            chosen = own["upper_body"].eq(body) & own["locks"].between(least, most)
+            found = error[chosen].dropna()
+            if len(found):
+                where = {"upper_body": body, "locks": f"{least} to {most}"}
+                told = {**spread(found), "unsafe_share": float((found > 0.0).mean())}
+                rows.append({"rule": rule, "option": option, **where, **told})
+    return pd.DataFrame(rows, columns=list(RULE_ERRORS.columns))
+
+
+def _pairs(loads: Mapping[str, Floats], counted: Mapping[str, Floats]) -> Iterator[Any]:
+    for one in loads.items():
+        for other in counted.items():
+            yield one, other
+
+
+def _groups(points: pd.DataFrame) -> Iterator[tuple[str, int, int]]:
+    for body in sorted(set(points["upper_body"])):
+        for least, most in GROUPS:
+            yield body, least, most
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write both tables."""
+    points = read_table(POINTS, inputs[0])
+    write_table(LAW, law_table(points), outputs[0])
+    write_table(RULE_ERRORS, rules_table(points), outputs[1])

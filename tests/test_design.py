@@ -1,0 +1,186 @@
+"""Designed studies: joints that fill a space, and tables of what the law is worth."""
+
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from analysis.designs.errors import law_table, option_loads, rules_table
+from analysis.designs.points import points_of
+from analysis.figures.law import DRAWN
+from sidmacib.contact_points import OPTIONS
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Push
+from sidmacib.mechanics.assembly import Failure
+from sidmacib.programme import Sidmacib, capacity
+from sidmacib.revision import active
+from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.design import Designed, designed
+from workflow.design_jobs import LAW_FIGURES
+from workflow.plan import plan_of
+from workflow.schema.design import DesignSection
+from workflow.steps import design as solve_step
+from workflow.steps import law as law_step
+
+RATIOS = [0.0, 0.3, math.inf]
+ROOT = Path(__file__).parents[1]
+
+
+def joints_of(count: int, **others: Any) -> list[Designed]:
+    section = DesignSection(joints=count, **others)
+    return list(designed(section.design(), Joint(3), 0, count))
+
+
+def test_any_part_of_a_design_can_be_made_alone() -> None:
+    design = DesignSection(joints=100).design()
+    whole = list(designed(design, Joint(3), 0, 100))
+    assert list(designed(design, Joint(3), 37, 45)) == whole[37:45]
+
+
+def test_another_seed_gives_other_joints() -> None:
+    assert joints_of(4, seed=1)[2].joint != joints_of(4, seed=2)[2].joint
+
+
+def test_joints_lie_within_the_spans_and_fill_them() -> None:
+    section = DesignSection(joints=512)
+    joints = [one.joint for one in designed(section.design(), Joint(3), 0, 512)]
+    for values, (low, high) in (
+        ([j.a / j.b for j in joints], section.a_over_b),
+        ([j.h / j.b for j in joints], section.h_over_b),
+        ([j.H / j.b for j in joints], section.H_over_b),
+        ([j.inner.shear_stiffness / 1e10 for j in joints], section.shear_over_normal),
+        ([j.dry.normal_stiffness / 1e10 for j in joints], section.dry_over_inner),
+    ):
+        place = np.log(np.array(values) / low) / np.log(high / low)
+        assert place.min() >= -1e-12
+        assert place.max() <= 1.0 + 1e-12
+        assert np.histogram(place, bins=8, range=(0, 1))[0].tolist() == [64] * 8
+    assert {j.locks for j in joints} == set(range(2, 32))
+    smooth = sum(j.dry.friction == 0.0 for j in joints)
+    assert smooth == pytest.approx(512 * section.smooth, abs=2)
+    assert max(j.dry.friction for j in joints) <= 0.8
+
+
+def test_even_joints_are_pushed_both_ways_and_odd_ones_one() -> None:
+    pushes = {(one.joint.locks % 2, one.push) for one in joints_of(256)}
+    assert pushes == {(0, Push.PLUS_Y), (0, Push.MINUS_Y), (1, Push.PLUS_Y)}
+
+
+def test_pieces_that_bend_and_bonds_that_fade_are_designs_too() -> None:
+    elastic = joints_of(16, stiffness_ratio=[1, 1000])
+    ratios = [one.joint.elastic.young / (1e10 * 0.05) for one in elastic if one.joint.elastic]
+    assert len(ratios) == 16
+    assert 1.0 <= min(ratios) < 3.0
+    assert 300.0 < max(ratios) <= 1000.0
+    (fades, *_) = joints_of(1, failure="softening")
+    assert fades.joint.failure is Failure.SOFTENING
+    assert fades.joint.inner.fracture_energy > 0.0
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"joints": 0}, "joints: 0 is not allowed"),
+        ({"joints": 4, "locks": [1, 5]}, "locks: 1 is not allowed"),
+        ({"joints": 4, "a_over_b": [2, 1]}, "the first must not be more"),
+        ({"joints": 4, "a_over_b": 2}, "a list of the least and the largest value"),
+    ],
+)
+def test_faults_in_a_design_are_told(section: dict[str, Any], words: str) -> None:
+    content = {"samples": {"n3": {"locks": 3}}, "designs": {"one": section}}
+    with pytest.raises(ConfigError, match=words):
+        read_study(content)
+
+
+@pytest.fixture(scope="module")
+def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    """Twelve joints in three directions, solved by both steps as a study does."""
+    folder = tmp_path_factory.mktemp("design")
+    section = DesignSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
+    told = {
+        "design": asdict(section.design()),
+        "base": asdict(Joint(3)),
+        "start": 0,
+        "stop": 12,
+    }
+    solved, answered = folder / "solved.parquet", folder / "law.parquet"
+    directions = {"eccentricities": RATIOS}
+    asked = {**directions, "cells": (1, 2), "limited": 6}
+    plain = _as_json({**told, "asked": asked})
+    solve_step.run(plain, (), (solved,))
+    law_step.run(_as_json({**told, "asked": directions}), (), (answered,))
+    return points_of("made_up", pd.read_parquet(solved), pd.read_parquet(answered))
+
+
+def _as_json(value: Any) -> Any:
+    """As it comes out of a plan."""
+    return json.loads(json.dumps(value))
+
+
+def test_every_joint_has_a_row_for_each_direction(points: pd.DataFrame) -> None:
+    assert len(points) == 12 * len(RATIOS)
+    assert points["error"].isna().all()
+    assert points["limit"].notna().sum() == 2 * len(RATIOS)
+    assert (points["peak"] >= points["first_failure"] * (1 - 1e-9)).all()
+    assert points["first_failure_mesh_error"].abs().max() < 0.1
+    pure = points[points["eccentricity_over_a"] == 0.0]
+    assert (pure["closed_form"] <= pure["pairs"] * (1 + 1e-9)).all()
+
+
+def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
+    points: pd.DataFrame,
+) -> None:
+    table = law_table(points).set_index(["quantity", "held"])
+    whole = table[table["eccentricity_over_a"] == "all"]
+    law = whole.loc[("law / first failure", "all")]
+    assert law["points"] == len(points)
+    assert law["mean_absolute_error"] < 0.06
+    safe = whole.loc[("safe / peak", "all")]
+    assert safe["largest_error"] < 0.0
+
+
+def test_limit_analysis_is_above_the_brittle_peak_of_smooth_joints(points: pd.DataFrame) -> None:
+    own = points[points["limit"].notna() & points["friction"].eq(0.0)]
+    assert (own["limit"] >= own["peak"] * (1 - 1e-6)).all()
+
+
+@pytest.mark.parametrize("option", list(OPTIONS))
+def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) -> None:
+    joint = Joint(9)
+    model = Sidmacib(joint, OPTIONS[option], active(joint, 4), friction=False)
+    loads = option_loads(RATIOS)[option]
+    for ratio, load in zip(RATIOS, loads, strict=True):
+        expected = capacity(model, Direction(ratio)).load
+        assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)
+
+
+def test_rules_are_told_for_each_body_and_number_of_locks(points: pd.DataFrame) -> None:
+    table = rules_table(points)
+    assert set(table["rule"]) == {"none", "half", "floor_of_sum", "lower_sum"}
+    every = table[table["rule"] == "none"]
+    assert (every["unsafe_share"] > 0.9).all()
+
+
+def test_figures_are_drawn(points: pd.DataFrame) -> None:
+    assert tuple(DRAWN) == LAW_FIGURES
+    for draw in DRAWN.values():
+        assert draw(points).axes
+
+
+def test_the_study_of_the_law_is_planned_in_batches() -> None:
+    study = read_study_file(ROOT / "locks.yaml")
+    jobs = plan_of(study).jobs
+    joints = sum(section.joints for section in study.designs.values())
+    assert joints == 1024 + 16384
+    assert sum(name.startswith("designs/") for name in jobs) == joints // 64
+    assert "tables/law.csv" in jobs["errors"].outputs
+
+
+def test_bodies_are_columns_and_one_piece_alike() -> None:
+    bodies = [one.joint.upper_body for one in joints_of(64)]
+    assert bodies.count(UpperBody.COLUMNS) == bodies.count(UpperBody.MONOLITHIC) == 32

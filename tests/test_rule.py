@@ -1,0 +1,96 @@
+"""Law and safe rule: where they hold, and what they refuse."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from sidmacib.errors import CapacityError
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.law.rule import RULES, SAFETY, law, safe
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.assembly import Elastic
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
+
+BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", [0.0, 0.1, 1.0, math.inf])
+@pytest.mark.parametrize("locks", [3, 5, 10])
+def test_the_joint_carries_what_is_safe_and_fails_where_the_law_says(
+    locks: int, eccentricity: float, body: UpperBody
+) -> None:
+    joint, direction = Joint(locks, upper_body=body), Direction(eccentricity)
+    assembly = assemble(joint, 0.02)
+    static = static_peak(assembly, lateral_load(joint, assembly, Loading(direction)))
+    assert safe(joint, direction).load < static.peak.load
+    assert law(joint, direction).load == pytest.approx(static.first_failure_load, rel=0.05)
+
+
+def test_shear_and_torque_are_those_of_the_load() -> None:
+    joint = Joint(5)
+    found = law(joint, Direction(0.5))
+    assert found.torque == pytest.approx(0.5 * joint.a * found.shear)
+    assert found.load == pytest.approx(math.hypot(found.shear, found.torque / joint.a))
+
+
+def test_the_safe_rule_is_the_law_of_smooth_joints_with_a_margin() -> None:
+    joint = Joint(5, dry=replace(DRY, friction=0.0), density=0.0)
+    direction = Direction(0.3)
+    expected = law(joint, direction).load / SAFETY
+    assert safe(joint, direction).load == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        ({"locks": 32}, "locks: 32.0 is not possible; it must be from 2 to 31"),
+        ({"a": 0.2}, "a / b: 4.0 is not possible"),
+        ({"h": 0.04}, "h / b: 0.8 is not possible"),
+        ({"H": 0.01}, "H / b: 0.2 is not possible"),
+        ({"dry": replace(DRY, friction=0.9)}, "friction: 0.9 is not possible"),
+        ({"dry": replace(DRY, normal_stiffness=1e12)}, "dry over inner faces: 100.0"),
+        ({"inner": replace(INNER, shear_stiffness=1e6)}, "shear over normal stiffness"),
+        ({"inner": replace(INNER, tensile_strength=1e5)}, "tensile strength over cohesion"),
+        ({"elastic": Elastic(1e10)}, "elastic"),
+    ],
+)
+def test_what_lies_outside_the_study_is_refused(
+    rule: Any, others: dict[str, Any], words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        rule(Joint(**({"locks": 5} | others)), Direction(0.0))
+
+
+def test_the_ends_of_the_spans_are_inside() -> None:
+    low = Joint(2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=3e8))
+    assert law(low, Direction(0.0)).load > 0.0
+
+
+def test_two_locks_carry_no_eccentricity_beyond_their_only_face() -> None:
+    with pytest.raises(CapacityError, match=r"two locks do not carry an eccentricity of 0\.6 a"):
+        law(Joint(2), Direction(0.6))
+
+
+@pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
+def test_a_joint_without_a_pair_that_bears_carries_nothing(rule: Any) -> None:
+    with pytest.raises(CapacityError, match="no pair of 2 locks bears"):
+        rule(Joint(2), Direction(0.0), Push.MINUS_Y)
+
+
+def test_a_joint_that_may_tip_is_refused_and_one_that_is_pressed_enough_is_not() -> None:
+    direction = Direction(0.0)
+    with pytest.raises(CapacityError, match="may tip the joint"):
+        law(Joint(3, hold_down=HoldDown.weight()), direction)
+    pressed = Joint(3, hold_down=HoldDown.pressure(1e5))
+    assert law(pressed, direction).load > law(Joint(3), direction).load
+
+
+def test_the_safe_rule_asks_for_a_plate() -> None:
+    with pytest.raises(ValueError, match="hold_down: 'pressure' is not possible; it must be plate"):
+        safe(Joint(3, hold_down=HoldDown.pressure(1e5)), Direction(0.0))

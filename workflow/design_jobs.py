@@ -1,0 +1,80 @@
+"""The jobs of a study's designs: batches of joints, what the law says of them, and their tables."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+
+from workflow.jobs import Job, parquet_beside
+from workflow.schema import Study
+
+JOINTS = 64  # of a design in a batch
+KINDS = ("png", "pdf")  # of figures
+LAW_FIGURES = ("law", "law_margins", "law_rules", "law_nomogram")
+
+
+def design_jobs(study: Study) -> dict[str, Job]:
+    """The jobs that solve the study's designs, batch by batch, and ask the law of them."""
+    jobs = []
+    for name, section in study.designs.items():
+        told = {"design": asdict(section.design()), "base": asdict(study.base_joint)}
+        directions = {"eccentricities": section.eccentricities or study.eccentricities}
+        meshes = {"cells": section.cells, "limited": section.limited}
+        for number, start in enumerate(range(0, section.joints, JOINTS)):
+            part = {**told, "start": start, "stop": min(start + JOINTS, section.joints)}
+            place = f"{name}-{number:04}"
+            jobs += [
+                Job(
+                    name=f"designs/{place}",
+                    step="workflow.steps.design",
+                    message=f"Solve joints {start + 1} to {part['stop']} of the design {name}",
+                    inputs=(),
+                    outputs=(f"designs/{place}.parquet",),
+                    arguments={**part, "asked": {**directions, **meshes}},
+                    modules=("workflow.solvers.static", "workflow.solvers.limit"),
+                ),
+                Job(
+                    name=f"law/{place}",
+                    step="workflow.steps.law",
+                    message=f"Ask the law of joints {start + 1} to {part['stop']} of {name}",
+                    inputs=(),
+                    outputs=(f"law/{place}.parquet",),
+                    arguments={**part, "asked": directions},
+                ),
+            ]
+    return {job.name: job for job in jobs}
+
+
+def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:
+    """The jobs from the batches of designs, which the jobs ``found`` make, to their tables."""
+    if not study.designs:
+        return {}
+    solved = [job for name, job in found.items() if name.startswith("designs/")]
+    told = [job for name, job in found.items() if name.startswith("law/")]
+    names = [job.name.partition("/")[2].rpartition("-")[0] for job in solved]
+    points = "tables/points.csv"
+    jobs = (
+        Job(
+            name="points",
+            step="analysis.designs.points",
+            message="Put the designs' batches together",
+            inputs=tuple(job.outputs[0] for job in (*solved, *told)),
+            outputs=(points,),
+            arguments={"designs": names},
+        ),
+        Job(
+            name="errors",
+            step="analysis.designs.errors",
+            message="Hold law and rules against the static model",
+            inputs=(points,),
+            outputs=("tables/law.csv", "tables/rules.csv"),
+            arguments={},
+        ),
+        Job(
+            name="law_figures",
+            step="analysis.figures.law",
+            message="Draw the law",
+            inputs=(points,),
+            outputs=tuple(f"figures/{name}.{kind}" for name in LAW_FIGURES for kind in KINDS),
+            arguments={},
+        ),
+    )
+    return {job.name: replace(job, others=parquet_beside(job.outputs)) for job in jobs}
