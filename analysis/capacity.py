@@ -9,9 +9,9 @@ import pandas as pd
 
 from analysis.published import Published, read_published
 from analysis.pure_shear import pure_shear_weights
+from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
-from sidmacib.law.rule import RULES
 from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib, capacities
 from sidmacib.revision import REDUCTIONS

@@ -4,6 +4,8 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the same names again, for type checkers and completion
+    from sidmacib.chain.pairs import Pairs, pairs_of
+    from sidmacib.chain.rule import LawCapacity, law, safe
     from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.hold_down import HoldDown
@@ -33,10 +35,12 @@ _HOME = {
     "HoldDown": "hold_down",
     "InfeasibleError": "errors",
     "Joint": "joint",
+    "LawCapacity": "chain.rule",
     "Loading": "loading",
     "Loads": "mechanics.assembly",
     "NodeLayout": "mechanics.assembly",
     "OwnLock": "joint",
+    "Pairs": "chain.pairs",
     "Sidmacib": "programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -45,7 +49,10 @@ _HOME = {
     "capacity": "programme",
     "envelope": "polygon",
     "lateral_load": "loading",
+    "law": "chain.rule",
     "limit_load": "mechanics.limit",
+    "pairs_of": "chain.pairs",
+    "safe": "chain.rule",
     "static_peak": "mechanics.static",
 }
 
@@ -64,10 +71,12 @@ __all__ = [
     "HoldDown",
     "InfeasibleError",
     "Joint",
+    "LawCapacity",
     "Loading",
     "Loads",
     "NodeLayout",
     "OwnLock",
+    "Pairs",
     "Sidmacib",
     "SolverError",
     "UnboundedError",
@@ -76,7 +85,10 @@ __all__ = [
     "capacity",
     "envelope",
     "lateral_load",
+    "law",
     "limit_load",
+    "pairs_of",
+    "safe",
     "static_peak",
 ]
 

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sidmacib.chain import springs
+from sidmacib.chain.pairs import pairs_of
+from sidmacib.chain.springs import ChainState, first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.law import chain
-from sidmacib.law.chain import ChainState, first_failure
-from sidmacib.law.pairs import pairs_of
 from sidmacib.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static import static_peak
@@ -68,8 +68,8 @@ def test_one_pair_in_torsion_carries_what_a_lock_does_at_its_corner() -> None:
 def test_without_tilt_the_chain_is_its_closed_form(
     locks: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(chain, "LOCK_TILT", 0.0)
-    monkeypatch.setattr(chain, "COLUMN_TILT", 1e7)
+    monkeypatch.setattr(springs, "LOCK_TILT", 0.0)
+    monkeypatch.setattr(springs, "COLUMN_TILT", 1e7)
     joint = joint_of(locks)
     assert failure(joint).load / joint.T0 == pytest.approx(pairs_of(joint).working, rel=1e-5)
 

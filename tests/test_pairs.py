@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sidmacib.chain.pairs import Pairs, bearing_pairs, pairs_of
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.law.pairs import Pairs, bearing_pairs, pairs_of
 from sidmacib.loading import Push
 
 LAGS = st.floats(1e-6, 1e3)

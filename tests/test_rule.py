@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from sidmacib.chain.rule import RULES, SAFETY, law, safe
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
-from sidmacib.law.rule import RULES, SAFETY, law, safe
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.mechanics.static import static_peak

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from analysis.designs.errors import option_loads
 from analysis.figures import style
-from sidmacib.law.pairs import Pairs
+from sidmacib.chain.pairs import Pairs
 from workflow.results.tables import POINTS, read_table
 
 MOST_DRAWN = 20_000  # points of a figure: more only add ink

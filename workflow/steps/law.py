@@ -9,12 +9,12 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from sidmacib.chain.pairs import pairs_of
+from sidmacib.chain.rule import RULES
+from sidmacib.chain.springs import first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint
-from sidmacib.law.chain import first_failure
-from sidmacib.law.pairs import pairs_of
-from sidmacib.law.rule import RULES
 from sidmacib.loading import Loading
 from workflow.design import Design, Designed, designed
 from workflow.plain import read_plain

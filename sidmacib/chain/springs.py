@@ -18,9 +18,9 @@ from itertools import product
 
 import numpy as np
 
+from sidmacib.chain.pairs import bearing_pairs
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.law.pairs import bearing_pairs
 from sidmacib.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import GRAVITY, Failure, Floats
 from sidmacib.mechanics.contact_law import Flags

@@ -7,9 +7,9 @@ of the study in docs/law.md, or may rock: nobody has looked there.
 
 from dataclasses import dataclass
 
+from sidmacib.chain.springs import first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.law.chain import first_failure
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.validation import refused
