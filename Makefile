@@ -1,6 +1,7 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make calibrate  which geometry fits the published numbers
+# make locks   the study of the law: how many locks work, over 17,408 joints; hours, goes on where stopped
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
@@ -21,11 +22,14 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study case calibrate decks bench test lint format lock system clean
+.PHONY: study locks case calibrate decks bench test lint format lock system clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
 	$(WORKFLOW) study $(TO)
+
+locks: .venv/study.ready
+	@$(BIN)/python -m workflow study locks.yaml --results="$$RESULTS"
 
 case: .venv/study.ready
 	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
