@@ -25,6 +25,7 @@ SPANS = {  # of the study that law and rule were held against
     "friction": (0.0, 0.8),
 }
 STRETCH = 1e-9  # of a span, for rounding
+SOFTEST = 5.0  # E over Kn b of pieces that bend
 LEAST_TENSION = 4.6  # tensile strength over cohesion of the study
 FARTHEST_OF_TWO = 0.5  # e / a: beyond it the force leaves the only dry face of two locks
 
@@ -77,6 +78,10 @@ def require_valid(joint: Joint) -> None:
             raise refused(
                 name, _short(value), f"from {low:g} to {high:g}, as in the study of the law"
             )
+    if joint.elastic is not None:
+        ratio = joint.elastic.young / (joint.inner.normal_stiffness * joint.b)
+        if ratio < SOFTEST * (1.0 - STRETCH):
+            raise refused("E / (Kn b)", _short(ratio), f"at least {SOFTEST:g}, or rigid")
     tension = joint.inner.tensile_strength / joint.inner.cohesion
     if tension < LEAST_TENSION:
         raise refused(

@@ -8,9 +8,11 @@ fails where the shear stress at one of its corners reaches the cohesion, a cut w
 or its tension reaches the tensile strength. Locks in a row so share the load as rivets in a lap
 joint do (Volkersen, 1938); docs/law.md derives it.
 
-Four numbers are no statics. `LOCK_TILT`, `CUT_SHEAR` and `COLUMN_TILT` stand for motions that the
-chain leaves out, `PRESSED` for the forces that hold a tilting column down; they were fitted to the
-static model. All other numbers are those of the joint.
+Pieces that bend add the stiffness of the block to the cuts, and make the stress of a root uneven.
+
+Four numbers here are no statics. `LOCK_TILT`, `CUT_SHEAR` and `COLUMN_TILT` stand for motions that
+the chain leaves out, `PRESSED` for the forces that hold a tilting column down; they were fitted to
+the static model. All other numbers are those of the joint.
 """
 
 from dataclasses import dataclass
@@ -18,6 +20,7 @@ from itertools import product
 
 import numpy as np
 
+from sidmacib.chain.faces import Faces
 from sidmacib.chain.pairs import bearing_pairs
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
@@ -33,7 +36,6 @@ PRESSED = 0.45  # of a column's tilting moment over its width: the force on what
 UNKNOWNS = 7  # of a lock and its column, in m: a tilt counts times b, a turn times a
 COLUMN_Y, COLUMN_X, TILT, COLUMN_TURN, LOCK_Y, LOCK_X, LOCK_TURN = range(UNKNOWNS)
 POINTS, PARTS = np.polynomial.legendre.leggauss(6)  # of a dry face, along x
-SIGNS = (-1.0, 1.0)
 STILL = 1e-100  # slip, in m, that counts as none
 MOST_STEPS = 100  # until contacts and friction have settled
 MOST_LOADS = 30  # until the load is that of the first failure
@@ -64,8 +66,8 @@ def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> Chai
     ``standing``: whether there is friction above and below the locks, of weight and of what holds
     the joint down; there always is between them.
 
-    ValueError for what is no such chain: fewer than two locks, locks of their own, joined columns,
-    elastic pieces or bonds that are not brittle. `CapacityError` if no face carries the load.
+    ValueError for what is no such chain: fewer than two locks, locks of their own, joined columns
+    or bonds that are not brittle. `CapacityError` if no face carries the load.
     """
     _require_chain(joint)
     if not bearing_pairs(joint, loading.push):
@@ -93,62 +95,12 @@ def _require_chain(joint: Joint) -> None:
         (joint.locks < 2, f"locks: {joint.locks}", "at least 2"),
         (bool(joint.different), "different: locks of their own are", "none"),
         (joint.upper_body is UpperBody.JOINED, "upper_body: joined", "columns or monolithic"),
-        (joint.elastic is not None, "elastic: pieces that bend are", "rigid"),
         (joint.failure is not Failure.BRITTLE, f"failure: {joint.failure}", "brittle"),
         (joint.inner.friction > 0.0, f"inner.friction: {joint.inner.friction:g}", "0"),
     )
     for wrong, what, allowed in faults:
         if wrong:
             raise ValueError(f"{what} not possible with the law; it must be {allowed}")
-
-
-@dataclass(frozen=True)
-class Faces:
-    """Forces (N) and moments (N m) in roots, shape (n,), and in cuts, shape (n - 1,).
-
-    Of a cut: ``normal`` is a pull, ``turn`` and ``tilt`` bend it about z and x, ``slide_x`` and
-    ``slide_z`` shear it. A body of one rigid piece has no cuts.
-    """
-
-    force_x: Floats
-    force_y: Floats
-    torque: Floats
-    normal: Floats
-    turn: Floats
-    tilt: Floats
-    slide_x: Floats
-    slide_z: Floats
-
-    def used(self, joint: Joint) -> float:
-        """The largest utilisation of any face: 1 is the first failure."""
-        return max(self.root_used(joint), self.cut_used(joint))
-
-    def cut_fails(self, joint: Joint) -> bool:
-        """Whether a cut is used more than any root."""
-        return self.cut_used(joint) > self.root_used(joint)
-
-    def root_used(self, joint: Joint) -> float:
-        """The largest shear stress at a corner of a root, over the cohesion."""
-        area, polar = joint.a * joint.b, joint.a * joint.b * (joint.a**2 + joint.b**2) / 12.0
-        shear = [
-            np.hypot(
-                self.force_x / area - self.torque * y * joint.b / 2.0 / polar,
-                self.force_y / area + self.torque * x * joint.a / 2.0 / polar,
-            ).max()
-            for x, y in product(SIGNS, SIGNS)
-        ]
-        return float(max(shear) / joint.inner.cohesion)
-
-    def cut_used(self, joint: Joint) -> float:
-        """The largest use of a cut's tensile strength, at a corner, or of its cohesion."""
-        if not self.normal.size:
-            return 0.0
-        a, height, law = joint.a, joint.H, joint.inner
-        bent = 6.0 * np.abs(self.turn) / (height * a**2) + 6.0 * np.abs(self.tilt) / (a * height**2)
-        pull = (self.normal / (a * height) + bent).max()
-        shear = np.hypot(self.slide_x, self.slide_z).max() / (a * height)
-        torn = pull / law.tensile_strength if law.tensile_strength else np.inf * max(pull, 0.0)
-        return float(max(torn, shear / law.cohesion))
 
 
 class Springs:
@@ -160,8 +112,9 @@ class Springs:
         pushed = range(self.count) if loading.push is Push.PLUS_Y else range(self.count)[::-1]
         # Seen from the side that is pushed: the chain is the same for both pushes.
         self.upper = np.array([joint.is_upper(lock + 1) for lock in pushed])
-        self.one_piece = joint.upper_body is UpperBody.MONOLITHIC
-        self.basis = _one_piece(self.count, joint) if self.one_piece else None
+        one_piece = joint.upper_body is UpperBody.MONOLITHIC
+        self.rigid_body = one_piece and joint.elastic is None
+        self.basis = _one_piece(self.count, joint) if self.rigid_body else None
         self.unit = self._loads(loading)
         self.linear = self._linear()
         self.pressing = self._pressing()
@@ -193,9 +146,21 @@ class Springs:
         joint = self.joint
         return self.root * (joint.a**2 + joint.b**2) / 12.0 / joint.a**2
 
+    @property
+    def cut(self) -> tuple[float, float]:
+        """Stiffness between two columns, across and along the cut, with the block that bends."""
+        joint, law, block = self.joint, self.joint.inner, self.joint.elastic
+        area = joint.a * joint.H
+        whole = joint.upper_body is UpperBody.MONOLITHIC
+        soft = [0.0, 0.0] if whole else [1.0 / law.normal_stiffness, 1.0 / law.shear_stiffness]
+        if block is not None:
+            soft[0] += joint.b / block.young
+            soft[1] += joint.b * 2.0 * (1.0 + block.poisson) / block.young
+        return area / soft[0], area / soft[1]
+
     def _linear(self) -> Floats:
         """Stiffness matrix (7 n, 7 n) of everything but the dry faces."""
-        joint, law = self.joint, self.joint.inner
+        joint = self.joint
         arm = (joint.H + joint.h) / 2.0 / joint.b
         upper = _matrix(
             (self.leaning_root, {COLUMN_Y: 1.0, TILT: -arm, LOCK_Y: -1.0}),
@@ -212,9 +177,9 @@ class Springs:
         )
         whole = np.zeros((self.count * UNKNOWNS,) * 2)
         _add_locks(whole, np.where(self.upper[:, None, None], upper, lower) + top)
-        if self.one_piece:
+        if self.rigid_body:
             return whole
-        pull, slide = (k * joint.a * joint.H for k in (law.normal_stiffness, law.shear_stiffness))
+        pull, slide = self.cut
         half = joint.b / 2.0 / joint.a
         cut = _matrix(
             (pull, {COLUMN_Y: 1.0, UNKNOWNS + COLUMN_Y: -1.0}),
@@ -306,7 +271,7 @@ class Springs:
     def _pressed(self, moved: Floats, load: float) -> Floats:
         """What presses on each lock's dry faces because the body tilts, N."""
         joint = self.joint
-        if self.one_piece:  # on its far end
+        if self.rigid_body:  # on its far end
             moment = abs(load) * self.unit[[COLUMN_Y, LOCK_Y]].sum() * joint.H / 2.0
             return np.eye(self.count)[-1] * PRESSED * moment / (self.count * joint.b)
         held = COLUMN_TILT * joint.dry.normal_stiffness * joint.a * joint.b / 12.0
@@ -315,7 +280,7 @@ class Springs:
     # --- forces ------------------------------------------------------------------------------
     def faces(self, moved: Floats) -> Faces:
         """Forces in all roots and cuts."""
-        joint, law, own = self.joint, self.joint.inner, self._locks(moved)
+        joint, own = self.joint, self._locks(moved)
         arm = (joint.H + joint.h) / 2.0 / joint.b
         hung = self.upper
         over = own[:, COLUMN_Y] - arm * own[:, TILT]
@@ -323,9 +288,9 @@ class Springs:
         force_x = self.root * (np.where(hung, own[:, COLUMN_X], 0.0) - own[:, LOCK_X])
         turn = self.turning_root * (np.where(hung, own[:, COLUMN_TURN], 0.0) - own[:, LOCK_TURN])
         roots = force_x, force_y, turn * joint.a
-        if self.one_piece:
+        if self.rigid_body:
             return Faces(*roots, *(np.zeros(0),) * 5)
-        pull, slide = (k * joint.a * joint.H for k in (law.normal_stiffness, law.shear_stiffness))
+        pull, slide = self.cut
         step = np.diff(own, axis=0)
         mean = (own[1:] + own[:-1]) / 2.0
         return Faces(
