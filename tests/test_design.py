@@ -12,6 +12,7 @@ import pytest
 
 from analysis.designs.errors import law_table, option_loads, rules_table
 from analysis.designs.points import points_of
+from analysis.designs.sensitivity import PARAMETERS, sensitivity_table
 from analysis.figures.law import DRAWN
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Direction, Joint, UpperBody
@@ -184,3 +185,13 @@ def test_the_study_of_the_law_is_planned_in_batches() -> None:
 def test_bodies_are_columns_and_one_piece_alike() -> None:
     bodies = [one.joint.upper_body for one in joints_of(64)]
     assert bodies.count(UpperBody.COLUMNS) == bodies.count(UpperBody.MONOLITHIC) == 32
+
+
+def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
+    """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
+    section = DesignSection(joints=4, friction=(0.0, 1e-9))
+    table = sensitivity_table(section.design(), Joint(3), draws=8)
+    assert len(table) == 2 * 2 * 2 * len(PARAMETERS)
+    total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
+    assert total.loc[(slice(None), "friction")].abs().max() < 0.05
+    assert total.loc[(0.0, "a_over_b")].abs().max() < 0.05

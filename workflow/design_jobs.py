@@ -69,6 +69,17 @@ def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:
             arguments={},
         ),
         Job(
+            name="sensitivity",
+            step="analysis.designs.sensitivity",
+            message="Tell which parameter the first failure hangs on",
+            inputs=(),
+            outputs=("tables/sensitivity.csv",),
+            arguments={
+                "design": asdict(next(iter(study.designs.values())).design()),
+                "base": asdict(study.base_joint),
+            },
+        ),
+        Job(
             name="law_figures",
             step="analysis.figures.law",
             message="Draw the law",

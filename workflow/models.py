@@ -145,7 +145,7 @@ MODELS = {
                 frozenset(
                     {
                         *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
-                        *(Ability.RIGID, Ability.FIRST_FAILURE),
+                        *(Ability.RIGID, Ability.ELASTIC),
                     }
                 ),
             )

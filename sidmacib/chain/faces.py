@@ -36,23 +36,21 @@ class Faces:
         """The largest utilisation of any face: 1 is the first failure."""
         return max(self.root_used(joint), self.cut_used(joint))
 
-    def cut_fails(self, joint: Joint) -> bool:
-        """Whether a cut is used more than any root."""
-        return self.cut_used(joint) > self.root_used(joint)
-
     def root_used(self, joint: Joint) -> float:
-        """The largest shear stress at a corner of a root, over the cohesion."""
+        """The largest shear stress at a corner of any root, over the cohesion."""
+        return float(self.roots_used(joint).max())
+
+    def roots_used(self, joint: Joint) -> Floats:
+        """The largest shear stress at a corner of each root, over the cohesion, shape (n,)."""
         area, polar = joint.a * joint.b, joint.a * joint.b * (joint.a**2 + joint.b**2) / 12.0
         mean, turn = concentrations(joint)
         force_x, force_y = mean * self.force_x / area, mean * self.force_y / area
         torque = turn * self.torque / polar
         shear = [
-            np.hypot(
-                force_x - torque * y * joint.b / 2.0, force_y + torque * x * joint.a / 2.0
-            ).max()
+            np.hypot(force_x - torque * y * joint.b / 2.0, force_y + torque * x * joint.a / 2.0)
             for x, y in product(SIGNS, SIGNS)
         ]
-        return float(max(shear) / joint.inner.cohesion)
+        return np.asarray(np.max(shear, axis=0) / joint.inner.cohesion)
 
     def cut_used(self, joint: Joint) -> float:
         """The largest use of a cut's tensile strength, at a corner, or of its cohesion.

@@ -70,8 +70,11 @@ def spans_of(joint: Joint) -> dict[str, float]:
     return dict(zip(SPANS, map(float, values), strict=True))
 
 
-def require_valid(joint: Joint) -> None:
-    """ValueError if ``joint`` lies outside of what the law was held against."""
+def require_covered(joint: Joint, direction: Direction) -> None:
+    """ValueError if ``joint`` lies outside of what the law was held against.
+
+    `CapacityError` where the direction leaves the only dry face of two locks.
+    """
     for name, value in spans_of(joint).items():
         low, high = SPANS[name]
         if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
@@ -87,6 +90,11 @@ def require_valid(joint: Joint) -> None:
         raise refused(
             "tensile strength over cohesion", _short(tension), f"at least {LEAST_TENSION:g}"
         )
+    if joint.locks == 2 and direction.eccentricity > FARTHEST_OF_TWO:
+        raise CapacityError(
+            f"law: two locks do not carry an eccentricity of {direction.eccentricity:g} a; it must "
+            f"be at most {FARTHEST_OF_TWO:g} a, within their only dry face"
+        )
 
 
 def _short(value: float) -> float:
@@ -96,12 +104,7 @@ def _short(value: float) -> float:
 def _capacity(
     joint: Joint, direction: Direction, push: Push, standing: bool, safety: float
 ) -> LawCapacity:
-    require_valid(joint)
-    if joint.locks == 2 and direction.eccentricity > FARTHEST_OF_TWO:
-        raise CapacityError(
-            f"law: two locks do not carry an eccentricity of {direction.eccentricity:g} a; it must "
-            f"be at most {FARTHEST_OF_TWO:g} a, within their only dry face"
-        )
+    require_covered(joint, direction)
     load = first_failure(joint, Loading(direction, push=push), standing).load / safety
     _require_no_rocking(joint, load * direction.shear)
     return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a)

@@ -16,12 +16,12 @@ the static model. All other numbers are those of the joint.
 """
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
 from sidmacib.chain.faces import Faces
 from sidmacib.chain.pairs import bearing_pairs
+from sidmacib.chain.stiffness import UNKNOWNS, add_locks, add_pairs, matrix, outer, row_of
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare, Push
@@ -33,14 +33,15 @@ CUT_SHEAR = 0.178  # of a cut's stiffness against tilt, if columns could not ris
 COLUMN_TILT = 0.795  # of a column's stiffness against tilt, if its top could pull as well
 PRESSED = 0.45  # of a column's tilting moment over its width: the force on what is below
 
-UNKNOWNS = 7  # of a lock and its column, in m: a tilt counts times b, a turn times a
 COLUMN_Y, COLUMN_X, TILT, COLUMN_TURN, LOCK_Y, LOCK_X, LOCK_TURN = range(UNKNOWNS)
 POINTS, PARTS = np.polynomial.legendre.leggauss(6)  # of a dry face, along x
 STILL = 1e-100  # slip, in m, that counts as none
-MOST_STEPS = 100  # until contacts and friction have settled
+MOST_STEPS = 300  # until contacts and friction have settled
+PATIENCE = 20  # steps before they are averaged more and more
 MOST_LOADS = 30  # until the load is that of the first failure
-SETTLED = 1e-3  # change of a stiffness of friction, over that of the face
-EXACT = 1e-4  # distance of the first failure from a utilisation of 1
+NARROW = 0.05  # part of the interval that is left between a load to try and its ends
+SETTLED = 1e-6  # change of a stiffness of friction, over that of the face
+EXACT = 1e-4  # distance of the first failure from a utilisation of 1, or between two loads
 LOOSE = 1e-9  # stiffness, over a root's, of what nothing holds
 HELD = 1e-3  # force over the load: where as much hangs on what nothing holds, nothing carries it
 
@@ -50,14 +51,21 @@ class ChainState:
     """What the roots carry at the first failure, lock by lock: arrays of shape (n,).
 
     ``load``: along the direction of loading, N. ``force_x``, ``force_y`` in N, ``torque`` in N m.
-    ``cut_fails``: whether it is a cut between columns that fails first.
+    ``used``: largest stress of each root over its cohesion. ``cut_used``: the same of the cuts, or
+    their tension over their strength; where it is 1 a cut fails first.
     """
 
     load: float
     force_x: Floats
     force_y: Floats
     torque: Floats
-    cut_fails: bool
+    used: Floats
+    cut_used: float
+
+    @property
+    def cut_fails(self) -> bool:
+        """Whether it is a cut between columns that fails first."""
+        return self.cut_used > self.used.max()
 
 
 def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> ChainState:
@@ -75,18 +83,32 @@ def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> Chai
     springs = Springs(joint, loading, standing)
     load = max(joint.strengths)
     moved: Floats | None = None
+    low, high = (0.0, 0.0), (np.inf, np.inf)  # loads below and above, with their use
     for _ in range(MOST_LOADS):
         moved = springs.equilibrium(load, moved)
         faces = springs.faces(moved)
         used = faces.used(joint)
         if not 0.0 < used < np.inf or LOOSE * springs.root * np.abs(moved).max() > HELD * load:
             raise CapacityError(f"law: nothing holds {joint.locks} locks in this direction")
-        if abs(used - 1.0) < EXACT:
-            return ChainState(
-                load, faces.force_x, faces.force_y, faces.torque, faces.cut_fails(joint)
-            )
-        load, moved = load / used, moved / used
+        found = abs(used - 1.0) < EXACT
+        low, high = ((load, used), high) if used < 1.0 else (low, (load, used))
+        if found or high[0] < low[0] * (1.0 + EXACT):
+            forces = faces.force_x, faces.force_y, faces.torque
+            return ChainState(load, *forces, faces.roots_used(joint), faces.cut_used(joint))
+        before, load = load, _next_load(load / used, low, high)
+        moved = moved * (load / before)
     raise CapacityError(f"law: contacts and friction of {joint.locks} locks do not settle")
+
+
+def _next_load(proportional: float, low: tuple[float, float], high: tuple[float, float]) -> float:
+    """A load (N) to try: the ``proportional`` one, or one between ``low`` and ``high``.
+
+    Friction that was called up before makes the use rise faster than the load.
+    """
+    if not low[0] or not np.isfinite(high[0]):
+        return proportional
+    part = -np.log(low[1]) / np.log(high[1] / low[1])
+    return float(low[0] * (high[0] / low[0]) ** np.clip(part, NARROW, 1.0 - NARROW))
 
 
 def _require_chain(joint: Joint) -> None:
@@ -124,7 +146,7 @@ class Springs:
         self.stand = dry.shear_stiffness * joint.a * joint.b * standing
         self.pushed_rows, self.rubbed_rows = _contact_rows(joint)
         self.standing_rows = _standing_rows(joint, self.upper)
-        self.standing_matrices = _outer(self.standing_rows).sum(axis=1)
+        self.standing_matrices = outer(self.standing_rows).sum(axis=1)
 
     # --- stiffness ---------------------------------------------------------------------------
     @property
@@ -162,26 +184,26 @@ class Springs:
         """Stiffness matrix (7 n, 7 n) of everything but the dry faces."""
         joint = self.joint
         arm = (joint.H + joint.h) / 2.0 / joint.b
-        upper = _matrix(
+        upper = matrix(
             (self.leaning_root, {COLUMN_Y: 1.0, TILT: -arm, LOCK_Y: -1.0}),
             (self.root, {COLUMN_X: 1.0, LOCK_X: -1.0}),
             (self.turning_root, {COLUMN_TURN: 1.0, LOCK_TURN: -1.0}),
         )
-        lower = _matrix(
+        lower = matrix(
             (self.leaning_root, {LOCK_Y: 1.0}),
             (self.root, {LOCK_X: 1.0}),
             (self.turning_root, {LOCK_TURN: 1.0}),
         )
-        top = _matrix(
+        top = matrix(
             (COLUMN_TILT * joint.dry.normal_stiffness * joint.a * joint.b / 12.0, {TILT: 1.0})
         )
         whole = np.zeros((self.count * UNKNOWNS,) * 2)
-        _add_locks(whole, np.where(self.upper[:, None, None], upper, lower) + top)
+        add_locks(whole, np.where(self.upper[:, None, None], upper, lower) + top)
         if self.rigid_body:
             return whole
         pull, slide = self.cut
         half = joint.b / 2.0 / joint.a
-        cut = _matrix(
+        cut = matrix(
             (pull, {COLUMN_Y: 1.0, UNKNOWNS + COLUMN_Y: -1.0}),
             (pull * (joint.H / joint.b) ** 2 / 12.0, {TILT: 1.0, UNKNOWNS + TILT: -1.0}),
             (pull / 12.0, {COLUMN_TURN: 1.0, UNKNOWNS + COLUMN_TURN: -1.0}),
@@ -189,7 +211,7 @@ class Springs:
             (slide, _slip(COLUMN_X, COLUMN_TURN, half)),
             size=2 * UNKNOWNS,
         )
-        _add_pairs(whole, np.tile(cut, (self.count - 1, 1, 1)))
+        add_pairs(whole, np.tile(cut, (self.count - 1, 1, 1)))
         return whole
 
     def _pressing(self) -> Floats:
@@ -213,37 +235,43 @@ class Springs:
 
     # --- equilibrium -------------------------------------------------------------------------
     def equilibrium(self, load: float, moved: Floats | None) -> Floats:
-        """Movements (7 n,) under ``load`` (N), from a guess; contacts and friction have settled."""
+        """Movements (7 n,) under ``load`` (N), from a guess; contacts and friction have settled.
+
+        Each step solves for the stiffnesses of the last one. Where they go round in circles, they
+        are averaged more and more.
+        """
         friction = self.joint.dry.friction
-        touching = np.ones((self.count - 1, len(POINTS)), bool)
+        touching = np.ones((self.count - 1, len(POINTS)))
         rubbing = np.tile(self.rub * (friction > 0.0), (self.count - 1, 1))
         standing = np.full(self.count, self.stand * (friction > 0.0))
         if moved is not None:
-            touching = self._closing(moved) > 0.0
+            touching = (self._closing(moved) > 0.0).astype(float)
             if friction:
                 rubbing, standing = self._friction(moved, load)
-        for _ in range(MOST_STEPS):
+        for step in range(MOST_STEPS):
             moved = self._solved(load, touching, rubbing, standing)
+            calm = 1.0 if step < PATIENCE else PATIENCE / (step + 1.0)
             now = self._closing(moved) > 0.0
-            settled = bool((now == touching).all())
-            touching = now
+            settled = bool(np.abs(now - touching).max() < SETTLED)
+            touching = touching + calm * (now - touching)
             if friction:
                 rub, stand = self._friction(moved, load)
                 settled &= bool(np.abs(rub - rubbing).max() < SETTLED * self.rub.max())
                 settled &= bool(np.abs(stand - standing).max() <= SETTLED * self.stand)
-                rubbing, standing = (rub + rubbing) / 2.0, (stand + standing) / 2.0
+                rubbing = rubbing + calm * (rub - rubbing) / 2.0
+                standing = standing + calm * (stand - standing) / 2.0
             if settled:
                 break
         assert moved is not None
         return moved
 
-    def _solved(self, load: float, touching: Flags, rubbing: Floats, standing: Floats) -> Floats:
+    def _solved(self, load: float, touching: Floats, rubbing: Floats, standing: Floats) -> Floats:
         """Movements for given contacts and stiffnesses of friction."""
         whole = self.linear.copy()
-        push = np.tensordot(touching * self.push, _outer(self.pushed_rows), 1)
-        push += np.tensordot(touching * rubbing, _outer(self.rubbed_rows), 1)
-        _add_pairs(whole, push)
-        _add_locks(whole, standing[:, None, None] * self.standing_matrices)
+        push = np.tensordot(touching * self.push, outer(self.pushed_rows), 1)
+        push += np.tensordot(touching * rubbing, outer(self.rubbed_rows), 1)
+        add_pairs(whole, push)
+        add_locks(whole, standing[:, None, None] * self.standing_matrices)
         force = load * self.unit
         if self.basis is not None:
             whole, force = self.basis.T @ whole @ self.basis, self.basis.T @ force
@@ -312,42 +340,6 @@ class Springs:
         return np.hstack([own[:-1], own[1:]])
 
 
-def _matrix(*springs: tuple[float, dict[int, float]], size: int = UNKNOWNS) -> Floats:
-    """Stiffness matrix of springs, each with its stiffness and what it makes of the unknowns."""
-    whole = np.zeros((size, size))
-    for stiffness, row in springs:
-        whole += stiffness * _outer(_row(row, size))
-    return whole
-
-
-def _row(terms: dict[int, float], size: int) -> Floats:
-    row = np.zeros(size)
-    row[list(terms)] = list(terms.values())
-    return row
-
-
-def _outer(rows: Floats) -> Floats:
-    """Each row times itself."""
-    return rows[..., :, None] * rows[..., None, :]
-
-
-def _add_locks(whole: Floats, parts: Floats) -> None:
-    """Add the stiffness (n, 7, 7) of each lock with its column."""
-    count = len(parts)
-    lock = np.arange(count)
-    whole.reshape(count, UNKNOWNS, count, UNKNOWNS)[lock, :, lock, :] += parts
-
-
-def _add_pairs(whole: Floats, parts: Floats) -> None:
-    """Add the stiffness (n - 1, 14, 14) between each two neighbours."""
-    count = len(parts) + 1
-    lock = np.arange(count - 1)
-    blocks = whole.reshape(count, UNKNOWNS, count, UNKNOWNS)
-    for row, column in product((0, 1), (0, 1)):
-        rows, columns = (slice(at * UNKNOWNS, (at + 1) * UNKNOWNS) for at in (row, column))
-        blocks[lock + row, :, lock + column, :] += parts[:, rows, columns]
-
-
 def _slip(along: int, turn: int, half: float) -> dict[int, float]:
     """Slip along x between neighbours ``half`` a width (over a) from the face between them."""
     return {along: -1.0, UNKNOWNS + along: 1.0, turn: half, UNKNOWNS + turn: half}
@@ -357,10 +349,10 @@ def _contact_rows(joint: Joint) -> tuple[Floats, Floats]:
     """How far neighbouring locks press into each other, and slip along x, at each point."""
     size = 2 * UNKNOWNS
     push = [
-        _row({LOCK_Y: 1.0, LOCK_TURN: x, UNKNOWNS + LOCK_Y: -1.0, UNKNOWNS + LOCK_TURN: -x}, size)
+        row_of({LOCK_Y: 1.0, LOCK_TURN: x, UNKNOWNS + LOCK_Y: -1.0, UNKNOWNS + LOCK_TURN: -x}, size)
         for x in POINTS / 2.0
     ]
-    slip = _row(_slip(LOCK_X, LOCK_TURN, joint.b / 2.0 / joint.a), size)
+    slip = row_of(_slip(LOCK_X, LOCK_TURN, joint.b / 2.0 / joint.a), size)
     return np.array(push), np.tile(slip, (len(POINTS), 1))
 
 
@@ -374,7 +366,7 @@ def _standing_rows(joint: Joint, upper: Flags) -> Floats:
         {COLUMN_Y: 1.0, TILT: -joint.H / 2.0 / joint.b, LOCK_Y: -1.0},
         {COLUMN_X: 1.0, LOCK_X: -1.0},
     ]
-    return np.array([[_row(row, UNKNOWNS) for row in (hung if up else borne)] for up in upper])
+    return np.array([[row_of(row, UNKNOWNS) for row in (hung if up else borne)] for up in upper])
 
 
 def _one_piece(count: int, joint: Joint) -> Floats:

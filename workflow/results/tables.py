@@ -109,6 +109,15 @@ _SPREAD = (
 )
 _REGION = ("design", "held", "dry_faces", "upper_body", "eccentricity_over_a")
 LAW = Table("law", ("quantity", *_REGION, *_SPREAD), ("quantity", *_REGION), digits=4)
+SENSITIVITY = Table(
+    "sensitivity",
+    (
+        *("locks", "upper_body", "eccentricity_over_a", "parameter", "first_order", "total"),
+        *("mean_over_T0", "variation"),
+    ),
+    ("locks", "upper_body", "eccentricity_over_a", "parameter"),
+    digits=4,
+)
 RULE_ERRORS = Table(
     "rules",
     ("rule", "option", "upper_body", "locks", *_SPREAD, "unsafe_share"),
