@@ -41,6 +41,7 @@ PATIENCE = 20  # steps before they are averaged more and more
 MOST_LOADS = 30  # until the load is that of the first failure
 NARROW = 0.05  # part of the interval that is left between a load to try and its ends
 SETTLED = 1e-6  # change of a stiffness of friction, over that of the face
+NEAR = 5e-3  # the same where friction lets it jump
 EXACT = 1e-4  # distance of the first failure from a utilisation of 1, or between two loads
 LOOSE = 1e-9  # stiffness, over a root's, of what nothing holds
 HELD = 1e-3  # force over the load: where as much hangs on what nothing holds, nothing carries it
@@ -92,7 +93,7 @@ def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> Chai
             raise CapacityError(f"law: nothing holds {joint.locks} locks in this direction")
         found = abs(used - 1.0) < EXACT
         low, high = ((load, used), high) if used < 1.0 else (low, (load, used))
-        if found or high[0] < low[0] * (1.0 + EXACT):
+        if found or (abs(used - 1.0) < NEAR and high[0] < low[0] * (1.0 + EXACT)):
             forces = faces.force_x, faces.force_y, faces.torque
             return ChainState(load, *forces, faces.roots_used(joint), faces.cut_used(joint))
         before, load = load, _next_load(load / used, low, high)
