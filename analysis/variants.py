@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 
 from analysis.fit import LoadErrors, misfit
-from sidmacib.joint import Joint
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
 from workflow.schema import Study
 
@@ -37,7 +36,7 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
             failure=str(joint.failure),
             upper_body=str(joint.upper_body),
             young_Pa=joint.elastic.young if joint.elastic else math.nan,
-            stiffness_ratio=_stiffness_ratio(joint),
+            stiffness_ratio=joint.stiffness_ratio if joint.elastic else math.nan,
             fracture_energy_J_m2=joint.inner.fracture_energy,
             load_over_T0=curve["load_N"] / joint.T0,
             directions=len(curve),
@@ -47,13 +46,6 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
     if not rows:
         return pd.DataFrame(columns=list(VARIANTS.columns))
     return pd.concat(rows, ignore_index=True)
-
-
-def _stiffness_ratio(joint: Joint) -> float:
-    """Young's modulus over the stiffness of inner faces times the width of a lock; nan if rigid."""
-    if joint.elastic is None:
-        return math.nan
-    return joint.elastic.young / (joint.inner.normal_stiffness * joint.b)
 
 
 def _best_option(limit: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:

@@ -161,6 +161,13 @@ class Joint:
         """The given force on the upper block's top, in N; None under a plate."""
         return self.hold_down.force_on(self.a * self.total_width)
 
+    @property
+    def stiffness_ratio(self) -> float:
+        """E of the block over Kn b: the solid between two locks, over a cut; inf if rigid."""
+        if self.elastic is None:
+            return math.inf
+        return self.elastic.young / (self.inner.normal_stiffness * self.b)
+
     def own(self, lock: int) -> OwnLock:
         """What lock number ``lock`` has of its own."""
         return dict(self.different).get(lock, PLAIN)

@@ -74,18 +74,18 @@ def _joint(design: Design, base: Joint, number: int, place: list[float]) -> Desi
     turn = iter(place)
 
     def ratio(span: Span) -> float:
-        low, high = np.log(span)
-        return float(np.exp(low + next(turn) * (high - low)))
+        return _between(span, next(turn))
 
     def part(share: float) -> bool:
         return next(turn) < share
 
     least, most = design.locks
     locks = min(int(least * ((most + 1) / least) ** next(turn)), most)
-    a, h, high = (base.b * ratio(s) for s in (design.a_over_b, design.h_over_b, design.H_over_b))
-    normal = base.inner.normal_stiffness
-    shear = normal * ratio(design.shear_over_normal)
-    dry = normal * ratio(design.dry_over_inner)
+    spans = (
+        *(design.a_over_b, design.h_over_b, design.H_over_b),
+        *(design.shear_over_normal, design.dry_over_inner),
+    )
+    a, h, height, shear, dry = (ratio(span) for span in spans)
     rough = next(turn)
     low, largest = design.friction
     spread = max(rough - design.smooth, 0.0) / (1.0 - design.smooth or 1.0)
@@ -94,18 +94,12 @@ def _joint(design: Design, base: Joint, number: int, place: list[float]) -> Desi
     pressure = base.inner.cohesion * ratio(design.pressure_over_cohesion)
     push = Push.MINUS_Y if part(0.5) and locks % 2 == 0 else Push.PLUS_Y
     last = next(turn)
+    sized = with_ratios(base, a, h, height, shear, dry, friction)
+    energy = _energy(design, base, sized.inner.shear_stiffness, last)
     joint = replace(
-        base,
+        sized,
         locks=locks,
-        a=a,
-        h=h,
-        H=high,
-        inner=replace(
-            base.inner,
-            shear_stiffness=shear,
-            fracture_energy=_energy(design, base, shear, last),
-        ),
-        dry=replace(base.dry, normal_stiffness=dry, shear_stiffness=dry, friction=friction),
+        inner=replace(sized.inner, fracture_energy=energy),
         failure=design.failure,
         upper_body=UpperBody.MONOLITHIC if one_piece else UpperBody.COLUMNS,
         hold_down=HoldDown.pressure(pressure) if pressed else HoldDown.plate(),
@@ -114,18 +108,44 @@ def _joint(design: Design, base: Joint, number: int, place: list[float]) -> Desi
     return Designed(number, joint, push)
 
 
+def with_ratios(
+    base: Joint, a: float, h: float, height: float, shear: float, dry: float, friction: float
+) -> Joint:
+    """``base`` with other ratios: a, h and H over b, inner Ks and dry stiffness over inner Kn."""
+    normal = base.inner.normal_stiffness
+    dry_stiffness = normal * dry
+    return replace(
+        base,
+        a=base.b * a,
+        h=base.b * h,
+        H=base.b * height,
+        inner=replace(base.inner, shear_stiffness=normal * shear),
+        dry=replace(
+            base.dry,
+            normal_stiffness=dry_stiffness,
+            shear_stiffness=dry_stiffness,
+            friction=friction,
+        ),
+    )
+
+
+def _between(span: Span, place: float) -> float:
+    """The value at ``place``, 0 to 1, of a ``span`` that is spread evenly in its logarithm."""
+    low, high = np.log(span)
+    return float(np.exp(low + place * (high - low)))
+
+
 def _energy(design: Design, base: Joint, shear: float, place: float) -> float:
     """Fracture energy of bonds that soften, J/m2; 0 for others."""
     if design.failure is not Failure.SOFTENING:
         return 0.0
-    low, high = np.log(design.energy_ratio)
-    return float(np.exp(low + place * (high - low)) * base.inner.cohesion**2 / (2.0 * shear))
+    ratio = _between(design.energy_ratio, place)
+    return ratio * base.inner.cohesion**2 / (2.0 * shear)
 
 
 def _elastic(design: Design, base: Joint, place: float) -> Elastic | None:
     """Material of pieces that bend."""
     if design.stiffness_ratio is None:
         return None
-    low, high = np.log(design.stiffness_ratio)
-    ratio = float(np.exp(low + place * (high - low)))
+    ratio = _between(design.stiffness_ratio, place)
     return Elastic(ratio * base.inner.normal_stiffness * base.b, POISSON)

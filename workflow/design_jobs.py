@@ -2,12 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import asdict, replace
+from typing import Any
 
+from analysis.figures.catalogue import drawn_files
 from workflow.jobs import Job, parquet_beside
 from workflow.schema import Study
 
 JOINTS = 64  # of a design in a batch
-KINDS = ("png", "pdf")  # of figures
 LAW_FIGURES = ("law", "law_margins", "law_rules", "law_nomogram")
 
 
@@ -22,25 +23,28 @@ def design_jobs(study: Study) -> dict[str, Job]:
             part = {**told, "start": start, "stop": min(start + JOINTS, section.joints)}
             place = f"{name}-{number:04}"
             jobs += [
-                Job(
-                    name=f"designs/{place}",
-                    step="workflow.steps.design",
-                    message=f"Solve joints {start + 1} to {part['stop']} of the design {name}",
-                    inputs=(),
-                    outputs=(f"designs/{place}.parquet",),
-                    arguments={**part, "asked": {**directions, **meshes}},
+                _batch_job(
+                    f"designs/{place}",
+                    "workflow.steps.design",
+                    f"Solve joints {start + 1} to {part['stop']} of the design {name}",
+                    {**part, "asked": {**directions, **meshes}},
                     modules=("workflow.solvers.static", "workflow.solvers.limit"),
                 ),
-                Job(
-                    name=f"law/{place}",
-                    step="workflow.steps.law",
-                    message=f"Ask the law of joints {start + 1} to {part['stop']} of {name}",
-                    inputs=(),
-                    outputs=(f"law/{place}.parquet",),
-                    arguments={**part, "asked": directions},
+                _batch_job(
+                    f"law/{place}",
+                    "workflow.steps.law",
+                    f"Ask the law of joints {start + 1} to {part['stop']} of {name}",
+                    {**part, "asked": directions},
                 ),
             ]
     return {job.name: job for job in jobs}
+
+
+def _batch_job(
+    name: str, step: str, message: str, arguments: dict[str, Any], modules: tuple[str, ...] = ()
+) -> Job:
+    """A job of a batch, whose only output is named after it."""
+    return Job(name, step, message, (), (f"{name}.parquet",), arguments, modules=modules)
 
 
 def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:
@@ -84,7 +88,7 @@ def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:
             step="analysis.figures.law",
             message="Draw the law",
             inputs=(points,),
-            outputs=tuple(f"figures/{name}.{kind}" for name in LAW_FIGURES for kind in KINDS),
+            outputs=tuple(drawn_files(LAW_FIGURES)),
             arguments={},
         ),
     )

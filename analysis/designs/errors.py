@@ -1,6 +1,7 @@
 """How far law, safe rule and the paper's rules are from the static model, region by region."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -98,9 +99,9 @@ def rules_table(points: pd.DataFrame) -> pd.DataFrame:
         "lower_sum": weights[:, 1],
     }
     rows = []
-    for (option, loads), (rule, locks) in _pairs(option_loads(ratios), counted):
+    for (option, loads), (rule, locks) in product(option_loads(ratios).items(), counted.items()):
         error = pd.Series(locks * loads[place] / own["peak"].to_numpy() - 1.0, index=own.index)
-        for body, least, most in _groups(own):
+        for body, (least, most) in product(sorted(set(own["upper_body"])), GROUPS):
             chosen = own["upper_body"].eq(body) & own["locks"].between(least, most)
             found = error[chosen].dropna()
             if len(found):
@@ -108,18 +109,6 @@ def rules_table(points: pd.DataFrame) -> pd.DataFrame:
                 told = {**spread(found), "unsafe_share": float((found > 0.0).mean())}
                 rows.append({"rule": rule, "option": option, **where, **told})
     return pd.DataFrame(rows, columns=list(RULE_ERRORS.columns))
-
-
-def _pairs(loads: Mapping[str, Floats], counted: Mapping[str, Floats]) -> Iterator[Any]:
-    for one in loads.items():
-        for other in counted.items():
-            yield one, other
-
-
-def _groups(points: pd.DataFrame) -> Iterator[tuple[str, int, int]]:
-    for body in sorted(set(points["upper_body"])):
-        for least, most in GROUPS:
-            yield body, least, most
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:

@@ -17,7 +17,7 @@ from sidmacib.chain.springs import first_failure
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Floats
-from workflow.design import Design
+from workflow.design import Design, with_ratios
 from workflow.plain import read_plain
 from workflow.results.tables import SENSITIVITY, write_table
 
@@ -67,33 +67,13 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     def loads(values: Floats) -> Floats:
         found = np.empty((len(RATIOS), values.shape[1]))
         for column, own in enumerate(values.T):
-            joint = _joint(replace(base, locks=locks, upper_body=body), *own.tolist())
+            joint = with_ratios(replace(base, locks=locks, upper_body=body), *own.tolist())
             for row, ratio in enumerate(RATIOS):
                 state = first_failure(joint, Loading(Direction(ratio)))
                 found[row, column] = state.load / joint.T0
         return found
 
     return loads
-
-
-def _joint(
-    base: Joint, a: float, h: float, height: float, shear: float, dry: float, friction: float
-) -> Joint:
-    """``base`` with sizes over b and stiffnesses over the normal one of its inner faces."""
-    normal = base.inner.normal_stiffness
-    return replace(
-        base,
-        a=a * base.b,
-        h=h * base.b,
-        H=height * base.b,
-        inner=replace(base.inner, shear_stiffness=shear * normal),
-        dry=replace(
-            base.dry,
-            normal_stiffness=dry * normal,
-            shear_stiffness=dry * normal,
-            friction=friction,
-        ),
-    )
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:

@@ -1,7 +1,7 @@
 """Which figures a study has. To add one: an entry here and a function in a module beside it."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from workflow.case import REFERENCE, Case
@@ -32,7 +32,11 @@ class FigureSpec:
 
 def figure_files(study: Study, detailed: tuple[str, ...]) -> list[str]:
     """Paths of all figures of ``study``, below the results folder."""
-    names = figures_of(study, detailed)
+    return drawn_files(figures_of(study, detailed))
+
+
+def drawn_files(names: Iterable[str]) -> list[str]:
+    """The files of the figures of these ``names``, below the results folder."""
     return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
 
 

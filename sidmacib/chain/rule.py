@@ -81,10 +81,8 @@ def require_covered(joint: Joint, direction: Direction) -> None:
             raise refused(
                 name, _short(value), f"from {low:g} to {high:g}, as in the study of the law"
             )
-    if joint.elastic is not None:
-        ratio = joint.elastic.young / (joint.inner.normal_stiffness * joint.b)
-        if ratio < SOFTEST * (1.0 - STRETCH):
-            raise refused("E / (Kn b)", _short(ratio), f"at least {SOFTEST:g}, or rigid")
+    if (ratio := joint.stiffness_ratio) < SOFTEST * (1.0 - STRETCH):
+        raise refused("E / (Kn b)", _short(ratio), f"at least {SOFTEST:g}, or rigid")
     tension = joint.inner.tensile_strength / joint.inner.cohesion
     if tension < LEAST_TENSION:
         raise refused(

@@ -1,24 +1,19 @@
 """Solve a batch of a design's joints in all directions, on two meshes, and write rows of them."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-
-import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.case import REFERENCE, Case, case_name
-from workflow.design import Design, Designed, designed
-from workflow.plain import read_plain
+from workflow.design import Designed
 from workflow.results.record import CaseRecord, ResultError
 from workflow.solvers import limit, static
+from workflow.steps.joints import write_rows
 from workflow.steps.solve import solved
 
 WHOLE = 0.999  # of a side: a mesh must be less than it
@@ -26,13 +21,7 @@ WHOLE = 0.999  # of a side: a mesh must be less than it
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the rows of the joints from ``start`` to before ``stop``."""
-    design, base = read_plain(Design, arguments["design"]), read_plain(Joint, arguments["base"])
-    rows = [
-        row
-        for one in designed(design, base, arguments["start"], arguments["stop"])
-        for row in joint_rows(one, **arguments["asked"])
-    ]
-    pq.write_table(pa.Table.from_pandas(pd.DataFrame(rows)), outputs[0], compression="zstd")
+    write_rows(arguments, joint_rows, outputs[0])
 
 
 def joint_rows(
@@ -60,7 +49,7 @@ def joint_rows(
 def parameters(one: Designed) -> dict[str, Any]:
     """The joint's parameters; ratios are those of `workflow.design.Design`."""
     joint, law = one.joint, one.joint.inner
-    elastic, stored = joint.elastic, law.cohesion**2 / (2.0 * law.shear_stiffness)
+    stored = law.cohesion**2 / (2.0 * law.shear_stiffness)
     return {
         "number": one.number,
         "locks": joint.locks,
@@ -75,9 +64,7 @@ def parameters(one: Designed) -> dict[str, Any]:
         "friction": joint.dry.friction,
         "pressure_over_cohesion": joint.hold_down.amount / law.cohesion,
         "plate": joint.pressing_force is None,
-        "stiffness_ratio": (
-            elastic.young / (law.normal_stiffness * joint.b) if elastic else math.inf
-        ),
+        "stiffness_ratio": joint.stiffness_ratio,
         "energy_ratio": law.fracture_energy / stored,
     }
 

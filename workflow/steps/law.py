@@ -5,10 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-import pyarrow as pa
-import pyarrow.parquet as pq
-
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
 from sidmacib.chain.springs import first_failure
@@ -16,21 +12,15 @@ from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
-from workflow.design import Design, Designed, designed
-from workflow.plain import read_plain
+from workflow.design import Designed
+from workflow.steps.joints import write_rows
 
 MANY = 41  # locks
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the rows of the joints from ``start`` to before ``stop``."""
-    design, base = read_plain(Design, arguments["design"]), read_plain(Joint, arguments["base"])
-    rows = [
-        row
-        for one in designed(design, base, arguments["start"], arguments["stop"])
-        for row in law_rows(one, **arguments["asked"])
-    ]
-    pq.write_table(pa.Table.from_pandas(pd.DataFrame(rows)), outputs[0], compression="zstd")
+    write_rows(arguments, law_rows, outputs[0])
 
 
 def law_rows(one: Designed, eccentricities: Sequence[float]) -> Iterator[dict[str, Any]]:
