@@ -146,6 +146,10 @@ class Springs:
         self.push, self.rub = dry.normal_stiffness * parts, dry.shear_stiffness * parts
         self.stand = dry.shear_stiffness * joint.a * joint.b * standing
         self.pushed_rows, self.rubbed_rows = _contact_rows(joint)
+        self.pushed_matrices, self.rubbed_matrices = (
+            outer(self.pushed_rows),
+            outer(self.rubbed_rows),
+        )
         self.standing_rows = _standing_rows(joint, self.upper)
         self.standing_matrices = outer(self.standing_rows).sum(axis=1)
 
@@ -269,8 +273,8 @@ class Springs:
     def _solved(self, load: float, touching: Floats, rubbing: Floats, standing: Floats) -> Floats:
         """Movements for given contacts and stiffnesses of friction."""
         whole = self.linear.copy()
-        push = np.tensordot(touching * self.push, outer(self.pushed_rows), 1)
-        push += np.tensordot(touching * rubbing, outer(self.rubbed_rows), 1)
+        push = np.tensordot(touching * self.push, self.pushed_matrices, 1)
+        push += np.tensordot(touching * rubbing, self.rubbed_matrices, 1)
         add_pairs(whole, push)
         add_locks(whole, standing[:, None, None] * self.standing_matrices)
         force = load * self.unit
