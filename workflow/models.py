@@ -144,7 +144,8 @@ MODELS = {
                 Obtained.LAW,
                 frozenset(
                     {
-                        *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
+                        *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE),
+                        *(Ability.TWO_STIFFNESSES, Ability.FRICTION),
                         *(Ability.RIGID, Ability.ELASTIC),
                     }
                 ),

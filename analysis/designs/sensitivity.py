@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.chain.springs import first_failure
+from sidmacib.chain.failure import first_failure
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Floats

@@ -1,70 +1,59 @@
-"""Forces in the faces of the chain of springs, and how far they use the faces' strength."""
+"""Bonded faces of the chain: their stiffness as a whole, and how far forces use their strength."""
 
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
-from sidmacib.joint import Joint, UpperBody
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.chain.movement import Rectangle, corners
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import FaceMaterial, Floats
 
 # Of pieces that bend: x squared over Ks b2 / (E h). Fitted to the static model, as no beam or plate
 # has the proportions of a lock.
 SHEAR_LAG = 0.87
 TURN_LAG = 1.74
-SIGNS = (-1.0, 1.0)
 
 
 @dataclass(frozen=True)
-class Faces:
-    """Forces (N) and moments (N m) in roots, shape (n,), and in cuts, shape (n - 1,).
+class Bond:
+    """A bonded face: stiffness per area (Pa/m) along its normal and across it."""
 
-    Of a cut: ``normal`` is a pull, ``turn`` and ``tilt`` bend it about z and x, ``slide_x`` and
-    ``slide_z`` shear it. A body of one rigid piece has no cuts.
-    """
+    face: Rectangle
+    normal_stiffness: float
+    shear_stiffness: float
 
-    force_x: Floats
-    force_y: Floats
-    torque: Floats
-    normal: Floats
-    turn: Floats
-    tilt: Floats
-    slide_x: Floats
-    slide_z: Floats
+    @property
+    def stiffness(self) -> Floats:
+        """Of relative displacements (N/m) and rotations (N m) at the centre, shape (6,)."""
+        face, (one, two) = self.face, self.face.along
+        squares = {axis: side**2 / 12.0 for axis, side in zip(face.along, face.sides, strict=True)}
+        own = np.empty(6)
+        own[[one, two]] = self.shear_stiffness
+        own[face.normal] = self.normal_stiffness
+        own[[3 + one, 3 + two]] = self.normal_stiffness * np.array([squares[two], squares[one]])
+        own[3 + face.normal] = self.shear_stiffness * sum(squares.values())
+        return own * face.area
 
-    def used(self, joint: Joint) -> float:
-        """The largest utilisation of any face: 1 is the first failure."""
-        return max(self.root_used(joint), self.cut_used(joint))
+    def used(
+        self, forces: Floats, law: FaceMaterial, uneven: tuple[float, float] = (1.0, 1.0)
+    ) -> Floats:
+        """The largest of shear and tension over strength at the corners, shape (N,).
 
-    def root_used(self, joint: Joint) -> float:
-        """The largest shear stress at a corner of any root, over the cohesion."""
-        return float(self.roots_used(joint).max())
-
-    def roots_used(self, joint: Joint) -> Floats:
-        """The largest shear stress at a corner of each root, over the cohesion, shape (n,)."""
-        area, polar = joint.a * joint.b, joint.a * joint.b * (joint.a**2 + joint.b**2) / 12.0
-        mean, turn = concentrations(joint)
-        force_x, force_y = mean * self.force_x / area, mean * self.force_y / area
-        torque = turn * self.torque / polar
-        shear = [
-            np.hypot(force_x - torque * y * joint.b / 2.0, force_y + torque * x * joint.a / 2.0)
-            for x, y in product(SIGNS, SIGNS)
-        ]
-        return np.asarray(np.max(shear, axis=0) / joint.inner.cohesion)
-
-    def cut_used(self, joint: Joint) -> float:
-        """The largest use of a cut's tensile strength, at a corner, or of its cohesion.
-
-        A body of one piece has none, though it may bend.
+        ``forces`` (N) and moments (N m) at the centre, (N, 6). ``uneven``: the stress at the end
+        over that of a rigid piece, from shear and from turning, see `concentrations`.
         """
-        if joint.upper_body is UpperBody.MONOLITHIC:
-            return 0.0
-        a, height, law = joint.a, joint.H, joint.inner
-        bent = 6.0 * np.abs(self.turn) / (height * a**2) + 6.0 * np.abs(self.tilt) / (a * height**2)
-        pull = (self.normal / (a * height) + bent).max()
-        shear = np.hypot(self.slide_x, self.slide_z).max() / (a * height)
-        torn = pull / law.tensile_strength if law.tensile_strength else np.inf * max(pull, 0.0)
-        return float(max(torn, shear / law.cohesion))
+        face, (one, two) = self.face, self.face.along
+        first, second = face.sides
+        along, turned = uneven
+        turn = turned * 12.0 * forces[:, 3 + face.normal] / (first**2 + second**2)
+        shear = [
+            np.hypot(along * forces[:, one] - turn * y, along * forces[:, two] + turn * x)
+            for x, y in corners(face)
+        ]
+        bent = 6.0 * (np.abs(forces[:, 3 + one]) / second + np.abs(forces[:, 3 + two]) / first)
+        pull = forces[:, face.normal] + bent
+        used = np.max(shear, axis=0) / law.cohesion, pull / law.tensile_strength
+        return np.asarray(np.maximum(*used) / face.area)
 
 
 def concentrations(joint: Joint) -> tuple[float, float]:

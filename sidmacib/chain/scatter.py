@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+from sidmacib.chain.failure import first_failure
 from sidmacib.chain.rule import require_covered
-from sidmacib.chain.springs import first_failure
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats

@@ -5,9 +5,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from sidmacib.chain.failure import first_failure
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
-from sidmacib.chain.springs import first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint
