@@ -54,42 +54,59 @@ def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:
     solved = [job for name, job in found.items() if name.startswith("designs/")]
     told = [job for name, job in found.items() if name.startswith("law/")]
     names = [job.name.partition("/")[2].rpartition("-")[0] for job in solved]
-    points = "tables/points.csv"
+    points, base = "tables/points.csv", asdict(study.base_joint)
+    design = asdict(next(iter(study.designs.values())).design())
+
+    def job(name: str, message: str, outputs: tuple[str, ...], **arguments: Any) -> Job:
+        """A job that makes something of all points, or of joints like the study's ones."""
+        inputs = () if "base" in arguments else (points,)
+        return Job(name, f"analysis.designs.{name}", message, inputs, outputs, arguments)
+
+    together = Job(
+        name="points",
+        step="analysis.designs.points",
+        message="Put the designs' batches together",
+        inputs=tuple(job.outputs[0] for job in (*solved, *told)),
+        outputs=(points,),
+        arguments={"designs": names},
+    )
+    drawn = Job(
+        name="law_figures",
+        step="analysis.figures.law",
+        message="Draw the law",
+        inputs=(points,),
+        outputs=tuple(drawn_files(LAW_FIGURES)),
+        arguments={},
+    )
     jobs = (
-        Job(
-            name="points",
-            step="analysis.designs.points",
-            message="Put the designs' batches together",
-            inputs=tuple(job.outputs[0] for job in (*solved, *told)),
-            outputs=(points,),
-            arguments={"designs": names},
+        together,
+        job(
+            "errors",
+            "Hold law and rules against the static model",
+            ("tables/law.csv", "tables/rules.csv"),
         ),
-        Job(
-            name="errors",
-            step="analysis.designs.errors",
-            message="Hold law and rules against the static model",
-            inputs=(points,),
-            outputs=("tables/law.csv", "tables/rules.csv"),
-            arguments={},
+        job("interaction", "Hold curves between both ends against it", ("tables/interaction.csv",)),
+        job("bonds", "Tell what bonds that fade add", ("tables/bonds.csv",)),
+        job("freedoms", "Fit contact points to the designs' peaks", ("tables/freedoms.csv",)),
+        job(
+            "sensitivity",
+            "Tell which parameter the first failure hangs on",
+            ("tables/sensitivity.csv",),
+            design=design,
+            base=base,
         ),
-        Job(
-            name="sensitivity",
-            step="analysis.designs.sensitivity",
-            message="Tell which parameter the first failure hangs on",
-            inputs=(),
-            outputs=("tables/sensitivity.csv",),
-            arguments={
-                "design": asdict(next(iter(study.designs.values())).design()),
-                "base": asdict(study.base_joint),
-            },
+        job(
+            "characteristic",
+            "Tell what scatter of the locks' strength costs",
+            ("tables/characteristic.csv",),
+            base=base,
         ),
-        Job(
-            name="law_figures",
-            step="analysis.figures.law",
-            message="Draw the law",
-            inputs=(points,),
-            outputs=tuple(drawn_files(LAW_FIGURES)),
-            arguments={},
+        job(
+            "assumed_sizes",
+            "Tell what hangs on sizes that are assumed",
+            ("tables/assumed_sizes.csv",),
+            base=base,
         ),
+        drawn,
     )
     return {job.name: replace(job, others=parquet_beside(job.outputs)) for job in jobs}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.contact_points import OPTIONS
+from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.programme import Sidmacib, capacities
@@ -66,27 +66,31 @@ def law_table(points: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
-def option_loads(ratios: Sequence[float]) -> dict[str, Floats]:
-    """SiDMACIB's load over that of the locks that count, per option and direction e / a.
+def unit_loads(option: ContactOption, ratios: Sequence[float]) -> Floats:
+    """SiDMACIB's load of one lock that counts over T0, along directions e / a.
 
     Without friction its envelope grows with the number of locks that count, and nothing else.
     """
     joint = Joint(3)
-    directions = [Direction(ratio) for ratio in ratios]
-    return {
-        name: np.array(
-            [
-                point.load / (joint.locks * joint.T0)
-                for point in capacities(Sidmacib(joint, option, friction=False), directions)
-            ]
-        )
-        for name, option in OPTIONS.items()
-    }
+    model = Sidmacib(joint, option, friction=False)
+    points = capacities(model, [Direction(ratio) for ratio in ratios])
+    return np.array([point.load for point in points]) / (joint.locks * joint.T0)
+
+
+def option_loads(ratios: Sequence[float]) -> dict[str, Floats]:
+    """`unit_loads` of each of the paper's options."""
+    return {name: unit_loads(option, ratios) for name, option in OPTIONS.items()}
+
+
+def brittle_odd_joints(points: pd.DataFrame) -> pd.DataFrame:
+    """What the paper's rules are about: odd joints under a plate, whose bonds are brittle."""
+    chosen = points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)
+    return points[chosen & points["failure"].eq("brittle")]
 
 
 def rules_table(points: pd.DataFrame) -> pd.DataFrame:
     """The paper's rules against the brittle peak: odd joints under a plate, by number of locks."""
-    own = points[points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)]
+    own = brittle_odd_joints(points)
     ratios = sorted(set(own["eccentricity_over_a"]))
     place = own["eccentricity_over_a"].map({ratio: k for k, ratio in enumerate(ratios)}).to_numpy()
     pure = own[own["eccentricity_over_a"].eq(0.0)].set_index(["design", "number"])

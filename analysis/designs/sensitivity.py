@@ -1,6 +1,6 @@
 """Which parameter the first failure hangs on: Sobol indices of the law over a design's spans.
 
-Over T0, so that the strength of the bonds has no part in it: a load is proportional to that.
+A load is proportional to the bonds' strength, which is spread as much as it may scatter in masonry.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +24,11 @@ from workflow.results.tables import SENSITIVITY, write_table
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
 DRAWS = 128  # a power of two, as Sobol sequences want
-PARAMETERS = ("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction")
+RATIO_NAMES = (
+    *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
+)
+COHESIONS = (1.0 / 1.5, 1.5)  # over the design's: some 25 % of scatter
+PARAMETERS = (*RATIO_NAMES, "cohesion")
 
 
 def sensitivity_table(design: Design, base: Joint, draws: int = DRAWS) -> pd.DataFrame:
@@ -32,7 +36,7 @@ def sensitivity_table(design: Design, base: Joint, draws: int = DRAWS) -> pd.Dat
 
     ``friction`` is spread evenly from none to the most, the others in their logarithm.
     """
-    spans = {name: getattr(design, name) for name in PARAMETERS}
+    spans = {name: getattr(design, name) for name in RATIO_NAMES} | {"cohesion": COHESIONS}
     spreads = [
         uniform(0.0, span[1]) if name == "friction" else loguniform(*span)
         for name, span in spans.items()
@@ -62,15 +66,15 @@ def sensitivity_table(design: Design, base: Joint, draws: int = DRAWS) -> pd.Dat
 
 
 def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Floats]:
-    """First failures over T0, shape (directions, N), of joints with parameters of shape (6, N)."""
+    """First failures over T0, shape (directions, N), of joints with parameters of shape (7, N)."""
 
     def loads(values: Floats) -> Floats:
         found = np.empty((len(RATIOS), values.shape[1]))
-        for column, own in enumerate(values.T):
-            joint = with_ratios(replace(base, locks=locks, upper_body=body), *own.tolist())
+        for column, (*ratios, cohesion) in enumerate(values.T.tolist()):
+            joint = with_ratios(replace(base, locks=locks, upper_body=body), *ratios)
             for row, ratio in enumerate(RATIOS):
                 state = first_failure(joint, Loading(Direction(ratio)))
-                found[row, column] = state.load / joint.T0
+                found[row, column] = cohesion * state.load / joint.T0
         return found
 
     return loads

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.designs.errors import option_loads
+from analysis.designs.errors import brittle_odd_joints, option_loads
 from analysis.figures import style
 from sidmacib.chain.pairs import Pairs
 from workflow.results.tables import POINTS, read_table
@@ -107,7 +107,7 @@ def margins(points: pd.DataFrame) -> Figure:
 def rules(points: pd.DataFrame) -> Figure:
     """Where (n - 1) / 2 locks are too many, by number of locks and what a long joint has."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
-    own = points[points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)]
+    own = brittle_odd_joints(points)
     pure = own[own["eccentricity_over_a"].eq(0.0)]
     ratios = sorted(set(own["eccentricity_over_a"]))
     best = option_loads(ratios)["option4"]

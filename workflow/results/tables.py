@@ -124,6 +124,48 @@ RULE_ERRORS = Table(
     ("rule", "option", "upper_body", "locks"),
     digits=4,
 )
+BONDS = Table(
+    "bonds",
+    (
+        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
+        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
+    ),
+    ("bonds", "upper_body", "eccentricity_over_a"),
+    digits=4,
+)
+INTERACTION = Table(
+    "interaction",
+    ("exponent", "design", "dry_faces", "upper_body", "eccentricity_over_a", *_SPREAD),
+    ("exponent", "design", "dry_faces", "upper_body", "eccentricity_over_a"),
+    digits=4,
+)
+FREEDOMS = Table(
+    "freedoms",
+    (
+        *("design", "freedom", "upper_body", "locks", "joints", "mean_misfit"),
+        *("misfit_95_percent", "locks_that_count", "position_over_a", "middle_share"),
+    ),
+    ("design", "freedom", "upper_body", "locks"),
+    digits=4,
+)
+CHARACTERISTIC = Table(
+    "characteristic",
+    (
+        *("locks", "upper_body", "eccentricity_over_a", "variation", "law_N"),
+        *("median_over_law", "characteristic_over_law"),
+    ),
+    ("locks", "upper_body", "eccentricity_over_a", "variation"),
+    digits=4,
+)
+ASSUMED_SIZES = Table(
+    "assumed_sizes",
+    (
+        *("locks", "friction", "half", "sizes", "working_at_assumed_sizes", "least_working"),
+        *("median_working", "most_working", "unsafe_share_of_half"),
+    ),
+    ("locks", "friction"),
+    digits=4,
+)
 ENVELOPES = Table(
     "envelopes",
     ("sample", "option", "friction", "vertex", "shear_N", "torque_Nm"),

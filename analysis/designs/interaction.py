@@ -1,0 +1,71 @@
+"""Whether pure shear and pure torsion are enough to know what lies between: V-M envelopes.
+
+The curve (V / V0)^p + (M / M0)^p = 1 goes through both ends; p = 1 is the straight line. Its loads
+are held against first failures of the static model, of which V0 and M0 are those at the ends.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from analysis.designs.errors import ALL, KNOWN, spread
+from workflow.results.tables import INTERACTION, POINTS, read_table, write_table
+
+EXPONENTS = (1.0, 1.25, 1.5, 2.0)
+JOINT = ["design", "number"]
+REGION = ["design", "dry_faces", "upper_body", "eccentricity_over_a"]
+
+
+def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
+    """Load along e / a on the curve through the loads at both ends, of the same unit.
+
+    ``torsion`` is M0 over a. ValueError for a direction that is an end itself.
+    """
+    if not 0.0 < ratio < math.inf:
+        raise ValueError(f"ratio: {ratio:g} is not possible; it must be between the ends")
+    part = np.array([1.0, ratio]) / math.hypot(1.0, ratio)
+    return float(
+        ((part[0] / shear) ** exponent + (part[1] / torsion) ** exponent) ** -(1 / exponent)
+    )
+
+
+def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Errors of the curves, by region and for all directions of a design's region together."""
+    known = points["first_failure"].gt(0.0) & points["first_failure_mesh_error"].abs().lt(KNOWN)
+    own = points[points["plate"] & known & points["failure"].eq("brittle")]
+    own = own.assign(dry_faces=np.where(own["friction"] > 0.0, "rough", "smooth"))
+
+    def at(ratio: float) -> "pd.Series[float]":
+        chosen = own[own["eccentricity_over_a"].eq(ratio)]
+        return chosen.set_index(JOINT)["first_failure"]
+
+    joint = pd.MultiIndex.from_frame(own[JOINT])
+    ends = own.assign(
+        shear=at(0.0).reindex(joint).to_numpy(), torsion=at(math.inf).reindex(joint).to_numpy()
+    ).dropna(subset=["shear", "torsion"])
+    between = ends[ends["eccentricity_over_a"].gt(0.0) & ends["eccentricity_over_a"].lt(math.inf)]
+    rows = []
+    for exponent in EXPONENTS:
+        loads = [
+            curve(shear, torsion, ratio, exponent)
+            for shear, torsion, ratio in zip(
+                between["shear"], between["torsion"], between["eccentricity_over_a"], strict=True
+            )
+        ]
+        error = np.array(loads) / between["first_failure"] - 1.0
+        for keys in (REGION, REGION[:-1]):
+            for values, group in between.assign(error_of=error).groupby(keys, sort=True):
+                where = dict.fromkeys(REGION, ALL) | dict(zip(keys, values, strict=True))
+                rows.append({"exponent": exponent, **where, **spread(group["error_of"])})
+    table = pd.DataFrame(rows, columns=list(INTERACTION.columns))
+    table["eccentricity_over_a"] = table["eccentricity_over_a"].astype(str)
+    return table
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the table."""
+    write_table(INTERACTION, interaction_table(read_table(POINTS, inputs[0])), outputs[0])
