@@ -1,7 +1,7 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make calibrate  which geometry fits the published numbers
-# make locks   the study of the law: how many locks work, over 17,664 joints; hours, goes on where stopped
+# make locks   the study of the law: how many locks work, over 14,592 joints; hours, goes on where stopped
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it

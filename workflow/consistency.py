@@ -46,8 +46,24 @@ def faults(study: Study) -> Iterator[str]:
             f"figures.mesh: {study.figures.mesh} m is not allowed; it must be one of meshes: "
             f"{_some(study.meshes)}"
         )
+    yield from _measured(study)
     if REFERENCE in study.variants:
         yield f"variants: the name {REFERENCE} is taken; it must be another"
+
+
+def _measured(study: Study) -> Iterator[str]:
+    """Measured loads that no case of the study stands beside."""
+    for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
+        if load.sample not in study.samples:
+            yield (
+                f"measured.loads.{number}.sample: {load.sample} is not allowed; it must be one of "
+                f"samples: {', '.join(study.samples)}"
+            )
+        if load.eccentricity not in study.eccentricities:
+            yield (
+                f"measured.loads.{number}.eccentricity: {load.eccentricity:g} is not allowed; it "
+                f"must be one of eccentricities: {_some(study.eccentricities)}"
+            )
 
 
 def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:

@@ -207,7 +207,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
         if spec.case is not None
     }
     stresses = tuple(dict.fromkeys(shown.values()))
-    jobs = (
+    jobs: tuple[Job, ...] = (
         Job(
             name="collect",
             step="analysis.collect",
@@ -286,6 +286,18 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
             arguments={},
         ),
     )
+    if study.measured is not None:
+        jobs = (
+            *jobs,
+            Job(
+                name="measured",
+                step="analysis.measured",
+                message="Put measured loads beside the models",
+                inputs=("tables/capacity.csv",),
+                outputs=("tables/measured.csv",),
+                arguments={"study": study.measured_json()},
+            ),
+        )
     return {job.name: replace(job, others=parquet_beside(job.outputs)) for job in jobs}
 
 

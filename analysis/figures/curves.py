@@ -76,6 +76,7 @@ def meshes(material: Material) -> Figure:
             for model in material.detailed_of(sample):
                 model_curve(axis, material, model, sample, mesh, colour)
         published_point(axis, material.capacity, sample)
+        measured_points(axis, material, sample)
         style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
         axis.legend(fontsize=8)
     style.caption(
@@ -177,3 +178,13 @@ def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
             zorder=4,
             label="published (3DEC), e = 0",
         )
+
+
+def measured_points(axes: Axes, material: Material, sample: str) -> None:
+    """Loads that were measured on a sample, if the study has any."""
+    given = material.study.measured
+    own = [load for load in given.loads if load.sample == sample] if given else []
+    if own:
+        a = material.study.joint(sample).a
+        shear, torque = zip(*(load.components(a) for load in own), strict=True)
+        axes.plot(shear, torque, "k*", ms=9, label="measured", zorder=5)

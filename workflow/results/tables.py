@@ -124,6 +124,14 @@ RULE_ERRORS = Table(
     ("rule", "option", "upper_body", "locks"),
     digits=4,
 )
+MEASURED = Table(
+    "measured",
+    (
+        *("number", "specimen", "sample", "eccentricity_over_a", "measured_shear_N"),
+        *("measured_torque_Nm", "measured_load_N", "model", "variant", "load_N", "difference"),
+    ),
+    ("number", "model", "variant"),
+)
 BONDS = Table(
     "bonds",
     (

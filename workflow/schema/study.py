@@ -15,6 +15,7 @@ from workflow.schema.design import DesignSection
 from workflow.schema.figures import FiguresSection
 from workflow.schema.geometry import GeometrySection, SampleSection
 from workflow.schema.materials import InnerChanges, MaterialsSection
+from workflow.schema.measured import MeasuredSection
 from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
@@ -40,6 +41,7 @@ class Study(Section):
     calibration: CalibrationSection = CalibrationSection()
     figures: FiguresSection = FiguresSection()
     designs: dict[Name, DesignSection] = Field(default_factory=dict)
+    measured: MeasuredSection | None = None
 
     @property
     def model_names(self) -> tuple[str, ...]:
@@ -86,12 +88,20 @@ class Study(Section):
     def tables_json(self) -> str:
         """What the tables depend on, as JSON; the engines' numerics are not part of it."""
         return self._without(
+            "results", "overrides", "variants", "calibration", "figures", "designs", "measured"
+        )
+
+    def measured_json(self) -> str:
+        """What the comparison with measured loads depends on, as JSON."""
+        return self._without(
             "results", "overrides", "variants", "calibration", "figures", "designs"
         )
 
     def pieces_json(self) -> str:
         """What the models of the joint's pieces that need no engine depend on, as JSON."""
-        return self._without("results", "overrides", "calibration", "figures", "designs")
+        return self._without(
+            "results", "overrides", "calibration", "figures", "designs", "measured"
+        )
 
     def figures_json(self) -> str:
         """What the figures depend on, as JSON; the engines' numerics are not part of it."""
@@ -100,7 +110,7 @@ class Study(Section):
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
         return self.model_dump_json(
-            exclude={"results", "overrides", "variants", "figures", "designs"}
+            exclude={"results", "overrides", "variants", "figures", "designs", "measured"}
         )
 
     def _without(self, *sections: str) -> str:

@@ -1,0 +1,51 @@
+"""Measured loads beside those of all models, in the same direction."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workflow.case import case_name
+from workflow.results.tables import CAPACITY, MEASURED, read_table, write_table
+from workflow.schema import Study
+
+
+def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
+    """One row for each measured load and model, on the study's finest mesh.
+
+    ``load_N`` are lengths of (V, M / a). A model without a result has an empty one.
+    """
+    rows: list[dict[str, Any]] = []
+    if study.measured is None:
+        return pd.DataFrame(rows, columns=list(MEASURED.columns))
+    finest = min(study.meshes)
+    for number, load in enumerate(study.measured.loads, start=1):
+        a = study.joint(load.sample).a
+        shear, torque = load.components(a)
+        measured = math.hypot(shear, torque / a)
+        case = case_name(load.sample, finest, load.eccentricity)
+        for model in capacity[capacity["case"] == case].itertuples():
+            rows.append(
+                {
+                    "number": number,
+                    "specimen": load.specimen,
+                    "sample": load.sample,
+                    "eccentricity_over_a": load.eccentricity,
+                    "measured_shear_N": shear,
+                    "measured_torque_Nm": torque,
+                    "measured_load_N": measured,
+                    "model": model.model,
+                    "variant": model.variant,
+                    "load_N": model.load_N,
+                    "difference": model.load_N / measured - 1.0,
+                }
+            )
+    return pd.DataFrame(rows, columns=list(MEASURED.columns))
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the table."""
+    study = Study.model_validate_json(arguments["study"])
+    write_table(MEASURED, measured_table(study, read_table(CAPACITY, inputs[0])), outputs[0])

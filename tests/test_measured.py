@@ -1,0 +1,91 @@
+"""Measured loads: how they are given, and what stands beside them."""
+
+import math
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from analysis.measured import measured_table
+from workflow.case import case_name
+from workflow.configuration import ConfigError, read_study
+from workflow.plan import plan_of
+from workflow.schema import Study
+from workflow.schema.measured import MeasuredLoad
+
+SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
+
+
+def study_with(*loads: dict[str, Any]) -> Study:
+    return read_study(
+        {
+            "samples": {"n3": {"locks": 3}},
+            "eccentricities": [0, 0.5, "torsion"],
+            "models": ["static", "law"],
+            "dem": {"engines": []},
+            "measured": {**SOURCE, "loads": list(loads)},
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("load", "expected"),
+    [
+        ({"eccentricity": 0, "shear": 100.0}, (100.0, 0.0)),
+        ({"eccentricity": 0.5, "shear": 100.0}, (100.0, 3.0)),
+        ({"eccentricity": 0.5, "torque": 3.0}, (100.0, 3.0)),
+        ({"eccentricity": "torsion", "torque": 3.0}, (0.0, 3.0)),
+    ],
+)
+def test_a_load_is_given_by_its_shear_or_its_torque(
+    load: dict[str, Any], expected: tuple[float, float]
+) -> None:
+    found = MeasuredLoad.model_validate({"sample": "n3", **load}).components(a=0.06)
+    assert found == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        ({"eccentricity": 0}, "must be given"),
+        ({"eccentricity": 0, "torque": 3.0}, "shear alone"),
+        ({"eccentricity": 0.5, "shear": 1.0, "torque": 3.0}, "one of shear"),
+        ({"eccentricity": "torsion", "shear": 1.0}, "torque alone in torsion"),
+        ({"eccentricity": 0, "shear": -1.0}, "shear: -1.0 is not allowed"),
+        ({"eccentricity": 0.1, "shear": 1.0}, "must be one of eccentricities"),
+        ({"sample": "n9", "eccentricity": 0, "shear": 1.0}, "must be one of samples: n3"),
+    ],
+)
+def test_faults_in_a_load_are_told(load: dict[str, Any], words: str) -> None:
+    with pytest.raises(ConfigError, match=words):
+        study_with({"sample": "n3", **load})
+
+
+def test_a_campaign_without_a_source_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"measured\.source"):
+        read_study({"samples": {"n3": {"locks": 3}}, "measured": {"digitised": "x", "loads": []}})
+
+
+def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> None:
+    study = study_with({"sample": "n3", "eccentricity": 0.5, "torque": 3.0, "specimen": "A1"})
+    case = case_name("n3", min(study.meshes), 0.5)
+    other = case_name("n3", max(study.meshes), 0.5)
+    capacity = pd.DataFrame(
+        [
+            ("law", "reference", case, 115.0),
+            ("static", "reference", case, None),
+            ("static", "reference", other, 1.0),
+        ],
+        columns=["model", "variant", "case", "load_N"],
+    )
+    table = measured_table(study, capacity).set_index("model")
+    assert table.loc["law", "measured_load_N"] == pytest.approx(math.hypot(100.0, 3.0 / 0.06))
+    assert table.loc["law", "difference"] == pytest.approx(115.0 / math.hypot(100.0, 50.0) - 1.0)
+    assert math.isnan(table.loc["static", "difference"])
+
+
+def test_a_study_without_measured_loads_has_no_table_of_them() -> None:
+    with_loads = study_with({"sample": "n3", "eccentricity": 0, "shear": 240.0})
+    assert "measured" in plan_of(with_loads).jobs
+    without = with_loads.model_copy(update={"measured": None})
+    assert "measured" not in plan_of(without).jobs
