@@ -197,12 +197,11 @@ def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
 
 def test_shares_of_strength_among_locks_are_no_freedom_without_friction() -> None:
     joint, option = Joint(5), OPTIONS["option4"]
-    shared = [joint.T0 * part for part in (1.0, 0.2, 0.6, 0.2, 0.5)]
-    even = [joint.T0 * 0.5] * 5
+    shared, even = (1.0, 0.2, 0.6, 0.2, 0.5), (0.5,) * 5
     for ratio in RATIOS:
         loads = [
-            capacity(Sidmacib(joint, option, strength, friction=False), Direction(ratio)).load
-            for strength in (tuple(shared), tuple(even))
+            capacity(Sidmacib(joint, option, weights, friction=False), Direction(ratio)).load
+            for weights in (shared, even)
         ]
         assert loads[0] == pytest.approx(loads[1], rel=1e-6)
 

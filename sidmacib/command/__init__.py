@@ -1,0 +1,1 @@
+"""The command `multilock`: answers for one joint, in a terminal."""

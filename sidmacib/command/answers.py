@@ -1,0 +1,150 @@
+"""What is told of one joint: rows of names and values, with units in the names."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sidmacib.chain.pairs import bearing_pairs, pairs_of
+from sidmacib.chain.rule import law, safe
+from sidmacib.contact_points import OPTIONS
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.path import StaticSolution
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
+from sidmacib.programme import Sidmacib, capacity
+from sidmacib.revision import active
+from sidmacib.weights import lock_weights
+
+Row = dict[str, Any]
+MESHES = (0.999, 0.4995)  # of the shorter side of a lock: the second tells the error of the first
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A model's load (N) along a direction, and what it says beside; None: no such load."""
+
+    load: float | None
+    note: str = ""
+
+
+def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
+    return Answer(law(joint, direction, push).load, "first failure")
+
+
+def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
+    return Answer(safe(joint, direction, push).load, "for design")
+
+
+def _solved(joint: Joint, direction: Direction, push: Push, mesh: float) -> StaticSolution:
+    assembly = assemble(joint, mesh * joint.least_side)
+    return static_peak(assembly, lateral_load(joint, assembly, Loading(direction, push=push)))
+
+
+def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
+    coarse, fine = (_solved(joint, direction, push, mesh) for mesh in MESHES)
+    error = coarse.peak.load / fine.peak.load - 1.0
+    first = fine.first_failure_load
+    told = (
+        "" if first is None else f"first failure at {100.0 * first / fine.peak.load:.0f} % of it; "
+    )
+    return Answer(float(fine.peak.load), f"peak; {told}mesh error {100.0 * abs(error):.1f} %")
+
+
+def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
+    assembly = assemble(joint, MESHES[1] * joint.least_side)
+    loads = lateral_load(joint, assembly, Loading(direction, push=push))
+    return Answer(float(limit_load(assembly, loads).load), "bonds that yield, no friction")
+
+
+def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
+    counted = bearing_pairs(joint, push)
+    model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
+    return Answer(
+        capacity(model, direction).load, f"Option 4, {counted} locks count; assumed points"
+    )
+
+
+MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
+    "safe": _safe,
+    "law": _law,
+    "static": _static,
+    "limit": _limit,
+    "sidmacib": _sidmacib,
+}
+
+
+def capacity_rows(
+    joint: Joint, ratios: Sequence[float], models: Sequence[str], push: Push
+) -> list[Row]:
+    """Shear and torque that each model gives, in each direction e / a.
+
+    A model that refuses the joint has a note in place of a load.
+    """
+    rows = []
+    for ratio in ratios:
+        direction = Direction(ratio)
+        for name in models:
+            try:
+                answer = MODELS[name](joint, direction, push)
+            except (CapacityError, ValueError) as error:
+                answer = Answer(None, " ".join(str(error).split()))
+            load = answer.load
+            rows.append(
+                {
+                    "e/a": "torsion" if math.isinf(ratio) else ratio,
+                    "model": name,
+                    "V (N)": None if load is None else load * direction.shear,
+                    "M (N m)": None if load is None else load * direction.torque * joint.a,
+                    "note": answer.note,
+                }
+            )
+    return rows
+
+
+def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
+    """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
+    assembly = assemble(joint, MESHES[1] * joint.least_side)
+    loads = lateral_load(joint, assembly, Loading(Direction(ratio), push=push))
+    solution = static_peak(assembly, loads)
+    return [
+        {
+            "lock": each.lock,
+            "block": each.block,
+            "weight": each.weight,
+            "Vx (N)": _without_noise(each.shear_x_N, joint),
+            "Vy (N)": _without_noise(each.shear_y_N, joint),
+            "largest shear / cohesion": each.max_shear_ratio,
+        }
+        for each in lock_weights(joint, assembly, solution.peak.force)
+    ]
+
+
+def _without_noise(force: float, joint: Joint) -> float:
+    """0 for what rounding makes of forces that balance."""
+    return force if abs(force) > 1e-9 * max(joint.strengths) else 0.0
+
+
+def law_rows(joint: Joint, push: Push) -> list[Row]:
+    """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    pairs = pairs_of(joint, push)
+    told: list[tuple[str, Any, str]] = [
+        ("pairs that bear", pairs.count, "(n - 1) / 2 of an odd joint"),
+        ("locks that work, closed form", pairs.working, "smooth columns, V over T0"),
+        ("locks that work among any number", _finite(pairs.most), "closed form"),
+        ("transfer length", _finite(pairs.transfer_length), "pairs over which forces fall by e"),
+    ]
+    for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
+        load = row["V (N)"]
+        working = None if load is None else load / joint.T0
+        told.append((f"locks that work, {row['model']}", working, row["note"]))
+        told.append((f"V (N), {row['model']}", load, row["note"]))
+    return [{"what": what, "value": value, "note": note} for what, value, note in told]
+
+
+def _finite(value: float) -> float | None:
+    """None for what has no limit."""
+    return value if math.isfinite(value) else None

@@ -1,0 +1,135 @@
+"""The command `multilock`."""
+
+import importlib
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sidmacib.command.joints import EccentricityType, joint_of, joint_options
+from sidmacib.command.output import FORMATS, draw, text_of
+from sidmacib.loading import Push
+
+DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
+MODELS = ("safe", "law", "static", "limit", "sidmacib")
+CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
+
+_format = click.option(
+    "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True
+)
+_models = click.option(
+    "-m", "--model", "models", multiple=True, type=click.Choice(MODELS), help="May be repeated."
+)
+
+
+@click.group(context_settings=CONTEXT)
+@click.version_option(package_name="multilock")
+def main() -> None:
+    r"""Tell how much torsion and shear an interlocking joint with several locks takes.
+
+    \b
+      multilock capacity -n 9 -e 0.3           loads of a joint of nine locks at e = 0.3 a
+      multilock envelope --picture vm.png      its V-M curve
+      multilock weights -n 5                   what each lock carries at the peak
+      multilock law -n 9 -H 0.06               how many locks work
+      multilock cases config.yaml              a study's cases and their state
+
+    Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study.
+    For completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
+    """
+
+
+@main.command()
+@joint_options
+@click.option(
+    "-e",
+    "--eccentricity",
+    "ratios",
+    multiple=True,
+    type=EccentricityType(),
+    default=(0.0,),
+    help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
+)
+@_models
+@_format
+def capacity(
+    ratios: Sequence[float], models: Sequence[str], form: str, push: str, **joint: Any
+) -> None:
+    """Shear and torque that a joint carries, after several models.
+
+    safe is for design, law the best estimate of the first failure, static the peak of the joint's
+    pieces, limit what bonds that yield reach, sidmacib the published rule.
+    """
+    from sidmacib.command.answers import capacity_rows
+
+    chosen = models or ("safe", "law", "static")
+    click.echo(text_of(capacity_rows(joint_of(joint), ratios, chosen, Push(push)), form))
+
+
+@main.command()
+@joint_options
+@_models
+@_format
+@click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the curves into this file: .png, .svg or .pdf.",
+)
+def envelope(
+    models: Sequence[str], form: str, picture: Path | None, push: str, **joint: Any
+) -> None:
+    """The V-M curve from pure shear to pure torsion."""
+    from sidmacib.command.answers import capacity_rows
+
+    own = joint_of(joint)
+    rows = capacity_rows(own, DIRECTIONS, models or ("safe", "law"), Push(push))
+    if picture is not None:
+        draw(rows, picture, f"{own.locks} locks")
+    click.echo(text_of(rows, form))
+
+
+@main.command()
+@joint_options
+@click.option(
+    "-e", "--eccentricity", "ratio", type=EccentricityType(), default=0.0, help="e / a, or torsion."
+)
+@_format
+def weights(ratio: float, form: str, push: str, **joint: Any) -> None:
+    """What each lock carries at the peak, over its strength (static model)."""
+    from sidmacib.command.answers import weight_rows
+    from sidmacib.errors import CapacityError
+
+    try:
+        rows = weight_rows(joint_of(joint), ratio, Push(push))
+    except CapacityError as error:
+        raise click.ClickException(str(error)) from None
+    click.echo(text_of(rows, form))
+
+
+@main.command()
+@joint_options
+@_format
+def law(form: str, push: str, **joint: Any) -> None:
+    """How many locks work in pure shear: closed form, law and safe rule."""
+    from sidmacib.command.answers import law_rows
+
+    click.echo(text_of(law_rows(joint_of(joint), Push(push)), form))
+
+
+@main.command()
+@click.argument("config", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--results", help="Results folder, in place of the configuration's.")
+@_format
+def cases(config: Path, results: str | None, form: str) -> None:
+    """A study's cases and their state; in the project's folder, where the workflow is."""
+    if not Path("workflow", "state.py").is_file():
+        raise click.ClickException("no workflow here; run this in the folder of the project")
+    sys.path.insert(0, str(Path.cwd()))
+    state = importlib.import_module("workflow.state")
+    try:
+        rows = state.case_rows(config, results)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    click.echo(text_of(rows, form))

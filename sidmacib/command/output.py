@@ -1,0 +1,70 @@
+"""Rows as a table for a terminal, as JSON, as CSV, or as a picture of V and M."""
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sidmacib.command.answers import Row
+
+DIGITS = 4
+FORMATS = ("table", "json", "csv")
+
+
+def text_of(rows: Sequence[Row], form: str) -> str:
+    """``rows`` in one of `FORMATS`; JSON and CSV have all digits."""
+    if form == "json":
+        return json.dumps(list(rows), indent=1)
+    head = list(rows[0]) if rows else []
+    if form == "csv":
+        stream = io.StringIO()
+        writer = csv.DictWriter(stream, head, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+        return stream.getvalue().rstrip("\n")
+    cells = [head, *([_cell(row[key]) for key in head] for row in rows)]
+    widths = [max(len(line[place]) for line in cells) for place in range(len(head))]
+    numeric = [all(_is_number(row[key]) for row in rows) for key in head]
+    lines = [
+        "  ".join(
+            cell.rjust(width) if right else cell.ljust(width)
+            for cell, width, right in zip(line, widths, numeric, strict=True)
+        ).rstrip()
+        for line in cells
+    ]
+    return "\n".join(lines)
+
+
+def _is_number(value: Any) -> bool:
+    return value is None or isinstance(value, int | float)
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "-"
+    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
+
+
+def draw(rows: Sequence[Row], path: Path, title: str) -> None:
+    """V-M curves of the models in ``rows``, into a file whose ending tells its kind."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, 4.5), layout="constrained")
+    axes = figure.subplots()
+    for model in dict.fromkeys(row["model"] for row in rows):
+        own = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
+        axes.plot([r["V (N)"] for r in own], [r["M (N m)"] for r in own], "o-", ms=3, label=model)
+    axes.set_xlabel("shear V (N)")
+    axes.set_ylabel("torque M (N m)")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.legend()
+    try:
+        figure.savefig(path, dpi=150)
+    except (OSError, ValueError) as error:
+        raise click.UsageError(f"--picture {path}: {error}") from None

@@ -1,0 +1,173 @@
+"""The command: what it prints, and how it refuses."""
+
+import csv
+import io
+import json
+import math
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+from sidmacib.chain.rule import law, safe
+from sidmacib.command.answers import MODELS
+from sidmacib.command.main import MODELS as NAMES
+from sidmacib.command.main import main
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.mechanics.assembly import Elastic
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def answers(*arguments: str) -> list[dict[str, object]]:
+    found = run(*arguments, "--format", "json")
+    assert found.exit_code == 0, found.output
+    return list(json.loads(found.output))
+
+
+def test_capacity_tells_what_the_library_does() -> None:
+    rows = answers("capacity", "-n", "7", "-e", "0.3", "-e", "torsion", "-m", "law", "-m", "safe")
+    joint = Joint(7)
+    for row, (ratio, rule) in zip(
+        rows, [(0.3, law), (0.3, safe), (math.inf, law), (math.inf, safe)], strict=True
+    ):
+        expected = rule(joint, Direction(ratio))
+        assert row["V (N)"] == expected.shear
+        assert row["M (N m)"] == expected.torque
+
+
+def test_every_model_answers() -> None:
+    assert set(NAMES) == set(MODELS)
+    flags = [part for name in NAMES for part in ("-m", name)]
+    rows = answers("capacity", "-n", "3", *flags)
+    assert [row["model"] for row in rows] == list(NAMES)
+    loads = {str(row["model"]): float(str(row["V (N)"])) for row in rows}
+    assert loads["safe"] < loads["law"] <= loads["static"] * 1.01
+
+
+def test_flags_make_the_joint() -> None:
+    flags = ["-n", "4", "-a", "0.08", "-b", "0.04", "-h", "0.01", "-H", "0.05", "--cohesion", "7e4"]
+    flags += ["--young", "1e10", "--upper-body", "monolithic", "--friction", "0.1"]
+    (row,) = answers("capacity", *flags, "-m", "law")
+    plain = Joint(4, a=0.08, b=0.04, h=0.01, H=0.05, upper_body=UpperBody.MONOLITHIC)
+    inner = {**vars(plain.inner), "cohesion": 7e4}
+    dry = {**vars(plain.dry), "friction": 0.1}
+    joint = Joint(
+        **{
+            **{name: getattr(plain, name) for name in ("locks", "a", "b", "h", "H", "upper_body")},
+            "inner": type(plain.inner)(**inner),
+            "dry": type(plain.dry)(**dry),
+            "elastic": Elastic(1e10),
+        }
+    )
+    assert row["V (N)"] == law(joint, Direction(0.0)).shear
+
+
+def test_flags_go_before_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "joint.yaml"
+    path.write_text("locks: 9\nH: 6e-2\nhold_down: {pressure: 2e4}\n")
+    (of_file,) = answers("capacity", "--file", str(path), "-m", "law")
+    flags = ["-n", "9", "-H", "0.06", "--hold-down", "pressure:2e4"]
+    assert of_file == answers("capacity", *flags, "-m", "law")[0]
+    (other,) = answers("capacity", "--file", str(path), "-n", "3", "-m", "law")
+    assert other != of_file
+
+
+def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> None:
+    picture = tmp_path / "vm.png"
+    rows = answers("envelope", "-n", "3", "--picture", str(picture))
+    assert rows[0]["e/a"] == 0.0
+    assert rows[-1]["e/a"] == "torsion"
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_weights_are_those_of_each_lock() -> None:
+    rows = answers("weights", "-n", "5")
+    assert [row["lock"] for row in rows] == [1, 2, 3, 4, 5]
+    assert max(float(str(row["weight"])) for row in rows) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_the_law_tells_how_many_locks_work() -> None:
+    told = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
+    assert told["pairs that bear"] == 4
+    assert float(str(told["locks that work, safe"])) < float(str(told["locks that work, law"])) < 4
+
+
+def test_tables_are_aligned_and_csv_is_csv() -> None:
+    table = run("law", "-n", "5").output.splitlines()
+    assert table[0].startswith("what")
+    assert len({line.index(line.split("  ")[-1]) for line in table[1:3]}) == 1
+    rows = list(csv.DictReader(io.StringIO(run("weights", "-n", "3", "--format", "csv").output)))
+    assert [row["block"] for row in rows] == ["upper", "lower", "upper"]
+
+
+def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
+    rows = answers("capacity", "-n", "40", "-m", "law", "-m", "static")
+    assert rows[0]["V (N)"] is None
+    assert "from 2 to 31" in str(rows[0]["note"])
+    assert rows[1]["V (N)"] is not None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("capacity", "-n", "0"), "--locks: 0 is not possible; it must be a whole number"),
+        (("capacity", "-a", "-1"), "-a: -1.0 is not possible"),
+        (("capacity", "-H", "nan"), "-H: nan is not possible"),
+        (("capacity", "--friction", "-1"), "--friction: -1.0 is not possible"),
+        (("capacity", "--young", "0"), "--young: 0.0 is not possible"),
+        (("capacity", "-e", "x"), "neither a number (e / a) nor torsion"),
+        (("capacity", "--hold-down", "rope"), "'rope' is not one of plate, weight"),
+        (("capacity", "-m", "magic"), "'magic' is not one of 'safe'"),
+        (("envelope", "--picture", "x.unknown"), "--picture x.unknown"),
+        (("cases", "nothing.yaml"), "does not exist"),
+    ],
+)
+def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], words: str) -> None:
+    found = run(*arguments)
+    assert found.exit_code != 0
+    assert words in " ".join(found.output.split())
+    assert "Traceback" not in found.output
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("lock: 5", "lock is no name of a joint's; they are"),
+        ("a: wide", "'wide' is not a number"),
+        ("[1, 2]", "must have names and values"),
+        ("a: [", "is no YAML"),
+        ("a: -1", "-a: -1 is not possible"),
+    ],
+)
+def test_faults_in_a_file_are_told(tmp_path: Path, content: str, words: str) -> None:
+    path = tmp_path / "joint.yaml"
+    path.write_text(content)
+    found = run("capacity", "--file", str(path))
+    assert found.exit_code == 2
+    assert words in " ".join(found.output.split())
+
+
+def test_the_cases_of_a_study_have_a_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    root = Path(__file__).parents[1]
+    monkeypatch.chdir(root)
+    config = tmp_path / "study.yaml"
+    config.write_text(
+        "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\n"
+        "models: [static, law]\ndem: {engines: []}\n"
+    )
+    rows = answers("cases", str(config), "--results", str(tmp_path / "results"))
+    assert {row["state"] for row in rows} == {"to do"}
+    assert {row["case"] for row in rows} >= {"n3-mesh0.02-e0a"}
+    monkeypatch.chdir(tmp_path)
+    elsewhere = run("cases", str(config))
+    assert "run this in the folder of the project" in elsewhere.output
+
+
+@pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "law", "cases"])
+def test_help_is_there_for_every_command(command: str) -> None:
+    found = run(command, "--help")
+    assert found.exit_code == 0
+    assert "Usage" in found.output

@@ -1,0 +1,54 @@
+"""The cases of a study and their state, for people."""
+
+from pathlib import Path
+from typing import Any
+
+from workflow.configuration import ConfigError, read_study_file
+from workflow.jobs import Job
+from workflow.plan import plan_of
+from workflow.receipts import fault, read_receipt
+from workflow.results.files import read_records
+from workflow.results.record import CaseRecord, ResultError
+
+DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
+
+
+def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
+    """One row for each case, with its state, peak (N) and why there is none.
+
+    Outdated is what was made from another configuration or by other code. ValueError for a
+    configuration that is not valid.
+    """
+    try:
+        study = read_study_file(config, results)
+    except ConfigError as error:
+        raise ValueError(str(error)) from None
+    plan, folder = plan_of(study), Path(study.results)
+    rows = []
+    for job in plan.made.values():
+        found = _records(job, folder) if job.finds else {}
+        receipt = read_receipt(folder / job.receipt)
+        valid = bool(job.finds) and fault(receipt, job.name, job.digest(), folder) is None
+        rows += [
+            {"model": model, "case": name, **_state(found.get((model, name)), valid)}
+            for model, name in job.finds
+            if (model, name) in plan.cases
+        ]
+    return rows
+
+
+def _records(job: Job, folder: Path) -> dict[tuple[str, str], CaseRecord]:
+    """What a job has made, by model and case; nothing if it has not."""
+    path = folder / job.outputs[0]
+    try:
+        return {(each.model, each.name): each for each in read_records([path])}
+    except (OSError, ResultError):
+        return {}
+
+
+def _state(record: CaseRecord | None, valid: bool) -> dict[str, Any]:
+    if record is None:
+        return {"state": TO_DO, "peak (N)": None, "note": ""}
+    if record.error is not None:
+        return {"state": FAILED, "peak (N)": None, "note": record.error}
+    return {"state": DONE if valid else OUTDATED, "peak (N)": record.load_N, "note": ""}
