@@ -1,5 +1,6 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
+# make report  the report alone, one page: report.html in $(RESULTS); make study writes it too
 # make calibrate  which geometry fits the published numbers
 # make locks   the study of the law: how many locks work, over 14,592 joints; hours, goes on where stopped
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
@@ -22,7 +23,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study locks case calibrate decks bench test lint format lock system clean
+.PHONY: study locks case report calibrate decks bench test lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
@@ -36,6 +37,9 @@ case: .venv/study.ready
 
 calibrate: .venv/study.ready
 	$(WORKFLOW) calibrate $(TO)
+
+report: .venv/study.ready
+	$(WORKFLOW) report $(TO)
 
 decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)
@@ -63,12 +67,15 @@ format: .venv/test.ready
 	$(BIN)/pip install --quiet --no-deps --editable .
 	@touch $@
 
-.venv/test.ready: requirements-dev.txt .venv/study.ready
+.venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
 	$(BIN)/pip install --quiet --requirement requirements-dev.txt
 	@touch $@
 
 system:
 	@sh workflow/system.sh
+
+system-test:
+	@sh workflow/system.sh test
 
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt

@@ -43,6 +43,7 @@ def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[floa
             "Largest unbalanced force on a piece (or moment over a), at any peak: "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
             "",
+            f"Report:  {results}/report.html",
             f"Tables:  {results}/tables",
             f"Figures: {results}/figures (side_by_side.png first)",
             _assumed(published=not tables["validation"].empty),

@@ -29,7 +29,7 @@ SMALL = {
 }
 SOLVED = {**SMALL, "dem": {"engines": []}, "variants": {}, "eccentricities": [0, 0.5]}
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
-TABLES = {"collect", "capacity", "fit", "validation", "figures", "summary", "complete"}
+TABLES = {"collect", "capacity", "fit", "validation", "figures", "summary", "report", "complete"}
 WORDS = {
     "Collect": "collect",
     "Solve SiDMACIB": "capacity",
@@ -37,6 +37,7 @@ WORDS = {
     "Compare with": "validation",
     "Draw": "figures",
     "Sum up": "summary",
+    "Write the report": "report",
     "Check that every case": "complete",
 }
 

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from analysis.report.parts import REPORT
 from workflow.cases import find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
@@ -57,6 +58,16 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     return None if record.error is None else f"{name}: no result"
 
 
+def report(config: Path, results: str | None) -> str | None:
+    """Write the report of what the study has so far; returns why there is none."""
+    own = read_study_file(config, results)
+    path = str(Path(own.results, REPORT))
+    if not snakemake(config, own.results, (path,), installed_engines(own)):
+        return "no report, see above"
+    print(f"Report: {path}")
+    return None
+
+
 def decks(config: Path, results: str | None) -> str | None:
     """Write the decks for 3DEC; returns why there are none."""
     own = read_study_file(config, results)
@@ -69,7 +80,7 @@ def decks(config: Path, results: str | None) -> str | None:
 def main() -> None:
     """Command line: what to do, with which configuration, in which results folder."""
     parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
-    parser.add_argument("what", choices=["study", "case", "decks", "calibrate"])
+    parser.add_argument("what", choices=["study", "case", "report", "decks", "calibrate"])
     parser.add_argument("config", type=Path)
     parser.add_argument("--results", help="results folder, in place of the configuration's")
     parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
@@ -89,7 +100,9 @@ def main() -> None:
 
             fault = calibrate(arguments.config, results, snakemake)
         else:
-            fault = {"study": study, "decks": decks}[arguments.what](arguments.config, results)
+            fault = {"study": study, "report": report, "decks": decks}[arguments.what](
+                arguments.config, results
+            )
     except ConfigError as error:
         sys.exit(str(error))
     if fault:

@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from analysis.figures.catalogue import figure_files, figures_of
+from analysis.report.parts import FILES as REPORT_FILES
+from analysis.report.parts import REPORT
+from analysis.report.parts import TABLES as REPORT_TABLES
 from workflow.case import Case
 from workflow.closure import code_digest
 from workflow.engines import ENGINES, Engine
@@ -276,6 +279,15 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
             ),
             outputs=("summary.txt",),
             arguments={"results": study.results, "meshes": study.meshes},
+        ),
+        Job(
+            name="report",
+            step="analysis.report.page",
+            message="Write the report",
+            inputs=(*(f"tables/{name}.csv" for name in REPORT_TABLES), "summary.txt"),
+            outputs=(REPORT,),
+            arguments={"study": study.pieces_json()},
+            files=REPORT_FILES,
         ),
         Job(
             name="complete",

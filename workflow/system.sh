@@ -1,5 +1,6 @@
 #!/bin/sh
-# Have the system packages that a study needs: install them as root or through sudo, or say which.
+# Have the system packages that a study needs, or with "test" its tests too: install them as root or
+# through sudo, or say which.
 set -eu
 
 # Python is needed; without an engine the study goes on with the models that need none.
@@ -11,6 +12,8 @@ for engine in yade liggghts; do
     command -v "$engine" >/dev/null || engines="$engines $engine"
 done
 command -v ccx >/dev/null || engines="$engines calculix-ccx"
+# The report is tested in a browser.
+[ "${1-}" != test ] || command -v chromium >/dev/null || engines="$engines chromium"
 
 install() {
     as=

@@ -1,0 +1,211 @@
+"""What the report shows, as plain data: from tables, and a few paths of the static model."""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from analysis.report.paths import path_of, pieces_of, shown_cases
+from sidmacib.chain.pairs import pairs_of
+from sidmacib.chain.rule import RULES
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
+from workflow.case import REFERENCE
+from workflow.cases import cases_of
+from workflow.models import MODELS, Obtained
+from workflow.schema import Study
+
+PEAK = "dem_pure_shear_N"
+NEAR = 0.005  # of a published number
+NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
+CAPACITY_SHOWN = (
+    *("model", "variant", "sample", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm", "load_N"),
+    *("first_failure_load_N", "option", "friction", "reduction", "mesh_error", "error", "case"),
+)
+
+
+def plain(table: pd.DataFrame) -> dict[str, Any]:
+    """A table's columns and rows, as JSON has them: nothing for what is missing, text for inf."""
+    return {
+        "columns": list(table.columns),
+        "rows": [[_plain(value) for value in row] for row in table.itertuples(index=False)],
+    }
+
+
+def _plain(value: Any) -> Any:
+    if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
+        return None
+    if isinstance(value, float):
+        return "inf" if math.isinf(value) else float(f"{value:.6g}")
+    return value.item() if hasattr(value, "item") else value
+
+
+def kinds() -> dict[str, str]:
+    """How results are obtained from each model: what lines and marks stand for."""
+    return {
+        name: "engine" if m.obtained is Obtained.ENGINE else "solved" for name, m in MODELS.items()
+    }
+
+
+def law_of(joint: Joint) -> dict[str, list[Any]]:
+    """Locks that work in pure shear, for joints like ``joint`` of more and fewer locks."""
+    rows: dict[str, list[Any]] = {"locks": list(NUMBERS_OF_LOCKS), "closed": [], "half": []}
+    rows |= {name: [] for name in RULES}
+    for locks in NUMBERS_OF_LOCKS:
+        own = replace(joint, locks=locks, different=())
+        rows["closed"].append(_plain(pairs_of(own).working))
+        rows["half"].append((locks - 1) / 2 if locks % 2 else None)
+        for name, rule in RULES.items():
+            try:
+                rows[name].append(_plain(rule(own, Direction(0.0)).load / own.T0))
+            except (CapacityError, ValueError):
+                rows[name].append(None)
+    return rows
+
+
+def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, str]]:
+    """The findings that come first: a heading, what was found, and whether that is good."""
+    return [
+        *_failed(tables["cases"]),
+        *_published(tables["validation"]),
+        *_agreement(tables["cases"]),
+        *_safe_rule(tables["capacity"]),
+        *_mesh(tables["capacity"], study),
+        {
+            "title": "What is assumed",
+            "text": "The positions of the contact points, and of the published samples a, b, h and "
+            "H: the paper's text gives a·b only.",
+            "kind": "note",
+        },
+    ]
+
+
+def _failed(cases: pd.DataFrame) -> list[dict[str, str]]:
+    failed = cases[cases["error"].notna()]
+    if failed.empty:
+        return []
+    return [
+        {
+            "title": "Cases without a result",
+            "text": f"{len(failed)} of {len(cases)}: they are listed at the end.",
+            "kind": "bad",
+        }
+    ]
+
+
+def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
+    peaks = validation[validation["quantity"].eq(PEAK) & validation["model"].ne("limit")]
+    peaks = peaks.dropna(subset=["relative_difference"])
+    if peaks.empty:
+        return [
+            {
+                "title": "Published numbers",
+                "text": "There are none for the samples of this study.",
+                "kind": "note",
+            }
+        ]
+    found = []
+    for setting, part in peaks.groupby("setting", sort=True):
+        worst = part.loc[part["relative_difference"].abs().idxmax()]
+        size = abs(float(worst["relative_difference"]))
+        found.append(
+            {
+                "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
+                "text": f"At most {100 * size:.1f} % away: {worst['computed']:.1f} N of "
+                f"{worst['model']} against {worst['published']:g} N, {worst['locks']} locks, mesh "
+                f"{worst['mesh_m']:g} m.",
+                "kind": "good" if size < NEAR else "note",
+            }
+        )
+    return found
+
+
+def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
+    held = cases[cases["difference_to_static"].notna() & cases["model"].ne("limit")]
+    if held.empty:
+        return []
+    worst = float(held["difference_to_static"].abs().max())
+    return [
+        {
+            "title": "Engines against the static model",
+            "text": f"{len(held)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
+            "kind": "good" if worst < 0.01 else "bad",
+        }
+    ]
+
+
+def _safe_rule(capacity: pd.DataFrame) -> list[dict[str, str]]:
+    """Revised SiDMACIB against the peaks of the leading model, rule by rule."""
+    rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
+    rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
+    leading = next(iter(rule["weights_from"].dropna()), None)
+    peaks = capacity[capacity["model"].eq(leading) & capacity["variant"].eq(REFERENCE)]
+    loads = peaks.set_index("case")["load_N"]
+    if leading is None or loads.empty:
+        return []
+    told = []
+    for name, part in rule[rule["weights_from"].eq(leading)].groupby("reduction", sort=True):
+        over = (part["load_N"].to_numpy() / loads.reindex(part["case"]).to_numpy() - 1.0).tolist()
+        known = [value for value in over if not math.isnan(value)]
+        if known:
+            most = max(known)
+            words = "safe" if most <= 0.0 else f"unsafe by up to {100 * most:.1f} %"
+            told.append(f"{name}: {words}")
+    return [
+        {
+            "title": "Which rule is safe",
+            "text": f"SiDMACIB, Option 4, no friction, against {leading}. {'; '.join(told)}.",
+            "kind": "note",
+        }
+    ]
+
+
+def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
+    own = capacity[capacity["variant"].eq(REFERENCE) & capacity["mesh_m"].isin(study.meshes)]
+    error = own.groupby("mesh_m")["mesh_error"].max().dropna()
+    if error.empty:
+        return []
+    words = ", ".join(f"{100 * value:.1f} % at {mesh:g} m" for mesh, value in error.items())
+    return [{"title": "Largest mesh error", "text": f"{words}.", "kind": "note"}]
+
+
+def times_of(results: Path) -> list[list[Any]]:
+    """Seconds of each kind of job: on the clock, of processors; how many there were."""
+    found: dict[str, list[float]] = {}
+    for path in sorted((results / ".times").rglob("*.json")):
+        kind = path.relative_to(results / ".times").parts[0].removesuffix(".json")
+        told = json.loads(path.read_text())
+        own = found.setdefault(kind, [0.0, 0.0, 0.0])
+        own[0] += 1
+        own[1] += told["wall_s"]
+        own[2] += told["own_cpu_s"] + told["programs_cpu_s"]
+    return [[kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in found.items()]
+
+
+def content(
+    study: Study, tables: Mapping[str, pd.DataFrame], shown: Sequence[str], results: Path
+) -> dict[str, Any]:
+    """All that the page is made from; ``shown``: tables that it has in full."""
+    cases = shown_cases(cases_of(study).values())
+    paths = [path for path in map(path_of, cases) if path is not None]
+    samples = {case.sample: case for case in cases}
+    capacity = tables["capacity"]
+    return {
+        "samples": list(study.samples),
+        "kinds": kinds(),
+        "verdict": verdict(tables, study),
+        "capacity": plain(capacity[[c for c in CAPACITY_SHOWN if c in capacity]]),
+        "weights": plain(tables["weights"]),
+        "paths": paths,
+        "pieces": {name: pieces_of(case) for name, case in samples.items()},
+        "law": {name: law_of(study.joint(name)) for name in study.interlocking},
+        "tables": {name: plain(tables[name]) for name in shown},
+        "failed": plain(
+            tables["cases"].loc[tables["cases"]["error"].notna(), ["model", "name", "error"]]
+        ),
+        "times": times_of(results),
+    }

@@ -1,0 +1,51 @@
+"""Write the report: data, styles and scripts in one file, with the plotting library inside."""
+
+import json
+import platform
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from plotly.offline import get_plotlyjs
+
+from analysis.report.content import content
+from analysis.report.parts import TABLES
+from workflow.results import tables as forms
+from workflow.results.tables import read_table
+from workflow.schema import Study
+
+HERE = Path(__file__).parent
+PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
+
+
+def page(told: Mapping[str, Any], study: Study, summary: str) -> str:
+    """The page as HTML."""
+    files = FileSystemLoader(HERE)
+    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
+    # Data may hold whatever a configuration does: nothing in it ends the script it is in.
+    data = json.dumps(told, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    return environment.get_template("page.html.j2").render(
+        data=data,
+        plotly=get_plotlyjs(),
+        style=(HERE / "report.css").read_text(),
+        script=(HERE / "report.js").read_text(),
+        verdict=told["verdict"],
+        tables=list(told["tables"]),
+        summary=summary,
+        configuration=study.model_dump_json(indent=1),
+        versions=[("Python", platform.python_version()), *((p, version(p)) for p in PACKAGES)],
+        samples=", ".join(study.samples),
+    )
+
+
+def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+    """Write the page; inputs are the tables of `analysis.report.parts`, then the summary."""
+    study = Study.model_validate_json(arguments["study"])
+    found = {
+        name: read_table(getattr(forms, name.upper()), path)
+        for name, path in zip(TABLES, inputs, strict=False)
+    }
+    told = content(study, found, TABLES, outputs[0].parent)
+    outputs[0].write_text(page(told, study, inputs[-1].read_text()))

@@ -1,0 +1,110 @@
+"""The static model's path from no load to the peak: for maps and a joint that moves."""
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Joint
+from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers
+from sidmacib.mechanics.path import Equilibrium
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble, lock_faces, upper_block
+from workflow.case import REFERENCE, Case
+
+MODEL = "static"
+STEPS = 24  # of a path, at most
+DIGITS = 4
+
+
+def shown_cases(cases: Iterable[Case]) -> list[Case]:
+    """The static model's cases whose paths are shown: without changes, on the coarsest mesh."""
+    own = [case for case in cases if case.model == MODEL and case.variant == REFERENCE]
+    coarsest = {sample: max(c.mesh for c in own if c.sample == sample) for sample in _samples(own)}
+    return [case for case in own if case.mesh == coarsest[case.sample]]
+
+
+def _samples(cases: Iterable[Case]) -> list[str]:
+    return list(dict.fromkeys(case.sample for case in cases))
+
+
+def path_of(case: Case) -> dict[str, Any] | None:
+    """Loads, stresses and movements along the path of ``case``; None if it has no peak.
+
+    ``faces``: of each lock, where its nodes lie (x and y in m). ``steps``: the load (N), for each
+    face the shear over the cohesion at its nodes and whether they are bonded, and for each piece
+    its displacement and rotation (m, rad).
+    """
+    joint, assembly = case.joint, _assembly(case)
+    try:
+        path = static_peak(assembly, lateral_load(joint, assembly, case.loading)).path
+    except CapacityError:
+        return None
+    numbers = lock_faces(joint)
+    faces = [index for index, face in enumerate(assembly.faces) if face.name in numbers]
+    faces.sort(key=lambda index: numbers[assembly.faces[index].name])
+    nodes = [np.flatnonzero(assembly.nodes.face == index) for index in faces]
+    chosen = np.unique(np.linspace(0, len(path) - 1, STEPS).round().astype(int))
+    return {
+        "sample": case.sample,
+        "eccentricity": _spelled(case.direction.eccentricity),
+        "faces": [
+            {
+                "lock": numbers[assembly.faces[index].name],
+                "x": _rounded(assembly.nodes.position[own, 0]),
+                "y": _rounded(assembly.nodes.position[own, 1]),
+                "z": float(assembly.nodes.position[own[0], 2]),
+            }
+            for index, own in zip(faces, nodes, strict=True)
+        ],
+        "steps": [_step(path[place], assembly, joint, faces, nodes) for place in chosen],
+    }
+
+
+def pieces_of(case: Case) -> list[dict[str, Any]]:
+    """The pieces of a case as boxes: name, block and corners (m), fixed ones first."""
+    above = set(upper_block(case.joint))
+    return [
+        {
+            "name": piece.name,
+            "block": "upper" if piece.name in above else "lower",
+            "fixed": piece.fixed,
+            "low": list(piece.low),
+            "high": list(piece.high),
+        }
+        for piece in _assembly(case).pieces
+    ]
+
+
+def _assembly(case: Case) -> Assembly:
+    return assemble(case.joint, case.mesh, case.nodes)
+
+
+def _step(
+    point: Equilibrium, assembly: Assembly, joint: Joint, faces: list[int], nodes: list[Integers]
+) -> dict[str, Any]:
+    shear = np.hypot(point.force[:, 1], point.force[:, 2]) / assembly.nodes.area
+    bonded = point.state.bonded
+    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
+    moved = np.zeros((len(assembly.pieces), 6))
+    if joint.elastic is None:
+        moved[free] = point.unknowns.reshape(len(free), 6)
+    return {
+        "load": float(f"{point.load:.6g}"),
+        "shear": [
+            _rounded(shear[own] / assembly.faces[index].material.cohesion)
+            for index, own in zip(faces, nodes, strict=True)
+        ],
+        "bonded": [bonded[own].astype(int).tolist() for own in nodes],
+        "moved": [_rounded(each) for each in moved],
+    }
+
+
+def _rounded(values: Floats) -> list[float]:
+    return [float(f"{value:.{DIGITS}g}") for value in values]
+
+
+def _spelled(ratio: float) -> str:
+    return "torsion" if np.isinf(ratio) else f"{ratio:g}"

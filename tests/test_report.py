@@ -1,0 +1,216 @@
+"""The report: one page that works without a network, in a real browser."""
+
+import csv
+import importlib
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page, sync_playwright
+
+from analysis.report.content import law_of, plain
+from analysis.report.page import page
+from analysis.report.parts import FILES, REPORT
+from sidmacib.joint import Joint
+from workflow.configuration import read_study
+from workflow.plan import plan_of
+from workflow.schema import Study
+
+ROOT = Path(__file__).parents[1]
+MOST_BYTES = 10_000_000
+CHROMIUM = shutil.which("chromium")
+NOT_NEEDED = {"figures", "complete"}
+
+needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    return read_study(
+        {
+            "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
+            "meshes": [0.02],
+            "eccentricities": [0, 0.3, "torsion"],
+            "models": ["static", "limit"],
+            "dem": {"engines": []},
+            "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def report(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of a study that was run as Snakemake would, job by job."""
+    results = tmp_path_factory.mktemp("report")
+    for job in plan_of(study).made.values():
+        if job.name in NOT_NEEDED:
+            continue
+        for name in job.outputs:
+            (results / name).parent.mkdir(parents=True, exist_ok=True)
+        arguments = json.loads(json.dumps(job.arguments))
+        step = importlib.import_module(job.step)
+        inputs, outputs = ([results / n for n in names] for names in (job.inputs, job.outputs))
+        step.run(arguments, inputs, outputs)
+    return results / REPORT
+
+
+def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> None:
+    text = report.read_text()
+    assert len(text.encode()) < MOST_BYTES
+    own = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
+    assert not re.search(r"""(src|href)=["'](https?:)?//""", own)
+    assert "@import" not in own
+
+
+def test_data_cannot_end_their_script(study: Study) -> None:
+    told = {"verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
+    text = page(told, study, "summary & <b>more</b>")
+    assert "alert(1)</script>" not in text
+    assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
+
+
+def test_files_of_the_page_are_part_of_its_job(study: Study) -> None:
+    job = plan_of(study).jobs["report"]
+    assert set(FILES) <= set(job.files)
+    assert all((ROOT / name).is_file() for name in FILES)
+
+
+def test_the_law_is_told_for_more_and_fewer_locks() -> None:
+    told = law_of(Joint(5))
+    assert told["locks"][0] == 3
+    law = dict(zip(told["locks"], told["law"], strict=True))
+    assert law[3] < law[5] < law[15] < 2.2
+    half = dict(zip(told["locks"], told["half"], strict=True))
+    assert half[15] == 7
+    assert half[4] is None
+
+
+def test_what_is_missing_or_infinite_is_plain() -> None:
+    table = pd.DataFrame({"a": [1.0, float("nan"), float("inf")], "b": ["x", None, "y"]})
+    assert plain(table)["rows"] == [[1.0, "x"], [None, None], ["inf", "y"]]
+
+
+# --- in a browser --------------------------------------------------------------------------------
+class Opened:
+    """The report in a browser, with what it said and asked for."""
+
+    def __init__(self, page: Page) -> None:
+        self.page = page
+        self.errors: list[str] = []
+        self.requests: list[str] = []
+        page.on("console", self._heard)
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("request", lambda request: self.requests.append(request.url))
+
+    def _heard(self, message: Any) -> None:
+        if message.type == "error":
+            self.errors.append(message.text)
+
+    def traces(self, plot: str) -> list[dict[str, Any]]:
+        found = self.page.evaluate(
+            f"document.getElementById('{plot}').data.map(t => ({{name: t.name, x: [...t.x]}}))"
+        )
+        return list(found)
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with sync_playwright() as playwright:
+        flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def opened(browser: Any, report: Path) -> Iterator[Opened]:
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    found = Opened(page)
+    page.goto(report.as_uri())
+    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    yield found
+    page.close()
+
+
+@needs_browser
+def test_it_opens_without_an_error_or_a_request(opened: Opened) -> None:
+    assert opened.errors == []
+    assert [url for url in opened.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+@needs_browser
+def test_controls_change_what_is_shown(opened: Opened) -> None:
+    page = opened.page
+    before = opened.traces("curve-plot")
+    assert [trace["name"] for trace in before] == ["static", "limit", "SiDMACIB option4"]
+    page.select_option("#curve-sample", "n5")
+    assert max(opened.traces("curve-plot")[0]["x"]) > 1.5 * max(before[0]["x"])
+    page.select_option("#curve-reduction", "none")
+    assert max(opened.traces("curve-plot")[-1]["x"]) == pytest.approx(1200, rel=1e-3)
+    page.uncheck("#curve-models input[value=limit]")
+    assert "limit" not in [trace["name"] for trace in opened.traces("curve-plot")]
+    page.check("#curve-options input[value=option1]")
+    assert "SiDMACIB option1" in [trace["name"] for trace in opened.traces("curve-plot")]
+    assert "n5" in (page.text_content("#curve-text") or "")
+
+
+@needs_browser
+def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
+    page = opened.page
+    peak = page.text_content("#path-load")
+    page.focus("#path-step")
+    page.keyboard.press("Home")
+    assert page.text_content("#path-load") == "0 N"
+    page.keyboard.press("End")
+    assert page.text_content("#path-load") == peak
+    page.select_option("#path-direction", "torsion")
+    assert page.text_content("#path-load") != peak
+    assert "Bonds fail first in lock" in (page.text_content("#order-text") or "")
+
+
+@needs_browser
+def test_tables_sort_filter_and_download(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    page.select_option("#table-name", "weights")
+    place = page.locator("#table th button", has_text=re.compile(r"^weight$"))
+    place.click()
+    column = page.locator("#table th").all_text_contents().index("weight ▲") + 1
+
+    def shown() -> list[float]:
+        cells = page.locator(f"#table tbody td:nth-child({column})").all_text_contents()
+        return [float(cell) for cell in cells]
+
+    assert shown() == sorted(shown())
+    page.locator("#table th button", has_text="weight ▲").click()
+    assert shown() == sorted(shown(), reverse=True)
+    page.fill("#table-filter", "n5")
+    with page.expect_download() as waiting:
+        page.click("#table-csv")
+    path = tmp_path / "table.csv"
+    waiting.value.save_as(path)
+    with path.open() as stream:
+        rows = list(csv.DictReader(stream))
+    assert rows
+    assert {row["sample"] for row in rows} == {"n5"}
+
+
+@needs_browser
+def test_it_fits_a_narrow_window(browser: Any, report: Path) -> None:
+    page = browser.new_page(viewport={"width": 380, "height": 700})
+    page.goto(report.as_uri())
+    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    assert page.evaluate("document.documentElement.scrollWidth") <= 380
+    page.close()
+
+
+@needs_browser
+def test_everyone_can_read_it(opened: Opened) -> None:
+    """What an automatic check of accessibility can see."""
+    found = Axe().run(opened.page)
+    assert found.violations_count == 0, found.generate_report()
