@@ -14,10 +14,14 @@ from workflow.results.files import RECORD, case_folder
 
 def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
     """Have Snakemake make ``targets`` (none: the whole study); returns whether it did."""
+    from workflow import progress
+
+    logger = progress.register()  # before the command line is read, which knows the plugins
+
     from snakemake.cli import args_to_api, parse_args
     from snakemake.exceptions import print_exception
 
-    options = ["--configfile", str(config), "--config", f"results={results}"]
+    options = ["--logger", logger, "--configfile", str(config), "--config", f"results={results}"]
     options.append(f"dem={{engines: [{', '.join(engines)}]}}")
     parser, arguments = parse_args([*targets, *options])
     # With a limit to the rate of jobs the scheduler looks around once a second for each job that

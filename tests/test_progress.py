@@ -1,0 +1,102 @@
+"""Progress of a run: what is counted, what is told, and how long it takes."""
+
+import io
+import json
+import logging
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from workflow.progress import LogHandler, Run
+
+
+def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **own: Any) -> Any:
+    made = logging.LogRecord("snakemake", level, __file__, 1, text, None, None)
+    vars(made).update(own, **({"event": event} if event else {}))
+    return made
+
+
+def begin(job: int, name: str, output: str = "x", log: str = "x.log") -> Any:
+    own = {"jobid": job, "rule_msg": name, "rule_name": "rule", "output": [output], "log": [log]}
+    return record(LogEvent.JOB_INFO, **own)
+
+
+def end(job: int) -> Any:
+    return record(LogEvent.JOB_FINISHED, job_id=job)
+
+
+def started(total: int = 4) -> Run:
+    run = Run()
+    run.heard(record(LogEvent.RUN_INFO, stats={"a": total, "total": total}), 0.0)
+    return run
+
+
+def test_jobs_are_counted_and_what_runs_is_named() -> None:
+    run = started()
+    run.heard(begin(1, "one"), 0.0)
+    run.heard(begin(2, "two"), 0.0)
+    run.heard(end(1), 30.0)
+    assert run.words(30.0) == "1 of 4 jobs done; running: two; some 90 s left"
+
+
+@pytest.mark.parametrize(
+    ("done", "now", "words"),
+    [(0, 9.0, ""), (1, 100.0, "5 min"), (1, 9000.0, "7.5 h"), (4, 9.0, "")],
+)
+def test_time_left_is_in_proportion(done: int, now: float, words: str) -> None:
+    run = started()
+    run.done = done
+    assert run.left(now) == words
+
+
+def test_many_jobs_that_run_are_cut_short() -> None:
+    run = started(9)
+    for job in range(5):
+        run.heard(begin(job, f"job{job}"), 0.0)
+    assert "running: job0, job1 and 3 more" in run.words(1.0)
+
+
+def test_a_case_without_a_result_is_named_once_with_its_reason_and_log(tmp_path: Path) -> None:
+    path = tmp_path / "record.json"
+    path.write_text(json.dumps({"error": "it diverged"}))
+    run = started()
+    run.heard(begin(1, "yade: n3", str(path), "logs/n3.log"), 0.0)
+    assert run.heard(end(1), 1.0) == ["No result: yade: n3: it diverged; log: logs/n3.log"]
+    assert run.failed == ["yade: n3"]
+    path.write_text(json.dumps({"error": None}))
+    run.heard(begin(2, "yade: n5", str(path)), 0.0)
+    assert run.heard(end(2), 1.0) == []
+
+
+def test_a_job_that_ends_badly_is_named_with_the_last_of_its_log(tmp_path: Path) -> None:
+    log = tmp_path / "job.log"
+    log.write_text("Traceback\n\nValueError: no\n")
+    run = started()
+    run.heard(begin(1, "Sum up", log=str(log)), 0.0)
+    found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="summary"), 1.0)
+    assert found == [f"Failed: Sum up: ValueError: no; log: {log}"]
+    assert run.running == {}
+    assert "1 failed" in run.words(1.0)
+
+
+def test_warnings_are_shown_and_chatter_is_not() -> None:
+    run = started()
+    assert run.heard(record(None, logging.WARNING, "disk is full"), 0.0) == ["disk is full"]
+    assert run.heard(record(None, logging.INFO, "Building DAG of jobs..."), 0.0) == []
+
+
+def test_a_file_gets_few_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    stream = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", stream)
+    handler = LogHandler(None, None)  # type: ignore[arg-type]
+    handler.emit(record(LogEvent.RUN_INFO, stats={"a": 1000, "total": 1000}))
+    for job in range(1000):
+        handler.emit(begin(job, f"job{job}"))
+        handler.emit(end(job))
+    lines = stream.getvalue().splitlines()
+    assert len(lines) <= 12
+    assert lines[-1] == "1000 of 1000 jobs done"
+    handler.close()

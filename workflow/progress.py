@@ -1,0 +1,181 @@
+"""How far a run of Snakemake is: a bar on a terminal, a few lines in a file.
+
+Snakemake's own log has some ten lines for each job. Here a case without a result and a job that
+ends badly are named once, with the reason and where the log is.
+"""
+
+import importlib
+import json
+import sys
+import time
+from dataclasses import dataclass, field
+from logging import WARNING, LogRecord
+from pathlib import Path
+from typing import Any, TextIO
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+from snakemake_interface_logger_plugins.base import LogHandlerBase
+from snakemake_interface_logger_plugins.common import LogEvent
+
+from workflow.results.files import RECORD
+
+NAME = "snakemake_logger_plugin_multilock"
+SPARSE = 10  # lines of a run in a file, about,
+SELDOM = 120.0  # and seconds after which there is another
+SHOWN = 2  # jobs that are running, by name
+MINUTE = 60.0
+
+
+@dataclass
+class Run:
+    """Jobs of a run: how many, which are running, which went wrong."""
+
+    total: int = 0
+    done: int = 0
+    begun: float = 0.0
+    told: dict[int, tuple[str, list[str], list[str]]] = field(default_factory=dict)
+    running: dict[int, str] = field(default_factory=dict)
+    failed: list[str] = field(default_factory=list)
+
+    def words(self, now: float) -> str:
+        """Where the run is, in one line, ``now`` in s."""
+        parts = [f"{self.done} of {self.total} jobs done"]
+        if self.failed:
+            parts.append(f"{len(self.failed)} failed")
+        if self.running:
+            names = list(self.running.values())
+            more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+            parts.append(f"running: {', '.join(names[:SHOWN])}{more}")
+        if left := self.left(now):
+            parts.append(f"some {left} left")
+        return "; ".join(parts)
+
+    def left(self, now: float) -> str:
+        """Time that is left if jobs go on as fast as so far; nothing before the first has ended."""
+        if not self.done or self.done >= self.total:
+            return ""
+        seconds = (now - self.begun) * (self.total - self.done) / self.done
+        if seconds < 2 * MINUTE:
+            return f"{seconds:.0f} s"
+        return (
+            f"{seconds / MINUTE:.0f} min" if seconds < 120 * MINUTE else f"{seconds / 3600:.1f} h"
+        )
+
+    def heard(self, record: LogRecord, now: float) -> list[str]:
+        """Take in what Snakemake says; returns lines that must be shown."""
+        event, own = getattr(record, "event", None), record.__dict__
+        if event == LogEvent.RUN_INFO:
+            self.total = sum(count for job, count in own["stats"].items() if job != "total")
+            self.begun = now
+        elif event == LogEvent.JOB_INFO:
+            name = own["rule_msg"] or own["rule_name"]
+            self.told[own["jobid"]] = (str(name), list(own["output"]), list(own["log"]))
+            self.running[own["jobid"]] = str(name)
+        elif event == LogEvent.JOB_FINISHED:
+            self.done += 1
+            self.running.pop(own["job_id"], None)
+            return self._without_result(own["job_id"])
+        elif event == LogEvent.JOB_ERROR:
+            self.running.pop(own["jobid"], None)
+            return self._ended_badly(own)
+        elif record.levelno >= WARNING and event in (None, LogEvent.ERROR):
+            return [record.getMessage()] if record.msg else []
+        return []
+
+    def _without_result(self, job: int) -> list[str]:
+        """A case whose record says that it has no result."""
+        name, outputs, logs = self.told.get(job, ("", [], []))
+        for path in (Path(each) for each in outputs if Path(each).name == RECORD):
+            try:
+                error = json.loads(path.read_text()).get("error")
+            except (OSError, ValueError, AttributeError):
+                continue
+            if error:
+                self.failed.append(name)
+                return [f"No result: {name}: {error}; log: {', '.join(logs)}"]
+        return []
+
+    def _ended_badly(self, own: dict[str, Any]) -> list[str]:
+        name, _, logs = self.told.get(own["jobid"], (own["rule_name"], [], []))
+        self.failed.append(name)
+        return [f"Failed: {name}: {_last_line(logs)}; log: {', '.join(logs)}"]
+
+
+def _last_line(logs: list[str]) -> str:
+    """What a log ends with."""
+    for path in map(Path, logs):
+        try:
+            lines = path.read_text(errors="replace").split("\n")
+        except OSError:
+            continue
+        found = [line.strip() for line in lines if line.strip()]
+        if found:
+            return found[-1]
+    return "it left no word"
+
+
+class LogHandler(LogHandlerBase):
+    """Snakemake's log, as a bar or as a few lines."""
+
+    def __post_init__(self) -> None:
+        self.run = Run()
+        self.stream: TextIO = sys.stderr
+        self.last, self.lines = -SELDOM, 0
+        self.bar: Progress | None = None
+        if self.stream.isatty():
+            columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
+            console = Console(file=self.stream)
+            self.bar = Progress(*columns, TextColumn("{task.fields[words]}"), console=console)
+            self.task = self.bar.add_task("study", total=None, words="")
+
+    def emit(self, record: LogRecord) -> None:
+        """Show what is new."""
+        now = time.monotonic()
+        before = self.run.done
+        for line in self.run.heard(record, now):
+            self._print(line)
+        if self.bar is not None:
+            self._draw(now)
+        elif self.run.total and self._due(before, now):
+            self.last, self.lines = now, self.lines + 1
+            self._print(self.run.words(now))
+
+    def _due(self, before: int, now: float) -> bool:
+        """Whether another line is due: a tenth of the jobs more, or much time."""
+        part = max(1, self.run.total // SPARSE)
+        return self.run.done // part > before // part or now - self.last > SELDOM
+
+    def _draw(self, now: float) -> None:
+        assert self.bar is not None
+        if self.run.total and not self.bar.live.is_started:
+            self.bar.start()
+        words = "; ".join(self.run.words(now).split("; ")[1:])
+        self.bar.update(
+            self.task, total=self.run.total or None, completed=self.run.done, words=words
+        )
+
+    def _print(self, line: str) -> None:
+        if self.bar is not None:
+            self.bar.console.print(line, markup=False, highlight=False, soft_wrap=True)
+        else:
+            print(line, file=self.stream, flush=True)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        if self.bar is not None and self.bar.live.is_started:
+            self.bar.stop()
+        super().close()
+
+    writes_to_stream = property(lambda self: True)
+    writes_to_file = property(lambda self: False)
+    has_filter = property(lambda self: True)
+    has_formatter = property(lambda self: True)
+    needs_rulegraph = property(lambda self: False)
+
+
+def register() -> str:
+    """Make Snakemake know this log; returns its name there."""
+    registry = importlib.import_module("snakemake_interface_logger_plugins.registry")
+    registry.LoggerPluginRegistry().register_plugin(NAME, sys.modules[__name__])
+    return NAME.removeprefix("snakemake_logger_plugin_")
