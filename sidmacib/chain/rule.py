@@ -44,8 +44,7 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 
     ValueError outside the law's validity, `CapacityError` if nothing carries the load.
     """
-    require_covered(joint, direction)
-    return _capacity(joint, direction, _first_load(joint, direction, push))
+    return both(joint, direction, push, "law")["law"]
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
@@ -54,11 +53,22 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     Friction above and below the locks comes from a body that tilts against its plate, or from what
     presses it. With the one it counts for half as much as all else, with the other not at all.
     """
+    return both(joint, direction, push, "safe")["safe"]
+
+
+def both(
+    joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, *names: str
+) -> dict[str, LawCapacity]:
+    """What `law` and `safe` give, or those of them that are named: `safe` begins with the law."""
     require_covered(joint, direction)
+    wanted = names or tuple(RULES)
     rough = _first_load(joint, direction, push)
-    without = _first_load(joint, direction, push, standing=False)
-    counted = COUNTED[joint.pressing_force is None]
-    return _capacity(joint, direction, min(rough, counted * without) / SAFETY)
+    loads = {"law": rough}
+    if "safe" in wanted:
+        without = _first_load(joint, direction, push, standing=False)
+        counted = COUNTED[joint.pressing_force is None]
+        loads["safe"] = min(rough, counted * without) / SAFETY
+    return {name: _capacity(joint, direction, loads[name]) for name in wanted}
 
 
 def spans_of(joint: Joint) -> dict[str, float]:
@@ -100,7 +110,8 @@ def require_covered(joint: Joint, direction: Direction) -> None:
 
 
 def _short(value: float) -> float:
-    return float(f"{value:.4g}")
+    short = float(f"{value:.4g}")
+    return int(short) if short.is_integer() else short
 
 
 def _first_load(joint: Joint, direction: Direction, push: Push, standing: bool = True) -> float:

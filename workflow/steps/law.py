@@ -7,10 +7,10 @@ from typing import Any
 
 from sidmacib.chain.failure import first_failure
 from sidmacib.chain.pairs import pairs_of
-from sidmacib.chain.rule import RULES
+from sidmacib.chain.rule import RULES, both
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from workflow.design import Designed
 from workflow.steps.joints import write_rows
@@ -38,15 +38,17 @@ def law_rows(one: Designed, eccentricities: Sequence[float]) -> Iterator[dict[st
             **dict.fromkeys(RULES),
         }
         try:
-            for name, rule in RULES.items():
-                told[name] = rule(one.joint, Direction(ratio), one.push).load / one.joint.T0
+            for name, found in both(one.joint, Direction(ratio), one.push).items():
+                told[name] = found.load / one.joint.T0
         except (CapacityError, ValueError) as error:
             told["law_error"] = str(error)
         yield told
 
 
 def _saturation(joint: Joint) -> float | None:
-    """Locks that work in pure shear if there are many, all smooth and under a plate."""
+    """Locks that work in pure shear of many columns, all smooth and under a plate."""
+    if joint.upper_body is not UpperBody.COLUMNS:  # one piece has no such number
+        return None
     long = replace(
         joint,
         locks=MANY,

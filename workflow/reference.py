@@ -1,0 +1,141 @@
+"""Every key of the configuration, as a page in Markdown: made from the schema."""
+
+import math
+import types
+import typing
+from collections.abc import Iterator, Mapping
+from enum import StrEnum
+from typing import Any
+
+from pydantic import BeforeValidator
+from pydantic.fields import FieldInfo
+from pydantic_core import PydanticUndefined
+
+from sidmacib.hold_down import HoldDown
+from workflow.schema import Study
+from workflow.schema.hold_down import hold_down
+from workflow.schema.measured import words
+from workflow.schema.section import Section
+from workflow.schema.values import Number, eccentricity, entries, folder, name, several, some
+
+WORDS = {  # of checks that are functions
+    eccentricity: "a number of at least 0 (e / a), or torsion",
+    folder: "the name of a folder",
+    hold_down: "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
+    some: "at least one",
+    several: "perhaps none",
+    entries: "at least one name",
+    words: "text",
+    name: "letters, digits, _ and ., beginning with a letter or digit",
+}
+FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
+INTRODUCTION = """# Every key of the configuration
+
+A study is a YAML file of these keys. What it does not name has the default. A fault is told in one
+line that names the key, its value and what is allowed.
+"""
+
+
+def page() -> str:
+    """The page, a section for each section of the configuration."""
+    lines = [INTRODUCTION]
+    places: dict[type[Section], list[str]] = {}
+    for path, section in sections(Study, ""):
+        places.setdefault(section, []).append(path)
+    for section, paths in places.items():
+        heading, *others = (path or "The study" for path in paths)
+        also = (
+            [f"The same keys: {', '.join(f'`{path}`' for path in others)}.", ""] if others else []
+        )
+        lines += [f"## {heading}", "", _words(section), "", *also, *_table(section), ""]
+    return "\n".join(lines)
+
+
+def sections(section: type[Section], path: str) -> Iterator[tuple[str, type[Section]]]:
+    """``section`` and those below it, each with the path of its keys."""
+    yield path, section
+    for key, field in section.model_fields.items():
+        here = f"{path}.{key}" if path else key
+        for below, many in _below(field.annotation):
+            yield from sections(below, f"{here}.<name>" if many else here)
+
+
+def _below(annotation: Any, many: bool = False) -> Iterator[tuple[type[Section], bool]]:
+    """Sections in an annotation, and whether there is one for each name."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        yield annotation, many
+    origin = typing.get_origin(annotation)
+    for part in typing.get_args(annotation):
+        yield from _below(part, many or origin in (dict, tuple))
+
+
+def _words(section: type[Section]) -> str:
+    text = " ".join((section.__doc__ or "").replace("``", "`").split())
+    return text.removesuffix(" ")
+
+
+def _table(section: type[Section]) -> list[str]:
+    rows = ["| key | default | allowed |", "| --- | --- | --- |"]
+    for key, field in section.model_fields.items():
+        default = FILLED.get(key) if section is Study else None
+        rows.append(f"| `{key}` | {default or _default(field)} | {_allowed(field)} |")
+    return rows
+
+
+def _default(field: FieldInfo) -> str:
+    if field.is_required():
+        return "must be given"
+    value = field.default
+    if value is PydanticUndefined or isinstance(value, Section) or value in ((), {}):
+        return "see below" if isinstance(value, Section) else "none"
+    if value is None:
+        return "not given"
+    if isinstance(value, Mapping):
+        return ", ".join(f"`{key}`" for key in value)
+    return f"`{_spelled(value)}`"
+
+
+def _spelled(value: Any) -> str:
+    if isinstance(value, tuple | list):
+        return f"[{', '.join(map(_spelled, value))}]"
+    if isinstance(value, HoldDown):
+        return str(value.kind)
+    if isinstance(value, float):
+        return "torsion" if math.isinf(value) else f"{value:g}"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _allowed(field: FieldInfo) -> str:
+    """What a key may be, from its checks."""
+    checks = list(dict.fromkeys([*_checks(field.metadata), *_inner(field.annotation)]))
+    return "; ".join(checks).replace("|", "\\|") or "see below"
+
+
+def _inner(annotation: Any) -> Iterator[str]:
+    if isinstance(annotation, type) and issubclass(annotation, StrEnum):
+        yield " or ".join(f"`{member}`" for member in annotation)
+    elif annotation is bool:
+        yield "true or false"
+    elif typing.get_origin(annotation) is typing.Annotated:
+        kind, *metadata = typing.get_args(annotation)
+        yield from _checks(metadata)
+        yield from _inner(kind)
+    else:
+        if typing.get_origin(annotation) is tuple:
+            yield "a list"
+        for part in typing.get_args(annotation):
+            if part is not types.NoneType:
+                yield from _inner(part)
+
+
+def _checks(metadata: Any) -> Iterator[str]:
+    for each in metadata:
+        check: Any = each.func if isinstance(each, BeforeValidator) else None
+        if isinstance(check, Number):
+            one = check.at_least == check.at_most
+            yield f"{check.at_least:g}" if one else check.range(kind=True)
+        elif check in WORDS:
+            yield WORDS[check]
+        elif check is not None and check.__doc__:
+            (first, *_) = check.__doc__.split(".")
+            yield first[:1].lower() + first[1:].replace("``", "`")
