@@ -9,7 +9,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.hold_down import HoldDown
-    from sidmacib.joint import Block, Direction, Joint, OwnLock, UpperBody
+    from sidmacib.joint import Block, Direction, Joint, OwnLock
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
@@ -44,7 +44,6 @@ _HOME = {
     "Sidmacib": "programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
-    "UpperBody": "joint",
     "assemble": "pieces",
     "capacities": "programme",
     "capacity": "programme",
@@ -81,7 +80,6 @@ __all__ = [
     "Sidmacib",
     "SolverError",
     "UnboundedError",
-    "UpperBody",
     "assemble",
     "capacities",
     "capacity",
