@@ -5,6 +5,7 @@
 # make locks   the study of the law: how many locks work, over 14,592 joints; hours, goes on where stopped
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
+# make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
@@ -23,7 +24,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study locks case report calibrate decks bench test lint format lock system system-test clean
+.PHONY: study locks case report calibrate decks docs bench test lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
@@ -43,6 +44,10 @@ report: .venv/study.ready
 
 decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)
+
+docs: .venv/test.ready
+	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
+	@echo "Pages: build/docs/index.html"
 
 bench: .venv/test.ready
 	@$(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")

@@ -11,8 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from conftest import ROOT
 
+from sidmacib.command.main import main
+from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
 from workflow.plan import plan_of
@@ -21,7 +24,12 @@ from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 from workflow.yaml_text import parsed
 
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+MADE = {"configuration.md"}  # by the site, from the schema
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "CONTRIBUTING.md",
+    *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.name not in MADE),
+]
 EXAMPLES = {"samples": {"n3": {"locks": 3}}}  # a study for what a page changes of one
 # Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
 WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
@@ -107,6 +115,28 @@ def test_the_readme_has_examples_of_every_kind() -> None:
     assert blocks(readme, "yaml")
     assert commands(readme, "make")
     assert commands(readme, "snakemake")
+
+
+def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    wanted = {
+        tuple(words)
+        for page in PAGES
+        for program in ("multilock", ".venv/bin/multilock")
+        for words in commands(page, program)
+    }
+    assert len(wanted) >= 5
+    for words in sorted(wanted):
+        monkeypatch.chdir(ROOT if words[0] == "cases" else tmp_path)
+        found = CliRunner().invoke(main, list(words))
+        assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
+
+
+def test_the_page_of_keys_has_every_key() -> None:
+    text = reference.page()
+    for path, section in reference.sections(Study, ""):
+        assert f"## {path}" in text or f"`{path}`" in text
+        for key in section.model_fields:
+            assert f"| `{key}` |" in text
 
 
 def test_make_knows_every_command() -> None:

@@ -49,6 +49,7 @@ def study(config: Path, results: str | None) -> str | None:
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
     from analysis.case import describe
+    from analysis.vtk import write_path
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
@@ -59,7 +60,12 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
         return f"{name}: no result, see above"
     (record,) = read_records([folder / RECORD])
     print(f"{describe(record)}\n  files: {folder}")
-    return None if record.error is None else f"{name}: no result"
+    if record.error is not None:
+        return f"{name}: no result"
+    if chosen.model == "static":
+        pieces, _ = write_path(chosen, folder / "vtk")
+        print(f"  for ParaView: {pieces.parent}/*.pvd")
+    return None
 
 
 def report(config: Path, results: str | None) -> str | None:

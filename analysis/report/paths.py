@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
 from sidmacib.loading import lateral_load
@@ -87,10 +88,7 @@ def _step(
 ) -> dict[str, Any]:
     shear = np.hypot(point.force[:, 1], point.force[:, 2]) / assembly.nodes.area
     bonded = point.state.bonded
-    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
-    moved = np.zeros((len(assembly.pieces), 6))
-    if joint.elastic is None:
-        moved[free] = point.unknowns.reshape(len(free), 6)
+    moved = displacements(assembly, point, rigid=joint.elastic is None)
     return {
         "load": float(f"{point.load:.6g}"),
         "shear": [

@@ -1,0 +1,27 @@
+"""How the pages are made into a site, by Sphinx: `make docs`."""
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from workflow import reference  # noqa: E402
+
+project = "multilock"
+author = "the multilock developers"
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+html_theme = "furo"
+html_title = "multilock"
+html_show_copyright = False
+html_show_sourcelink = False
+myst_heading_anchors = 3
+myst_links_external_new_tab = False
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+exclude_patterns = ["_build"]
+nitpicky = False
+suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
+
+# The page of keys is made from the schema each time.
+Path(__file__).with_name("configuration.md").write_text(reference.page())

@@ -1,0 +1,68 @@
+"""The load path as ParaView reads it."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+
+from analysis.vtk import write_path
+from sidmacib.joint import Direction, Elastic, Joint
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import NodeLayout
+from workflow.case import Case
+
+
+def case_of(joint: Joint, ratio: float) -> Case:
+    direction = Loading(Direction(ratio))
+    return Case("c", "static", "reference", "s", joint, 0.03, NodeLayout.LOBATTO, direction, None)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    return write_path(case_of(Joint(3), 0.3), tmp_path_factory.mktemp("vtk"))
+
+
+def steps(collection: Path) -> list[tuple[float, meshio.Mesh]]:
+    sets = ElementTree.parse(collection).getroot().iter("DataSet")
+    return [
+        (float(s.attrib["timestep"]), _read(collection.parent / s.attrib["file"])) for s in sets
+    ]
+
+
+def _read(path: Path) -> meshio.Mesh:
+    return meshio.read(path)
+
+
+def test_the_path_goes_up_from_no_load(written: list[Path]) -> None:
+    loads = [load for load, _ in steps(written[0])]
+    assert loads[0] == 0.0
+    assert loads == sorted(loads)
+    assert loads == [load for load, _ in steps(written[1])]
+
+
+def test_pieces_are_boxes_that_move(written: list[Path]) -> None:
+    (_, first), *_, (_, last) = steps(written[0])
+    assert len(first.cells_dict["hexahedron"]) == 1 + 1 + 3 + 3
+    volume = np.ptp(first.points[:8], axis=0).prod()
+    assert volume > 0.0
+    before, after = (np.abs(mesh.point_data["displacement_m"]).max() for mesh in (first, last))
+    assert after > before
+    assert (last.point_data["displacement_m"][:8] == 0.0).all()  # the lower body is fixed
+
+
+def test_stresses_on_locks_balance_the_load(written: list[Path]) -> None:
+    """Nodes of the lower lock's root carry V: their weights are Simpson's."""
+    (load, mesh) = steps(written[1])[-1]
+    joint = Joint(3)
+    shear = mesh.point_data["shear_Pa"][mesh.point_data["inner"] == 1.0]
+    assert np.linalg.norm(shear, axis=1).max() <= joint.inner.cohesion * (1 + 1e-6)
+    assert load > 0.0
+    assert set(np.unique(mesh.point_data["bonded"])) <= {0.0, 1.0}
+
+
+def test_pieces_that_bend_have_stresses_but_no_movement(tmp_path: Path) -> None:
+    pieces, nodes = write_path(case_of(Joint(3, elastic=Elastic(1e10)), 0.0), tmp_path)
+    assert (steps(pieces)[-1][1].point_data["displacement_m"] == 0.0).all()
+    assert np.abs(steps(nodes)[-1][1].point_data["normal_Pa"]).max() > 0.0
