@@ -182,6 +182,14 @@ def test_another_case_runs_its_batch_and_going_back_runs_nothing_but_that(
     assert solved.planned() == set()
 
 
+def test_snakemakes_own_report_has_figures_and_tables_with_captions(solved: Workspace) -> None:
+    found = solved.snakemake("--report", "own.html")
+    assert found.returncode == 0, found.stderr
+    text = (solved.folder / "own.html").read_text()
+    for words in ("Figures", "Tables", "side_by_side.png", "capacity.csv", "what is assumed"):
+        assert words in text
+
+
 def test_a_change_to_what_figures_show_draws_them_and_no_more(solved: Workspace) -> None:
     solved.configure({**SOLVED, "figures": {"eccentricity": 0.4}})
     assert solved.planned() == {"figures"}

@@ -1,4 +1,26 @@
 # From the cases' results to tables, figures and summary, and what is made on request.
+CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
+    ".csv": ("Tables", "table.rst"),
+    ".png": ("Figures", "figure.rst"),
+    ".html": ("Report", "report.rst"),
+}
+
+
+def in_report(names):
+    """Paths of results; those that Snakemake's report shows are marked with category and caption."""
+    for path in below(names):
+        category, caption = CAPTIONS.get(Path(path).suffix, (None, None))
+        if category is None:
+            yield path
+        else:
+            yield report(
+                path,
+                category=category,
+                caption=f"{CHECKOUT}/workflow/captions/{caption}",
+                labels={"file": Path(path).name},
+            )
+
+
 for job in JOBS.values():
     if "/" not in job.name:
 
@@ -9,7 +31,7 @@ for job in JOBS.values():
                 plan=PLANS[job.name],
                 others=below(job.inputs),
             output:
-                below(job.outputs),
+                list(in_report(job.outputs)),
             log:
                 f"{RESULTS}/logs/{job.name}.log",
             message:
