@@ -1,6 +1,7 @@
 # make study   the whole study: tables, figures and a summary in $(RESULTS)
 # make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make report  the report alone, one page: report.html in $(RESULTS); make study writes it too
+# make explore a page with sliders for a joint of your own, on this machine only
 # make calibrate  which geometry fits the published numbers
 # make locks   the study of the law: how many locks work, over 14,592 joints; hours, goes on where stopped
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
@@ -24,7 +25,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study locks case report calibrate decks docs bench test lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready
@@ -41,6 +42,9 @@ calibrate: .venv/study.ready
 
 report: .venv/study.ready
 	$(WORKFLOW) report $(TO)
+
+explore: .venv/study.ready
+	@$(BIN)/python -m analysis.explore.app
 
 decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)

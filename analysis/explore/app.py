@@ -1,0 +1,153 @@
+"""The page, served to this machine only: sliders on one side, what follows on the other."""
+
+import argparse
+from dataclasses import asdict
+from typing import Any
+
+import dash
+from dash import Input, Output, State, dcc, html
+
+from analysis.explore.pictures import answers, curve, drawing, weights
+from analysis.explore.state import Playing, as_configuration, as_python, as_query, from_query
+
+LOOPBACK = "127.0.0.1"
+SLIDERS = {  # least, most, step, and words
+    "locks": (2, 31, 1, "locks n"),
+    "a": (15.0, 150.0, 1.0, "length of a lock a (mm)"),
+    "b": (20.0, 100.0, 1.0, "width of a lock b (mm)"),
+    "h": (3.0, 40.0, 0.5, "height of a lock h (mm)"),
+    "H": (15.0, 150.0, 1.0, "height of the body H (mm)"),
+    "cohesion": (10.0, 300.0, 5.0, "cohesion (kPa)"),
+    "friction": (0.0, 0.8, 0.01, "friction"),
+    "young": (0.0, 50.0, 1.0, "E (GPa), 0: rigid"),
+    "pressure": (0.0, 200.0, 5.0, "pressure on top (kPa), 0: fixed plate"),
+    "eccentricity": (0.0, 3.0, 0.05, "eccentricity e / a"),
+}
+STYLE = {
+    "fontFamily": "system-ui, sans-serif",
+    "maxWidth": "80rem",
+    "margin": "0 auto",
+    "padding": "1rem",
+}
+SIDES = {"display": "flex", "flexWrap": "wrap", "gap": "1.5rem"}
+PLOT = {"height": "19rem"}
+
+
+def _slider(name: str, state: Playing) -> html.Div:
+    least, most, step, words = SLIDERS[name]
+    slider = dcc.Slider(
+        id=name,
+        min=least,
+        max=most,
+        step=step,
+        value=getattr(state, name),
+        marks=None,
+        updatemode="drag",
+        tooltip={"placement": "bottom", "always_visible": False},
+    )
+    return html.Div([html.Label(words, htmlFor=name), slider])
+
+
+def layout(state: Playing) -> html.Div:
+    """The page for a joint."""
+    controls = [_slider(name, state) for name in SLIDERS]
+    body = dcc.Checklist(
+        id="one_piece",
+        options=[{"label": " upper body in one piece", "value": "yes"}],
+        value=["yes"] if state.one_piece else [],
+    )
+    copies = [
+        html.Div(
+            [
+                html.H3(words),
+                dcc.Clipboard(target_id=name, title=f"copy as {words}"),
+                html.Pre(id=name, tabIndex="0", style={"overflow": "auto", "fontSize": "0.8rem"}),
+            ]
+        )
+        for name, words in (("yaml", "configuration"), ("python", "Python"), ("link", "link"))
+    ]
+    plots = [
+        dcc.Graph(id=name, style=PLOT, config={"displaylogo": False})
+        for name in ("curve", "drawing", "weights")
+    ]
+    return html.Div(
+        [
+            dcc.Location(id="place", refresh=False),
+            html.H1("A joint to play with", style={"fontSize": "1.4rem"}),
+            html.P(id="words", role="status"),
+            html.Main(
+                [
+                    html.Div([*controls, body], style={"flex": "1 1 18rem"}),
+                    html.Div(plots, style={"flex": "3 1 30rem"}),
+                    html.Div(copies, style={"flex": "1 1 18rem", "minWidth": "0"}),
+                ],
+                style=SIDES,
+            ),
+            html.P(
+                "Peaks of the static model on its coarsest mesh; law and safe rule of docs/law.md, "
+                "within the spans of their study; the first lock is on the left. Nothing leaves "
+                "this machine."
+            ),
+        ],
+        style=STYLE,
+        lang="en",
+    )
+
+
+def shown(values: dict[str, Any]) -> tuple[Any, ...]:
+    """What the page shows for the sliders' values: pictures, words, and three ways to copy it."""
+    state = Playing(**values)
+    told = answers(state)
+    return (
+        curve(state, told),
+        drawing(state),
+        weights(told),
+        told.words,
+        as_configuration(state),
+        as_python(state),
+        f"?{as_query(state)}",
+    )
+
+
+def make_app() -> dash.Dash:
+    """The page as an application; its scripts are served from here."""
+    app = dash.Dash(
+        "multilock", title="multilock: a joint to play with", serve_locally=True, update_title=""
+    )
+    app.layout = layout(Playing())
+    names = [*SLIDERS, "one_piece"]
+
+    def follow(*values: Any) -> tuple[Any, ...]:
+        given = dict(zip(names, values, strict=True))
+        return shown({**given, "locks": int(given["locks"]), "one_piece": bool(given["one_piece"])})
+
+    def begin(search: str, *values: Any) -> list[Any]:
+        state = asdict(from_query(search or ""))
+        return [*(state[name] for name in SLIDERS), ["yes"] if state["one_piece"] else []]
+
+    app.callback(
+        [
+            *(Output(name, "figure") for name in ("curve", "drawing", "weights")),
+            *(Output(name, "children") for name in ("words", "yaml", "python", "link")),
+        ],
+        [Input(name, "value") for name in names],
+    )(follow)
+    app.callback(
+        [Output(name, "value") for name in names],
+        Input("place", "search"),
+        [State(name, "value") for name in names],
+    )(begin)
+    return app
+
+
+def main() -> None:
+    """Serve the page until it is stopped."""
+    parser = argparse.ArgumentParser(prog="make explore", description=__doc__)
+    parser.add_argument("--port", type=int, default=8050)
+    arguments = parser.parse_args()
+    print(f"Open http://{LOOPBACK}:{arguments.port} (stop with Ctrl+C)")
+    make_app().run(host=LOOPBACK, port=arguments.port, debug=False)
+
+
+if __name__ == "__main__":
+    main()
