@@ -6,6 +6,7 @@ import io
 import re
 import shlex
 import subprocess
+import sys
 import tokenize
 from pathlib import Path
 from typing import Any
@@ -129,6 +130,16 @@ def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.M
         monkeypatch.chdir(ROOT if words[0] == "cases" else tmp_path)
         found = CliRunner().invoke(main, list(words))
         assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
+
+
+def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
+    done = subprocess.run(
+        [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
+    assert (tmp_path / "howto" / "joint.html").is_file()
 
 
 def test_the_page_of_keys_has_every_key() -> None:
