@@ -231,6 +231,12 @@ def test_brittle_bonds_add_little_in_pure_shear(points: pd.DataFrame) -> None:
     assert (table["mean_peak_over_first_failure"] >= 1.0 - 1e-9).all()
 
 
+def test_joints_without_a_pair_that_bears_are_left_out(points: pd.DataFrame) -> None:
+    lame = points.assign(pairs=0)
+    both = pd.concat([points, lame], ignore_index=True)
+    assert bonds_table(both).equals(bonds_table(points))
+
+
 def test_scatter_costs_more_the_more_there_is() -> None:
     table = characteristic_table(Joint(3))
     left = table.pivot_table(

@@ -15,7 +15,8 @@ ENERGIES = ((1.0, 10.0), (10.0, 100.0), (100.0, 1000.0))  # fracture energy over
 
 def bonds_table(points: pd.DataFrame) -> pd.DataFrame:
     """Peaks over first failures and over pairs that bear, by how bonds fail: under a plate."""
-    own = points[points["plate"] & points["peak"].gt(0.0) & points["stiffness_ratio"].isna()]
+    bears = points["plate"] & points["peak"].gt(0.0) & points["pairs"].gt(0)
+    own = points[bears & points["stiffness_ratio"].isna()]
     own = own.assign(
         bonds=[_kind(failure, ratio) for failure, ratio in own[["failure", "energy_ratio"]].values],
         more=own["peak"] / own["first_failure"] - 1.0,

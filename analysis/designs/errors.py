@@ -37,11 +37,19 @@ def spread(error: "pd.Series[float]") -> dict[str, float]:
     }
 
 
+def known(points: pd.DataFrame) -> "pd.Series[bool]":
+    """Where the static model has an answer.
+
+    It has lost its way where the first failures on two meshes have little to do with each other.
+    """
+    found = points["first_failure"].gt(0.0)
+    return found & points["first_failure_mesh_error"].abs().lt(KNOWN)
+
+
 def law_table(points: pd.DataFrame) -> pd.DataFrame:
     """One row for each quantity and region, and for all regions of a design together.
 
-    Points whose first failures on two meshes have little to do with each other are left out: there
-    the static model has lost its way. The closed form is told of pure shear of smooth joints under
+    Points that are not `known` are left out. The closed form is told of pure shear of smooth joints under
     a plate, which it is made for.
     """
     told = points.assign(
@@ -51,8 +59,7 @@ def law_table(points: pd.DataFrame) -> pd.DataFrame:
     region = ["design", "held", "dry_faces", "upper_body", "eccentricity_over_a"]
     rows = []
     for name, (ours, theirs) in QUANTITIES.items():
-        known = told[theirs].gt(0.0) & told["first_failure_mesh_error"].abs().lt(KNOWN)
-        own = told[told[ours].gt(0.0) & known]
+        own = told[told[ours].gt(0.0) & told[theirs].gt(0.0) & known(told)]
         if ours == "closed_form":
             made_for = own["held"].eq("plate") & own["dry_faces"].eq("smooth")
             own = own[made_for & own["eccentricity_over_a"].eq(0.0)]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.designs.errors import ALL, KNOWN, spread
+from analysis.designs.errors import ALL, known, spread
 from workflow.results.tables import INTERACTION, POINTS, read_table, write_table
 
 EXPONENTS = (1.0, 1.25, 1.5, 2.0)
@@ -35,8 +35,7 @@ def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
 
 def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     """Errors of the curves, by region and for all directions of a design's region together."""
-    known = points["first_failure"].gt(0.0) & points["first_failure_mesh_error"].abs().lt(KNOWN)
-    own = points[points["plate"] & known & points["failure"].eq("brittle")]
+    own = points[points["plate"] & known(points) & points["failure"].eq("brittle")]
     own = own.assign(dry_faces=np.where(own["friction"] > 0.0, "rough", "smooth"))
 
     def at(ratio: float) -> "pd.Series[float]":

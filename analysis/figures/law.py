@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.designs.errors import brittle_odd_joints, option_loads
+from analysis.designs.errors import brittle_odd_joints, known, option_loads
 from analysis.figures import style
 from sidmacib.chain.pairs import Pairs
 from workflow.results.tables import POINTS, read_table
@@ -58,7 +58,7 @@ def collapse(points: pd.DataFrame) -> Figure:
 
 
 def _parity(axes: Axes, points: pd.DataFrame) -> None:
-    own = points[points["law"].gt(0.0) & points["first_failure"].gt(0.0) & points["plate"]]
+    own = points[points["law"].gt(0.0) & known(points) & points["plate"]]
     shown = own.iloc[:: max(1, len(own) // MOST_DRAWN)]
     for rough, colour in ((True, style.COLOURS[1]), (False, style.COLOURS[0])):
         rows = shown[shown["friction"].gt(0.0).eq(rough)]
@@ -76,7 +76,7 @@ def _parity(axes: Axes, points: pd.DataFrame) -> None:
 def margins(points: pd.DataFrame) -> Figure:
     """How far law and safe rule are from what they stand for."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
-    own = points[points["plate"] & points["peak"].gt(0.0)]
+    own = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
     kinds = (
         ("law", "first_failure", "law over first failure (%)", (-20, 20)),
         ("safe", "peak", "safe rule over brittle peak (%)", (-50, 10)),
