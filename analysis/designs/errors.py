@@ -49,8 +49,8 @@ def known(points: pd.DataFrame) -> "pd.Series[bool]":
 def law_table(points: pd.DataFrame) -> pd.DataFrame:
     """One row for each quantity and region, and for all regions of a design together.
 
-    Points that are not `known` are left out. The closed form is told of pure shear of smooth joints under
-    a plate, which it is made for.
+    Points that are not `known` are left out. The closed form is told of pure shear of smooth joints
+    under a plate, which it is made for.
     """
     told = points.assign(
         held=points["plate"].map({True: "plate", False: "pressed"}),
