@@ -1,6 +1,7 @@
 """What `make` calls: a whole study, one case, the decks or the calibration."""
 
 import argparse
+import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +11,7 @@ from workflow.cases import find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.results.files import RECORD, case_folder
+from workflow.schema import Study
 
 
 def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
@@ -39,11 +41,26 @@ def study(config: Path, results: str | None) -> str | None:
     own = read_study_file(config, results)
     for line in notes(own):
         print(f"Note: {line}", file=sys.stderr)
-    whole = snakemake(config, own.results, (), installed_engines(own))
+    engines = installed_engines(own)
+    _first_report(config, own, engines)
+    whole = snakemake(config, own.results, (), engines)
     summary = Path(own.results, "summary.txt")
     if summary.is_file():
         print(summary.read_text(), end="")
     return None if whole else f"{own.results}: the study is incomplete, see above"
+
+
+def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
+    """Where engines take their time, write a report of what needs none of them first.
+
+    Only if there is none yet: what it shows is made again when the engines have ended.
+    """
+    path = Path(own.results, REPORT)
+    if engines and "static" in own.models and not path.exists():
+        print("First, a report without the engines", file=sys.stderr)
+        # In a process of its own, whose lock of the results folder ends with it.
+        told = ["report", str(config), f"--results={own.results}", "--without-engines"]
+        subprocess.run([sys.executable, "-m", "workflow", *told], check=False)
 
 
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
@@ -68,11 +85,11 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     return None
 
 
-def report(config: Path, results: str | None) -> str | None:
-    """Write the report of what the study has so far; returns why there is none."""
+def report(config: Path, results: str | None, engines: bool = True) -> str | None:
+    """Write the report, without engines of what needs none; returns why there is no report."""
     own = read_study_file(config, results)
     path = str(Path(own.results, REPORT))
-    if not snakemake(config, own.results, (path,), installed_engines(own)):
+    if not snakemake(config, own.results, (path,), installed_engines(own) if engines else ()):
         return "no report, see above"
     print(f"Report: {path}")
     return None
@@ -95,6 +112,9 @@ def main() -> None:
     parser.add_argument("--results", help="results folder, in place of the configuration's")
     parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
     parser.add_argument("--model", help="its model; by default the first one installed")
+    parser.add_argument(
+        "--without-engines", action="store_true", help="a report of what needs no engine"
+    )
     arguments = parser.parse_args()
     results = arguments.results or None
     try:
@@ -105,14 +125,14 @@ def main() -> None:
                     "make case CASE=n3-mesh0.02-e0.1a"
                 )
             fault = case(arguments.config, results, arguments.case, arguments.model or None)
+        elif arguments.what == "report":
+            fault = report(arguments.config, results, not arguments.without_engines)
         elif arguments.what == "calibrate":
             from workflow.calibration import calibrate
 
             fault = calibrate(arguments.config, results, snakemake)
         else:
-            fault = {"study": study, "report": report, "decks": decks}[arguments.what](
-                arguments.config, results
-            )
+            fault = {"study": study, "decks": decks}[arguments.what](arguments.config, results)
     except ConfigError as error:
         sys.exit(str(error))
     if fault:
