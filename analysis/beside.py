@@ -1,5 +1,6 @@
 """Published numbers beside those computed for every sample that they belong to."""
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -48,6 +49,25 @@ def beside(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Beside]:
             for (quantity, mesh), rows in found.items()
         )
         yield Beside(int(str(locks)), samples, lines)
+
+
+NAMES = (  # of quantities in the validation table, as people say them
+    (r"sidmacib_pure_shear_option(\w+?)_(frictionless|friction)_N", r"SiDMACIB, Option \1, V (N)"),
+    (r"dem_pure_shear_N", r"peak V of the pieces (N)"),
+    (r"weight_lock(\d+)", r"weight of lock \1"),
+    (r"weight_lock(\d+)_swapped", r"weight of lock \1, first two swapped"),
+    (r"weight_sum", r"sum of weights"),
+    (r"weight_sum_rounded_down", r"sum of weights, rounded down"),
+    (r"best_option", r"option that fits best"),
+)
+
+
+def name_of(quantity: str) -> str:
+    """A quantity of the validation table in words; itself if there are none."""
+    for pattern, words in NAMES:
+        if found := re.fullmatch(pattern, quantity):
+            return found.expand(words)
+    return quantity
 
 
 def difference(row: Any) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.beside import beside, difference
+from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
 from workflow.case import REFERENCE
 from workflow.models import MODELS, first_failure_only
@@ -110,7 +110,8 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
                 else " " * 21
                 for s in own.samples
             )
-            yield f"  {line.quantity:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
+            name = name_of(line.quantity)
+            yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
 def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:

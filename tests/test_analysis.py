@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from analysis.beside import name_of
 from analysis.capacity import capacity_table, envelope_rows, sidmacib_rows
 from analysis.collect import (
     cases_table,
@@ -372,3 +373,17 @@ def test_only_a_model_that_promises_more_is_unsafe(factor: float) -> None:
     found = misfit(np.full(3, 100.0 * factor), np.full(3, 100.0))
     assert found.largest_unsafe_error == pytest.approx(max(factor - 1.0, 0.0))
     assert found.largest_safe_error == pytest.approx(max(1.0 - factor, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "words"),
+    [
+        ("sidmacib_pure_shear_option4_frictionless_N", "SiDMACIB, Option 4, V (N)"),
+        ("dem_pure_shear_N", "peak V of the pieces (N)"),
+        ("weight_lock2_swapped", "weight of lock 2, first two swapped"),
+        ("weight_sum_rounded_down", "sum of weights, rounded down"),
+        ("something_else", "something_else"),
+    ],
+)
+def test_quantities_have_names_that_people_use(quantity: str, words: str) -> None:
+    assert name_of(quantity) == words

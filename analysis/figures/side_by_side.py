@@ -7,7 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.beside import Beside, beside, difference
+from analysis.beside import Beside, beside, difference, name_of
 from analysis.figures import style
 from analysis.figures.material import Material
 
@@ -118,7 +118,7 @@ def _table(axes: Axes, parts: Sequence[Beside]) -> None:
                     else ("", "")
                 )
             ]
-            cells.append([line.quantity, line.mesh, f"{line.published:g}", *values])
+            cells.append([name_of(line.quantity), line.mesh, f"{line.published:g}", *values])
         cells.append([])
     width = 3 + 2 * most
     cells = [[*row, *[""] * (width - len(row))] for row in cells[:-1]]
