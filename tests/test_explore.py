@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 
 import pytest
 import yaml
+from axe_playwright_python.sync_playwright import Axe
 from hypothesis import given
 from hypothesis import strategies as st
 from playwright.sync_api import sync_playwright
@@ -112,14 +113,15 @@ def test_the_page_follows_while_a_slider_moves(served: str) -> None:
         page.goto(f"{served}/?locks=7")
         page.wait_for_function("document.getElementById('yaml')?.textContent.includes('locks: 7')")
         before = page.text_content("#words")
-        slider = page.locator("#locks [role=slider], #locks input[type=range]").first
-        slider.focus()
+        page.focus("#locks")
         page.keyboard.press("ArrowRight")
         page.wait_for_function("document.getElementById('yaml').textContent.includes('locks: 8')")
         page.wait_for_function(
             "before => document.getElementById('words').textContent !== before", arg=before
         )
         assert page.locator("label").count() >= len(SLIDERS)
+        found = Axe().run(page)
+        assert found.violations_count == 0, found.generate_report()
         browser.close()
     assert errors == []
     assert all(url.startswith((served, "data:", "blob:")) for url in requests)

@@ -1,7 +1,6 @@
 """The page, served to this machine only: sliders on one side, what follows on the other."""
 
 import argparse
-from dataclasses import asdict
 from typing import Any
 
 import dash
@@ -22,7 +21,12 @@ SLIDERS = {  # least, most, step, and words
     "young": (0.0, 50.0, 1.0, "E (GPa), 0: rigid"),
     "pressure": (0.0, 200.0, 5.0, "pressure on top (kPa), 0: fixed plate"),
     "eccentricity": (0.0, 3.0, 0.05, "eccentricity e / a"),
+    "one_piece": (0, 1, 1, "upper body: columns (0), one piece (1)"),
 }
+ABOUT = (
+    "Peaks of the static model on its coarsest mesh; law and safe rule of docs/law.md, within the "
+    "spans of their study; the first lock is on the left. Nothing leaves this machine."
+)
 STYLE = {
     "fontFamily": "system-ui, sans-serif",
     "maxWidth": "80rem",
@@ -34,32 +38,28 @@ PLOT = {"height": "19rem"}
 
 
 def _slider(name: str, state: Playing) -> html.Div:
+    """A slider of the browser's own: it comes with keys, focus and a label that is read out."""
     least, most, step, words = SLIDERS[name]
-    slider = dcc.Slider(
+    slider = dcc.Input(
         id=name,
+        type="range",
         min=least,
         max=most,
         step=step,
-        value=getattr(state, name),
-        marks=None,
-        updatemode="drag",
-        tooltip={"placement": "bottom", "always_visible": False},
+        value=float(getattr(state, name)),
+        style={"width": "100%"},
     )
-    return html.Div([html.Label(words, htmlFor=name), slider])
+    told = html.Span(id=f"{name}-told", style={"float": "right"})
+    return html.Div([html.Label([words, told], htmlFor=name, style={"display": "block"}), slider])
 
 
 def layout(state: Playing) -> html.Div:
     """The page for a joint."""
     controls = [_slider(name, state) for name in SLIDERS]
-    body = dcc.Checklist(
-        id="one_piece",
-        options=[{"label": " upper body in one piece", "value": "yes"}],
-        value=["yes"] if state.one_piece else [],
-    )
     copies = [
         html.Div(
             [
-                html.H3(words),
+                html.H2(words, style={"fontSize": "1rem"}),
                 dcc.Clipboard(target_id=name, title=f"copy as {words}"),
                 html.Pre(id=name, tabIndex="0", style={"overflow": "auto", "fontSize": "0.8rem"}),
             ]
@@ -73,24 +73,19 @@ def layout(state: Playing) -> html.Div:
     return html.Div(
         [
             dcc.Location(id="place", refresh=False),
-            html.H1("A joint to play with", style={"fontSize": "1.4rem"}),
-            html.P(id="words", role="status"),
+            html.Header(html.H1("A joint to play with", style={"fontSize": "1.4rem"})),
             html.Main(
                 [
-                    html.Div([*controls, body], style={"flex": "1 1 18rem"}),
+                    html.Div(id="words", role="status", style={"flex": "1 1 100%"}),
+                    html.Div(controls, style={"flex": "1 1 18rem"}),
                     html.Div(plots, style={"flex": "3 1 30rem"}),
                     html.Div(copies, style={"flex": "1 1 18rem", "minWidth": "0"}),
+                    html.P(ABOUT),
                 ],
                 style=SIDES,
             ),
-            html.P(
-                "Peaks of the static model on its coarsest mesh; law and safe rule of docs/law.md, "
-                "within the spans of their study; the first lock is on the left. Nothing leaves "
-                "this machine."
-            ),
         ],
         style=STYLE,
-        lang="en",
     )
 
 
@@ -98,6 +93,7 @@ def shown(values: dict[str, Any]) -> tuple[Any, ...]:
     """What the page shows for the sliders' values: pictures, words, and three ways to copy it."""
     state = Playing(**values)
     told = answers(state)
+    numbers = [f"{values[name]:g}" for name in SLIDERS]
     return (
         curve(state, told),
         drawing(state),
@@ -106,6 +102,7 @@ def shown(values: dict[str, Any]) -> tuple[Any, ...]:
         as_configuration(state),
         as_python(state),
         f"?{as_query(state)}",
+        *numbers,
     )
 
 
@@ -114,21 +111,24 @@ def make_app() -> dash.Dash:
     app = dash.Dash(
         "multilock", title="multilock: a joint to play with", serve_locally=True, update_title=""
     )
+    app.index_string = app.index_string.replace("<html>", '<html lang="en">')
     app.layout = layout(Playing())
-    names = [*SLIDERS, "one_piece"]
+    names = list(SLIDERS)
 
     def follow(*values: Any) -> tuple[Any, ...]:
-        given = dict(zip(names, values, strict=True))
-        return shown({**given, "locks": int(given["locks"]), "one_piece": bool(given["one_piece"])})
+        given = {name: float(value) for name, value in zip(names, values, strict=True)}
+        whole = {"locks": int(given["locks"]), "one_piece": bool(given["one_piece"])}
+        return shown({**given, **whole})
 
-    def begin(search: str, *values: Any) -> list[Any]:
-        state = asdict(from_query(search or ""))
-        return [*(state[name] for name in SLIDERS), ["yes"] if state["one_piece"] else []]
+    def begin(search: str, *values: Any) -> list[float]:
+        state = from_query(search or "")
+        return [float(getattr(state, name)) for name in SLIDERS]
 
     app.callback(
         [
             *(Output(name, "figure") for name in ("curve", "drawing", "weights")),
             *(Output(name, "children") for name in ("words", "yaml", "python", "link")),
+            *(Output(f"{name}-told", "children") for name in SLIDERS),
         ],
         [Input(name, "value") for name in names],
     )(follow)
