@@ -99,14 +99,29 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
     assert plate.pressing_force is None
 
 
+def test_there_is_no_safe_load_where_a_joint_may_tip() -> None:
+    light = Joint(3, H=0.08, hold_down=HoldDown.pressure(5e3))
+    with pytest.raises(CapacityError, match=r"(safe: V of .* may tip the joint|nothing holds)"):
+        safe(light, Direction(0.0))
+
+
 def test_friction_above_and_below_counts_with_limits() -> None:
     """Under a plate for half as much as all else, under a given pressure not at all."""
-    rough = replace(DRY, friction=0.8)
-    tall = Joint(3, a=0.05, H=0.14, dry=rough)
+    rough = replace(DRY, friction=0.5)
+    tall = Joint(3, a=0.05, H=0.15, dry=rough)
     smooth = replace(tall, dry=replace(DRY, friction=0.0))
     direction = Direction(0.0)
-    assert law(tall, direction).load > 1.5 * law(smooth, direction).load
+    assert law(tall, direction).load > 1.2 * law(smooth, direction).load
     assert safe(tall, direction).load <= 1.5 * tall.T0 / SAFETY * (1 + 1e-3)
-    pressed = replace(tall, hold_down=HoldDown.pressure(8e4))
+    pressed = Joint(3, dry=rough, hold_down=HoldDown.pressure(8e4))
     assert law(pressed, direction).load > 1.5 * law(smooth, direction).load
-    assert safe(pressed, direction).load < 1.05 * tall.T0 / SAFETY
+    assert safe(pressed, direction).load < 1.05 * pressed.T0 / SAFETY
+
+
+def test_the_safe_rule_refuses_what_may_slide_before_a_bond_fails() -> None:
+    rough = Joint(5, dry=replace(DRY, friction=0.6))
+    assert law(rough, Direction(0.0)).load > 0.0
+    with pytest.raises(
+        ValueError, match=r"friction: 0\.6 is not possible; it must be at most 0\.5"
+    ):
+        safe(rough, Direction(0.0))

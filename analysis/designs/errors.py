@@ -40,9 +40,10 @@ def spread(error: "pd.Series[float]") -> dict[str, float]:
 def known(points: pd.DataFrame) -> "pd.Series[bool]":
     """Where the static model has an answer.
 
-    It has lost its way where the first failures on two meshes have little to do with each other.
+    Bonds decide there. It has lost its way where the first failures on two meshes have little to do
+    with each other.
     """
-    found = points["first_failure"].gt(0.0)
+    found = points["first_failure"].gt(0.0) & points["mode"].eq("bonds")
     return found & points["first_failure_mesh_error"].abs().lt(KNOWN)
 
 

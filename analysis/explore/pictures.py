@@ -7,7 +7,7 @@ from functools import lru_cache
 import plotly.graph_objects as go
 
 from analysis.explore.state import Playing
-from sidmacib.chain.rule import LawCapacity, both
+from sidmacib.chain.rule import LawCapacity, law, safe
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
@@ -62,12 +62,13 @@ def answers(state: Playing) -> Answers:
         if found is None
         else f"At e = {ratio:g} a the peak is V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
     )
+    rules: dict[str, LawCapacity] = {}
     try:
-        rules = both(joint, Direction(ratio))
+        rules["law"] = law(joint, Direction(ratio))
+        rules["safe"] = own = safe(joint, Direction(ratio), first=rules["law"])
     except (CapacityError, ValueError) as error:
-        return Answers(found, {}, f"{words} No safe rule: {error}.")
-    safe = rules["safe"]
-    words += f" Safe: V = {safe.shear:.4g} N, M = {safe.torque:.3g} N m. T0 = {joint.T0:.4g} N."
+        return Answers(found, rules, f"{words} No safe rule: {error}.")
+    words += f" Safe: V = {own.shear:.4g} N, M = {own.torque:.3g} N m. T0 = {joint.T0:.4g} N."
     return Answers(found, rules, words)
 
 

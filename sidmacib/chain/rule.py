@@ -11,9 +11,11 @@ from sidmacib.chain.failure import first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
+from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.validation import refused
 
 SAFETY = 1.05
+ROUGHEST = 0.5  # friction for design: of rougher joints a few slide before any bond fails
 COUNTED = {True: 1.5, False: 1.0}  # times what is carried without that friction: a plate or none
 SPANS = {  # of the study that law and rule were held against
     "locks": (2.0, 31.0),
@@ -44,31 +46,33 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 
     ValueError outside the law's validity, `CapacityError` if nothing carries the load.
     """
-    return both(joint, direction, push, "law")["law"]
+    require_covered(joint, direction)
+    return _capacity(joint, direction, _first_load(joint, direction, push))
 
 
-def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+def safe(
+    joint: Joint,
+    direction: Direction,
+    push: Push = Push.PLUS_Y,
+    first: LawCapacity | None = None,
+) -> LawCapacity:
     """A load that ``joint`` carries: for design. The same errors as `law`.
 
     Friction above and below the locks comes from a body that tilts against its plate, or from what
     presses it. With the one it counts for half as much as all else, with the other not at all.
+    ValueError too if the friction is more than `ROUGHEST`, `CapacityError` if the joint may tip.
+    ``first``: what the law says of it, if that is known.
     """
-    return both(joint, direction, push, "safe")["safe"]
-
-
-def both(
-    joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, *names: str
-) -> dict[str, LawCapacity]:
-    """What `law` and `safe` give, or those of them that are named: `safe` begins with the law."""
-    require_covered(joint, direction)
-    wanted = names or tuple(RULES)
-    rough = _first_load(joint, direction, push)
-    loads = {"law": rough}
-    if "safe" in wanted:
-        without = _first_load(joint, direction, push, standing=False)
-        counted = COUNTED[joint.pressing_force is None]
-        loads["safe"] = min(rough, counted * without) / SAFETY
-    return {name: _capacity(joint, direction, loads[name]) for name in wanted}
+    if joint.dry.friction > ROUGHEST:
+        raise refused(
+            "friction", _short(joint.dry.friction), f"at most {ROUGHEST:g} for the safe rule"
+        )
+    rough = (first or law(joint, direction, push)).load
+    without = _first_load(joint, direction, push, standing=False)
+    counted = COUNTED[joint.pressing_force is None]
+    load = min(rough, counted * without) / SAFETY
+    _require_no_tipping(joint, load * direction.shear)
+    return _capacity(joint, direction, load)
 
 
 def spans_of(joint: Joint) -> dict[str, float]:
@@ -112,6 +116,22 @@ def require_covered(joint: Joint, direction: Direction) -> None:
 def _short(value: float) -> float:
     short = float(f"{value:.4g}")
     return int(short) if short.is_integer() else short
+
+
+def _require_no_tipping(joint: Joint, shear: float) -> None:
+    """`CapacityError` if ``shear`` (N) may tip a joint that no plate holds down.
+
+    It acts at half the height, and what presses the joint, at half its length.
+    """
+    if joint.pressing_force is None:
+        return
+    weight = joint.density * GRAVITY * joint.a * joint.total_width * joint.H
+    most = (joint.pressing_force + weight) * joint.total_width / (joint.H + joint.h)
+    if shear > most:
+        raise CapacityError(
+            f"safe: V of {shear:.4g} N may tip the joint, which what presses it prevents up to "
+            f"{most:.4g} N; use the static model, or a plate"
+        )
 
 
 def _first_load(joint: Joint, direction: Direction, push: Push, standing: bool = True) -> float:
