@@ -6,6 +6,7 @@ press at last: some rounds from no friction on, then Newton's method on both at 
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import solve_banded
@@ -58,10 +59,18 @@ class Equations:
 
     def balanced(self, force: Floats, unknowns: Floats) -> bool:
         """Whether ``force`` (N) is nothing beside the loads, or what rounding makes of it."""
-        model = self.model
-        loads = abs(self.load) + float(np.abs(model.weight).sum())
-        inside = float(np.abs(model.pair_stiffness).max() * np.abs(unknowns).max())
-        return float(np.linalg.norm(force)) < EXACT * loads + ROUNDING * inside
+        inside = self._stiffest * float(np.abs(unknowns).max())
+        return float(np.linalg.norm(force)) < EXACT * self._loads + ROUNDING * inside
+
+    @cached_property
+    def _loads(self) -> float:
+        """Sum of what acts, N."""
+        return abs(self.load) + float(np.abs(self.model.weight).sum())
+
+    @cached_property
+    def _stiffest(self) -> float:
+        """Of the cuts, N/m."""
+        return float(np.abs(self.model.pair_stiffness).max())
 
     def unbalanced(self, unknowns: Floats, limits: Limits) -> tuple[Floats, Floats]:
         """Forces that are not balanced (m,), N, and their derivatives (m, m)."""

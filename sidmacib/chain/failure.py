@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.chain.equilibrium import equilibrium
-from sidmacib.chain.model import LOOSE, ChainModel
+from sidmacib.chain.model import ChainModel
 from sidmacib.chain.pairs import bearing_pairs
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
@@ -56,14 +56,13 @@ def first_failure(joint: Joint, loading: Loading, standing: bool = True) -> Chai
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
     model = ChainModel(joint, loading, standing)
-    loose = LOOSE * joint.inner.shear_stiffness * joint.a * joint.b
     load, moved = joint.T0, None
     low, high = (0.0, 0.0), (np.inf, np.inf)  # loads below and above, with their use
     for _ in range(MOST_LOADS):
         moved = equilibrium(model, load, moved)
         used, cut_used = model.roots_used(moved), model.cut_used(moved)
         most = max(float(used.max()), cut_used)
-        if not 0.0 < most < np.inf or loose * float(np.abs(moved).max()) > HELD * load:
+        if not 0.0 < most < np.inf or model.loose * float(np.abs(moved).max()) > HELD * load:
             raise CapacityError(f"law: nothing holds {joint.locks} locks in this direction")
         low, high = ((load, most), high) if most < 1.0 else (low, (load, most))
         if abs(most - 1.0) < EXACT or high[0] < low[0] * (1.0 + CLOSE):

@@ -94,13 +94,17 @@ class ChainModel:
         far = [(x, y + b, z) for x, y, z in (column, lock)]
         return Body(0, column), Body(2, far[0]), Body(1, lock), Body(3, far[1])
 
+    @property
+    def loose(self) -> float:
+        """Stiffness on every movement, N/m: next to nothing, but what nothing holds stays near."""
+        return LOOSE * self.joint.inner.shear_stiffness * self.root.face.area
+
     @cached_property
     def own_stiffness(self) -> Floats:
         """Of each lock with its column: root, and next to nothing on all; (n, 12, 12)."""
         rows = self.root_rows
         stiff = np.matmul(rows.transpose(0, 2, 1) * self.root.stiffness, rows)
-        loose = LOOSE * self.joint.inner.shear_stiffness * self.root.face.area
-        return stiff + loose * np.eye(2 * UNKNOWNS)
+        return stiff + self.loose * np.eye(2 * UNKNOWNS)
 
     @cached_property
     def pair_stiffness(self) -> Floats:
@@ -123,16 +127,11 @@ class ChainModel:
     def standing_on(self) -> Contacts:
         """The horizontal dry faces: of an upper lock below, of a lower lock above."""
         joint, lever = self.joint, self.joint.b
-        faces = {
-            upper: Rectangle((0.0, 0.0, height), Z, (joint.a, joint.b))
-            for upper, height in ((True, 0.0), (False, joint.h))
-        }
-        foot, areas = faces[True].points(ABOVE)
-        head, _ = faces[False].points(ABOVE)
+        foot, areas = self._level(0.0)
+        head, _ = self._level(joint.h)
         below = -displacements(self.lock, foot, 2, lever)
-        above = displacements(self.lock, head, 2, lever) - displacements(
-            self.column, head, 2, lever
-        )
+        above = displacements(self.lock, head, 2, lever)
+        above -= displacements(self.column, head, 2, lever)
         rows = np.where(self.upper[:, None, None, None], below, above)[:, :, [Z, X, Y]]
         return Contacts.of(rows, areas, joint.dry, joint.dry.friction * self.standing)
 
@@ -140,10 +139,14 @@ class ChainModel:
     def under_plate(self) -> Contacts:
         """The top of the columns, under a plate without friction; without a plate it is nothing."""
         joint = self.joint
-        face = Rectangle((0.0, 0.0, joint.h + joint.H), Z, (joint.a, joint.b))
-        points, areas = face.points(ABOVE)
+        points, areas = self._level(joint.h + joint.H)
         rows = displacements(self.column, points, 2, joint.b)[None, :, [Z, X, Y]]
         return Contacts.of(rows, areas * (joint.pressing_force is None), joint.dry, 0.0)
+
+    def _level(self, height: float) -> tuple[Floats, Floats]:
+        """Points of a lock's horizontal face at a ``height`` (m), and their areas (m2)."""
+        face = Rectangle((0.0, 0.0, height), Z, self.root.face.sides)
+        return face.points(ABOVE)
 
     # --- loads -------------------------------------------------------------------------------
     def _weight(self) -> Floats:

@@ -6,6 +6,7 @@ lies outside the spans of the study in docs/law.md: nobody has looked there.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from sidmacib.chain.failure import first_failure
 from sidmacib.errors import CapacityError
@@ -50,24 +51,18 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     return _capacity(joint, direction, _first_load(joint, direction, push))
 
 
-def safe(
-    joint: Joint,
-    direction: Direction,
-    push: Push = Push.PLUS_Y,
-    first: LawCapacity | None = None,
-) -> LawCapacity:
+def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """A load that ``joint`` carries: for design. The same errors as `law`.
 
     Friction above and below the locks comes from a body that tilts against its plate, or from what
     presses it. With the one it counts for half as much as all else, with the other not at all.
     ValueError too if the friction is more than `ROUGHEST`, `CapacityError` if the joint may tip.
-    ``first``: what the law says of it, if that is known.
     """
     if joint.dry.friction > ROUGHEST:
         raise refused(
             "friction", _short(joint.dry.friction), f"at most {ROUGHEST:g} for the safe rule"
         )
-    rough = (first or law(joint, direction, push)).load
+    rough = law(joint, direction, push).load
     without = _first_load(joint, direction, push, standing=False)
     counted = COUNTED[joint.pressing_force is None]
     load = min(rough, counted * without) / SAFETY
@@ -134,6 +129,7 @@ def _require_no_tipping(joint: Joint, shear: float) -> None:
         )
 
 
+@lru_cache(maxsize=16)  # the safe rule asks for what the law was asked for
 def _first_load(joint: Joint, direction: Direction, push: Push, standing: bool = True) -> float:
     return first_failure(joint, Loading(direction, push=push), standing).load
 
