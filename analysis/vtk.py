@@ -10,13 +10,13 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 
-from sidmacib.loading import lateral_load
+from sidmacib.load_path import load_path
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.path import Equilibrium
-from sidmacib.mechanics.static import static_peak
-from sidmacib.pieces import assemble, upper_block
+from sidmacib.pieces import upper_block
 from workflow.case import Case
+from workflow.results.files import force_to_stress
 
 CORNERS = np.array(
     [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]]
@@ -28,13 +28,12 @@ def write_path(case: Case, folder: Path) -> list[Path]:
 
     `sidmacib.errors.CapacityError` if the joint carries nothing.
     """
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    path = static_peak(assembly, lateral_load(case.joint, assembly, case.loading)).path
+    assembly, solution = load_path(case.joint, case.loading, case.mesh, case.nodes)
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("*.vtu"):
         old.unlink()
     files: dict[str, list[tuple[float, str]]] = {"pieces": [], "nodes": []}
-    for number, point in enumerate(path):
+    for number, point in enumerate(solution.path):
         for kind, mesh in (
             ("pieces", pieces_mesh(case, assembly, point)),
             ("nodes", nodes_mesh(assembly, point)),
@@ -70,15 +69,14 @@ def pieces_mesh(case: Case, assembly: Assembly, point: Equilibrium) -> meshio.Me
 def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
     """The contact nodes as vertices, with what they carry."""
     nodes = assembly.nodes
-    frames = face_frames(assembly)
-    shear = np.einsum("nt,ntx->nx", point.force[:, 1:], frames[:, 1:]) / nodes.area[:, None]
+    stress = force_to_stress(nodes, face_frames(assembly), point.force)
     inner = np.array([face.kind is Kind.INNER for face in assembly.faces])[nodes.face]
     return meshio.Mesh(
         nodes.position,
         [("vertex", np.arange(len(nodes.area)).reshape(-1, 1))],
         point_data={
-            "normal_Pa": point.force[:, 0] / nodes.area,
-            "shear_Pa": shear,
+            "normal_Pa": stress[:, 0],
+            "shear_Pa": stress[:, 1:],
             "bonded": point.state.bonded.astype(float),
             "inner": inner.astype(float),
             "face": nodes.face.astype(float),

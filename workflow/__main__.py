@@ -10,6 +10,7 @@ from analysis.report.parts import REPORT
 from workflow.cases import find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
+from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
 
@@ -56,7 +57,7 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
     Only if there is none yet: what it shows is made again when the engines have ended.
     """
     path = Path(own.results, REPORT)
-    if engines and "static" in own.models and not path.exists():
+    if engines and WITNESS in own.models and not path.exists():
         print("First, a report without the engines", file=sys.stderr)
         # In a process of its own, whose lock of the results folder ends with it.
         told = ["report", str(config), f"--results={own.results}", "--without-engines"]
@@ -79,7 +80,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     print(f"{describe(record)}\n  files: {folder}")
     if record.error is not None:
         return f"{name}: no result"
-    if chosen.model == "static":
+    if chosen.model == WITNESS:
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
     return None

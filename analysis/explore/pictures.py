@@ -7,12 +7,11 @@ from functools import lru_cache
 import plotly.graph_objects as go
 
 from analysis.explore.state import Playing
-from sidmacib.chain.rule import LawCapacity, law, safe
+from sidmacib.chain.rule import RULES, LawCapacity
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.static import static_peak
-from sidmacib.pieces import assemble
+from sidmacib.load_path import load_path
+from sidmacib.loading import Loading
 from sidmacib.weights import LockWeight, lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
@@ -43,9 +42,8 @@ class Answers:
 def peak(joint: Joint, ratio: float) -> Peak | None:
     """The static model on its coarsest mesh; None if the joint carries nothing."""
     direction = Direction(ratio)
-    assembly = assemble(joint, COARSE * joint.least_side)
     try:
-        solution = static_peak(assembly, lateral_load(joint, assembly, Loading(direction)))
+        assembly, solution = load_path(joint, Loading(direction), COARSE * joint.least_side)
     except CapacityError:
         return None
     load = float(solution.peak.load)
@@ -64,10 +62,11 @@ def answers(state: Playing) -> Answers:
     )
     rules: dict[str, LawCapacity] = {}
     try:
-        rules["law"] = law(joint, Direction(ratio))
-        rules["safe"] = own = safe(joint, Direction(ratio), first=rules["law"])
+        for name, rule in RULES.items():
+            rules[name] = rule(joint, Direction(ratio))
     except (CapacityError, ValueError) as error:
         return Answers(found, rules, f"{words} No safe rule: {error}.")
+    own = rules["safe"]
     words += f" Safe: V = {own.shear:.4g} N, M = {own.torque:.3g} N m. T0 = {joint.T0:.4g} N."
     return Answers(found, rules, words)
 

@@ -8,21 +8,20 @@ import numpy as np
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
-from sidmacib.loading import lateral_load
+from sidmacib.load_path import load_path
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.path import Equilibrium
-from sidmacib.mechanics.static import static_peak
-from sidmacib.pieces import assemble, lock_faces, upper_block
+from sidmacib.pieces import cut_pieces, lock_faces, upper_block
 from workflow.case import REFERENCE, Case
+from workflow.models import WITNESS
 
-MODEL = "static"
 STEPS = 24  # of a path, at most
 DIGITS = 4
 
 
 def shown_cases(cases: Iterable[Case]) -> list[Case]:
     """The static model's cases whose paths are shown: without changes, on the coarsest mesh."""
-    own = [case for case in cases if case.model == MODEL and case.variant == REFERENCE]
+    own = [case for case in cases if case.model == WITNESS and case.variant == REFERENCE]
     coarsest = {sample: max(c.mesh for c in own if c.sample == sample) for sample in _samples(own)}
     return [case for case in own if case.mesh == coarsest[case.sample]]
 
@@ -38,11 +37,12 @@ def path_of(case: Case) -> dict[str, Any] | None:
     face the shear over the cohesion at its nodes and whether they are bonded, and for each piece
     its displacement and rotation (m, rad).
     """
-    joint, assembly = case.joint, _assembly(case)
+    joint = case.joint
     try:
-        path = static_peak(assembly, lateral_load(joint, assembly, case.loading)).path
+        assembly, solution = load_path(joint, case.loading, case.mesh, case.nodes)
     except CapacityError:
         return None
+    path = solution.path
     numbers = lock_faces(joint)
     faces = [index for index, face in enumerate(assembly.faces) if face.name in numbers]
     faces.sort(key=lambda index: numbers[assembly.faces[index].name])
@@ -75,12 +75,8 @@ def pieces_of(case: Case) -> list[dict[str, Any]]:
             "low": list(piece.low),
             "high": list(piece.high),
         }
-        for piece in _assembly(case).pieces
+        for piece in cut_pieces(case.joint)
     ]
-
-
-def _assembly(case: Case) -> Assembly:
-    return assemble(case.joint, case.mesh, case.nodes)
 
 
 def _step(

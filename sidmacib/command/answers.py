@@ -10,10 +10,9 @@ from sidmacib.chain.rule import law, safe
 from sidmacib.contact_points import OPTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.path import StaticSolution
-from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 from sidmacib.programme import Sidmacib, capacity
 from sidmacib.revision import active
@@ -39,13 +38,9 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
     return Answer(safe(joint, direction, push).load, "for design")
 
 
-def _solved(joint: Joint, direction: Direction, push: Push, mesh: float) -> StaticSolution:
-    assembly = assemble(joint, mesh * joint.least_side)
-    return static_peak(assembly, lateral_load(joint, assembly, Loading(direction, push=push)))
-
-
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    coarse, fine = (_solved(joint, direction, push, mesh) for mesh in MESHES)
+    loading = Loading(direction, push=push)
+    coarse, fine = (load_path(joint, loading, mesh * joint.least_side)[1] for mesh in MESHES)
     error = coarse.peak.load / fine.peak.load - 1.0
     first = fine.first_failure_load
     told = (
@@ -107,9 +102,8 @@ def capacity_rows(
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
-    assembly = assemble(joint, MESHES[1] * joint.least_side)
-    loads = lateral_load(joint, assembly, Loading(Direction(ratio), push=push))
-    solution = static_peak(assembly, loads)
+    loading = Loading(Direction(ratio), push=push)
+    assembly, solution = load_path(joint, loading, MESHES[1] * joint.least_side)
     return [
         {
             "lock": each.lock,

@@ -1,0 +1,19 @@
+"""The static model of a joint in one call: its pieces, and its path to the peak."""
+
+from sidmacib.joint import Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
+from sidmacib.mechanics.path import StaticSolution
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
+
+
+def load_path(
+    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+) -> tuple[Assembly, StaticSolution]:
+    """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
+
+    ValueError for a mesh that is too coarse, `CapacityError` if the joint carries nothing.
+    """
+    assembly = assemble(joint, mesh, nodes)
+    return assembly, static_peak(assembly, lateral_load(joint, assembly, loading))
