@@ -26,9 +26,11 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     plan, folder = plan_of(study), Path(study.results)
     rows = []
     for job in plan.made.values():
-        found = _records(job, folder) if job.finds else {}
+        if not job.finds:
+            continue
+        found = _records(job, folder)
         receipt = read_receipt(folder / job.receipt)
-        valid = bool(job.finds) and fault(receipt, job.name, job.digest(), folder) is None
+        valid = fault(receipt, job.name, job.digest(), folder) is None
         rows += [
             {"model": model, "case": name, **_state(found.get((model, name)), valid)}
             for model, name in job.finds

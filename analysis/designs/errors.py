@@ -1,6 +1,6 @@
 """How far law, safe rule and the paper's rules are from the static model, region by region."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.programme import Sidmacib, capacities
-from workflow.results.tables import LAW, POINTS, RULE_ERRORS, read_table, write_table
+from workflow.results.tables import LAW, POINTS, RULE_ERRORS, Table, read_table, write_table
 
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
@@ -47,6 +47,32 @@ def known(points: pd.DataFrame) -> "pd.Series[bool]":
     return found & points["first_failure_mesh_error"].abs().lt(KNOWN)
 
 
+def by_region(
+    points: pd.DataFrame, error: "pd.Series[float]", *groups: Sequence[str]
+) -> Iterator[dict[str, Any]]:
+    """Spread of the ``error`` at ``points`` in each region of each of ``groups`` of columns.
+
+    A column that is in the first group only is `ALL` in the others.
+    """
+    told = points.assign(error_of=error)
+    for keys in groups:
+        for values, region in told.groupby(list(keys), sort=True):
+            where = dict.fromkeys(groups[0], ALL) | dict(zip(keys, values, strict=True))
+            yield {**where, **spread(region["error_of"])}
+
+
+def table_of(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Rows of regions as a table; an eccentricity may be `ALL`."""
+    found = pd.DataFrame(rows, columns=list(table.columns))
+    found["eccentricity_over_a"] = found["eccentricity_over_a"].astype(str)
+    return found
+
+
+def dry_faces(points: pd.DataFrame) -> Sequence[str]:
+    """Whether the dry faces of each point's joint are rough or smooth."""
+    return ["rough" if friction > 0.0 else "smooth" for friction in points["friction"]]
+
+
 def law_table(points: pd.DataFrame) -> pd.DataFrame:
     """One row for each quantity and region, and for all regions of a design together.
 
@@ -54,24 +80,19 @@ def law_table(points: pd.DataFrame) -> pd.DataFrame:
     under a plate, which it is made for.
     """
     told = points.assign(
-        held=points["plate"].map({True: "plate", False: "pressed"}),
-        dry_faces=np.where(points["friction"] > 0.0, "rough", "smooth"),
+        held=points["plate"].map({True: "plate", False: "pressed"}), dry_faces=dry_faces(points)
     )
     region = ["design", "held", "dry_faces", "upper_body", "eccentricity_over_a"]
-    rows = []
+    rows: list[dict[str, Any]] = []
     for name, (ours, theirs) in QUANTITIES.items():
         own = told[told[ours].gt(0.0) & told[theirs].gt(0.0) & known(told)]
         if ours == "closed_form":
             made_for = own["held"].eq("plate") & own["dry_faces"].eq("smooth")
             own = own[made_for & own["eccentricity_over_a"].eq(0.0)]
-        own = own.assign(error_of=own[ours] / own[theirs] - 1.0)
-        for keys in (region, ["design", "held", "dry_faces", "eccentricity_over_a"], ["design"]):
-            for values, group in own.groupby(keys, sort=True):
-                where = dict.fromkeys(region, ALL) | dict(zip(keys, values, strict=True))
-                rows.append({"quantity": name, **where, **spread(group["error_of"])})
-    table = pd.DataFrame(rows, columns=list(LAW.columns))
-    table["eccentricity_over_a"] = table["eccentricity_over_a"].astype(str)
-    return table
+        error = own[ours] / own[theirs] - 1.0
+        groups = region, ["design", "held", "dry_faces", "eccentricity_over_a"], ["design"]
+        rows += [{"quantity": name, **row} for row in by_region(own, error, *groups)]
+    return table_of(LAW, rows)
 
 
 def unit_loads(option: ContactOption, ratios: Sequence[float]) -> Floats:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.designs.errors import ALL, known, spread
+from analysis.designs.errors import by_region, dry_faces, known, table_of
 from workflow.results.tables import INTERACTION, POINTS, read_table, write_table
 
 EXPONENTS = (1.0, 1.25, 1.5, 2.0)
@@ -36,7 +36,7 @@ def curve(shear: float, torsion: float, ratio: float, exponent: float) -> float:
 def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     """Errors of the curves, by region and for all directions of a design's region together."""
     own = points[points["plate"] & known(points) & points["failure"].eq("brittle")]
-    own = own.assign(dry_faces=np.where(own["friction"] > 0.0, "rough", "smooth"))
+    own = own.assign(dry_faces=dry_faces(own))
 
     def at(ratio: float) -> "pd.Series[float]":
         chosen = own[own["eccentricity_over_a"].eq(ratio)]
@@ -47,7 +47,7 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
         shear=at(0.0).reindex(joint).to_numpy(), torsion=at(math.inf).reindex(joint).to_numpy()
     ).dropna(subset=["shear", "torsion"])
     between = ends[ends["eccentricity_over_a"].gt(0.0) & ends["eccentricity_over_a"].lt(math.inf)]
-    rows = []
+    rows: list[dict[str, Any]] = []
     for exponent in EXPONENTS:
         loads = [
             curve(shear, torsion, ratio, exponent)
@@ -56,13 +56,9 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
             )
         ]
         error = np.array(loads) / between["first_failure"] - 1.0
-        for keys in (REGION, REGION[:-1]):
-            for values, group in between.assign(error_of=error).groupby(keys, sort=True):
-                where = dict.fromkeys(REGION, ALL) | dict(zip(keys, values, strict=True))
-                rows.append({"exponent": exponent, **where, **spread(group["error_of"])})
-    table = pd.DataFrame(rows, columns=list(INTERACTION.columns))
-    table["eccentricity_over_a"] = table["eccentricity_over_a"].astype(str)
-    return table
+        regions = by_region(between, error, REGION, REGION[:-1])
+        rows += [{"exponent": exponent, **row} for row in regions]
+    return table_of(INTERACTION, rows)
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:

@@ -87,25 +87,19 @@ class Study(Section):
 
     def tables_json(self) -> str:
         """What the tables depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without(
-            "results", "overrides", "variants", "calibration", "figures", "designs", "measured"
-        )
+        return self._without("overrides", "variants", "calibration", "figures", "measured")
 
     def measured_json(self) -> str:
         """What the comparison with measured loads depends on, as JSON."""
-        return self._without(
-            "results", "overrides", "variants", "calibration", "figures", "designs"
-        )
+        return self._without("overrides", "variants", "calibration", "figures")
 
     def pieces_json(self) -> str:
         """What the models of the joint's pieces that need no engine depend on, as JSON."""
-        return self._without(
-            "results", "overrides", "calibration", "figures", "designs", "measured"
-        )
+        return self._without("overrides", "calibration", "figures", "measured")
 
     def figures_json(self) -> str:
         """What the figures depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without("results", "overrides", "calibration", "designs")
+        return self._without("overrides", "calibration")
 
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
@@ -114,6 +108,10 @@ class Study(Section):
         )
 
     def _without(self, *sections: str) -> str:
-        """All but some sections and the engines' numerics; what is left is a valid study."""
+        """All but some sections, where results are, designs and the engines' numerics.
+
+        What is left is a valid study.
+        """
         dem = {"numerics": True, "time_limit": True}
-        return self.model_dump_json(exclude={**dict.fromkeys(sections, True), "dem": dem})
+        left = dict.fromkeys(("results", "designs", *sections), True)
+        return self.model_dump_json(exclude={**left, "dem": dem})
