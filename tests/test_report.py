@@ -148,13 +148,17 @@ def test_it_opens_without_an_error_or_a_request(opened: Opened) -> None:
 def test_controls_change_what_is_shown(opened: Opened) -> None:
     page = opened.page
     before = opened.traces("curve-plot")
-    assert [trace["name"] for trace in before] == ["static", "limit", "SiDMACIB option4"]
+    assert [trace["name"] for trace in before] == [
+        "static model",
+        "limit analysis",
+        "SiDMACIB option4",
+    ]
     page.select_option("#curve-sample", "n5")
     assert max(opened.traces("curve-plot")[0]["x"]) > 1.5 * max(before[0]["x"])
     page.select_option("#curve-reduction", "none")
     assert max(opened.traces("curve-plot")[-1]["x"]) == pytest.approx(1200, rel=1e-3)
     page.uncheck("#curve-models input[value=limit]")
-    assert "limit" not in [trace["name"] for trace in opened.traces("curve-plot")]
+    assert "limit analysis" not in [trace["name"] for trace in opened.traces("curve-plot")]
     page.check("#curve-options input[value=option1]")
     assert "SiDMACIB option1" in [trace["name"] for trace in opened.traces("curve-plot")]
     assert "n5" in (page.text_content("#curve-text") or "")

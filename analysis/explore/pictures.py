@@ -7,6 +7,7 @@ from functools import lru_cache
 import plotly.graph_objects as go
 
 from analysis.explore.state import Playing
+from analysis.looks import BLUE, GREY, look_of
 from sidmacib.chain.rule import RULES, LawCapacity
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
@@ -16,7 +17,6 @@ from sidmacib.weights import LockWeight, lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
-BLUE, ORANGE, GREEN, GREY = "#0072b2", "#d55e00", "#009e73", "#9aa0aa"
 FONT = {"size": 13}
 
 
@@ -81,10 +81,10 @@ def curve(state: Playing, told: Answers) -> go.Figure:
         y=[point.torque for point in points],
         name="peak, static model",
         mode="lines+markers",
-        line={"color": BLUE},
+        line={"color": look_of("static").colour},
     )
-    marks = {"law": ("first failure, law", ORANGE, "x"), "safe": ("safe rule", GREEN, "star")}
-    for name, (words, colour, symbol) in marks.items():
+    marks = {"law": ("first failure, law", "x"), "safe": (look_of("safe").name, "star")}
+    for name, (words, symbol) in marks.items():
         if name in told.rules:
             own = told.rules[name]
             figure.add_scatter(
@@ -92,7 +92,7 @@ def curve(state: Playing, told: Answers) -> go.Figure:
                 y=[own.torque],
                 name=words,
                 mode="markers",
-                marker={"color": colour, "symbol": symbol, "size": 12},
+                marker={"color": look_of(name).colour, "symbol": symbol, "size": 12},
             )
     return _laid_out(figure, "shear V (N)", "torque M (N m)")
 

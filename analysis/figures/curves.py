@@ -2,6 +2,7 @@
 
 import math
 from itertools import cycle, pairwise
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -11,6 +12,7 @@ from matplotlib.figure import Figure
 from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
 from analysis.figures.material import Material
+from analysis.looks import PUBLISHED, look_of, option_colour
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 
@@ -41,14 +43,14 @@ def options(material: Material) -> Figure:
     figure = Figure(figsize=(8, 4.4), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for axis, friction in zip(axes, (False, True), strict=True):
-        for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
+        for name in study.sidmacib.options:
             own = material.envelopes[
                 (material.envelopes["sample"] == material.sample)
                 & (material.envelopes["option"] == name)
                 & (material.envelopes["friction"] == friction)
             ]
             shown = first_quadrant(own[["shear_N", "torque_Nm"]].to_numpy())
-            axis.plot(shown[:, 0], shown[:, 1], color=colour, label=name)
+            axis.plot(shown[:, 0], shown[:, 1], color=option_colour(name), label=name)
     style.curve_axes(axes[0], "without friction along the locks")
     style.curve_axes(axes[1], "with friction along the locks")
     axes[0].legend()
@@ -74,7 +76,7 @@ def meshes(material: Material) -> Figure:
     for axis, sample in zip(places, samples, strict=False):
         for mesh, colour in zip(material.study.meshes, cycle(style.COLOURS), strict=False):
             for model in material.detailed_of(sample):
-                model_curve(axis, material, model, sample, mesh, colour)
+                model_curve(axis, material, model, sample, mesh, color=colour)
         published_point(axis, material.capacity, sample)
         measured_points(axis, material, sample)
         style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
@@ -117,9 +119,9 @@ def revised(material: Material) -> Figure:
         & (material.capacity["weights_from"] == material.leading)
     ]
     for axis, reduction in zip(axes, titles, strict=True):
-        for name, colour in zip(study.sidmacib.options, cycle(style.COLOURS), strict=False):
+        for name in study.sidmacib.options:
             rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
-            axis.plot(rows["shear_N"], rows["torque_Nm"], color=colour, label=name)
+            axis.plot(rows["shear_N"], rows["torque_Nm"], color=option_colour(name), label=name)
         for mesh, marker in zip(study.meshes, cycle(style.MARKERS), strict=False):
             curve = material.curve(material.leading, material.sample, mesh)
             axis.plot(
@@ -131,7 +133,7 @@ def revised(material: Material) -> Figure:
                 markerfacecolor="white",
                 clip_on=False,
                 zorder=3,
-                label=f"{material.leading}, mesh {mesh:g} m",
+                label=f"{look_of(material.leading).name}, mesh {mesh:g} m",
             )
         published_point(axis, material.capacity, material.sample)
     for axis, title in zip(axes, titles.values(), strict=True):
@@ -140,7 +142,8 @@ def revised(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against "
-        f"{material.leading} (marks), {study.samples[material.sample].locks} locks; weights read "
+        f"{look_of(material.leading).name} (marks), "
+        f"{study.samples[material.sample].locks} locks; weights read "
         f"at e = {min(study.eccentricities):g} a, mesh {min(study.meshes):g} m. "
         f"{style.ASSUMED_POINTS} {material.assumed_geometry}",
     )
@@ -148,18 +151,17 @@ def revised(material: Material) -> Figure:
 
 
 def model_curve(
-    axis: Axes, material: Material, model: str, sample: str, mesh: float, colour: str
+    axis: Axes, material: Material, model: str, sample: str, mesh: float, **changes: Any
 ) -> None:
-    """The V-M curve of a model of the pieces, in the style of the model."""
+    """The V-M curve of a model of the pieces, in the style of the model but for ``changes``."""
     curve = material.curve(model, sample, mesh)
     axis.plot(
         curve["shear_N"],
         curve["torque_Nm"],
-        **style.of_model(model, material.models),
-        color=colour,
+        **(style.of_model(model, material.models) | changes),
         clip_on=False,
         zorder=3,
-        label=f"{model}, mesh {mesh:g} m",
+        label=f"{look_of(model).name}, mesh {mesh:g} m",
     )
 
 
@@ -171,12 +173,12 @@ def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
             rows["shear_N"],
             rows["torque_Nm"],
             "*",
-            color=style.COLOURS[6],
+            color=PUBLISHED.colour,
             markerfacecolor="none",
             markersize=11,
             clip_on=False,
             zorder=4,
-            label="published (3DEC), e = 0",
+            label=f"{PUBLISHED.name}, e = 0",
         )
 
 

@@ -11,6 +11,7 @@ from analysis.collect import SHARES
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point
 from analysis.figures.material import Material
+from analysis.looks import look_of
 
 
 def models(material: Material) -> Figure:
@@ -20,8 +21,8 @@ def models(material: Material) -> Figure:
     own = material.table[material.table["case"].isin(cases)]
     figure = Figure(figsize=(8.6, 8.2), layout="constrained")
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
-    for model, colour in zip(material.models, style.COLOURS, strict=False):
-        model_curve(curves, material, model, material.sample, mesh, colour)
+    for model in material.models:
+        model_curve(curves, material, model, material.sample, mesh)
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
     curves.legend(fontsize=8)
@@ -48,24 +49,23 @@ def models(material: Material) -> Figure:
 def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) -> None:
     numbers = np.arange(1, locks + 1)
     width = 0.8 / len(models)
-    for index, (model, colour) in enumerate(zip(models, style.COLOURS, strict=False)):
+    for index, model in enumerate(models):
         if model not in rows.index:
             continue
         row = rows.loc[model]
         values = [row[f"weight_lock{number}"] for number in numbers]
         shift = (index - (len(models) - 1) / 2) * width
-        bar = axes.bar(numbers + shift, values, width, color=colour, label=model)
+        bar = axes.bar(numbers + shift, values, width, color=look_of(model).colour)
         axes.bar_label(bar, fmt="%.2f", fontsize=5.5, rotation=90, padding=2)
     axes.set_xticks(numbers)
     axes.set_xlabel("lock")
     axes.set_ylim(0, 1.4)
     axes.set_axisbelow(True)
     axes.grid(axis="x", visible=False)
-    axes.legend(fontsize=8, ncols=2)
 
 
 def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
-    for model, colour in zip(models, style.COLOURS, strict=False):
+    for model in models:
         if model not in rows.index:
             continue
         row = rows.loc[model]
@@ -73,7 +73,8 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
         loads = [share * row["given_load_N"] for share in SHARES]
         if not np.isnan(moved).any():
             places = 1e6 * np.array(moved)
-            axes.plot(places, loads, **style.of_model(model, models), color=colour, label=model)
+            name = look_of(model).name
+            axes.plot(places, loads, **style.of_model(model, models), label=name)
     axes.set_xlabel("displacement (µm)")
     axes.set_ylabel("load (N)")
     axes.set_xlim(left=0)
@@ -82,12 +83,12 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
 
 
 def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
-    for model, colour in zip(models, style.COLOURS, strict=False):
+    for model in models:
         own = rows[(rows["model"] == model) & np.isfinite(rows["eccentricity_m"])]
         own = own.sort_values("eccentricity_m")
         line = style.of_model(model, models)
         shares = 100 * own["friction_share"]
-        axes.plot(own["eccentricity_m"], shares, **line, color=colour, label=model)
+        axes.plot(own["eccentricity_m"], shares, **line, label=look_of(model).name)
     axes.set_xlabel("eccentricity e (m)")
     axes.set_ylabel("friction (% of V)")
     axes.set_title("friction share at the peak", loc="left", fontsize=10)

@@ -1,7 +1,6 @@
 """One page that puts published and computed values side by side."""
 
 from collections.abc import Sequence
-from itertools import cycle
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -10,6 +9,7 @@ from matplotlib.figure import Figure
 from analysis.beside import Beside, beside, difference, name_of
 from analysis.figures import style
 from analysis.figures.material import Material
+from analysis.looks import GREY, PUBLISHED, look_of
 
 
 def side_by_side(material: Material) -> Figure:
@@ -52,14 +52,13 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     rows = own[own["quantity"] == "dem_pure_shear_N"]
     meshes = list(rows["mesh_m"].unique())
     models = list(rows["model"].unique())
-    bars = {"published (3DEC)": rows.drop_duplicates("mesh_m")["published"].to_list()}
+    bars = {PUBLISHED: rows.drop_duplicates("mesh_m")["published"].to_list()}
     found = rows.set_index(["model", "mesh_m"])["computed"]
-    bars |= {m: [found.get((m, mesh), float("nan")) for mesh in meshes] for m in models}
+    bars |= {look_of(m): [found.get((m, mesh), float("nan")) for mesh in meshes] for m in models}
     width = 0.9 / len(bars)
-    colours = cycle([style.COLOURS[index] for index in (5, 0, 1, 4, 2, 3)])
-    for index, ((label, values), colour) in enumerate(zip(bars.items(), colours, strict=False)):
+    for index, (look, values) in enumerate(bars.items()):
         places = [place + (index - (len(bars) - 1) / 2) * width for place in range(len(meshes))]
-        bar = axes.bar(places, values, 0.95 * width, color=colour, label=label)
+        bar = axes.bar(places, values, 0.95 * width, color=look.colour, label=look.name)
         axes.bar_label(bar, fmt="%.1f", fontsize=5.5)
     if len(rows):
         axes.set_ylim(0, 1.6 * max(rows["published"].max(), rows["computed"].max()))
@@ -73,18 +72,19 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
 def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
     finest = own[own["mesh_m"] == own["mesh_m"].min()]
     finest = finest[finest["model"] == finest["model"].iloc[0]]
+    computed = look_of(finest["model"].iloc[0])
     printed = finest[finest["quantity"].str.fullmatch(r"weight_lock\d+")]
     swapped = finest.set_index("quantity")["published"]
     locks = [int(q.removeprefix("weight_lock")) for q in printed["quantity"]]
     groups = {
-        "published, as printed": (printed["published"].to_list(), style.COLOURS[1]),
+        "published, as printed": (printed["published"].to_list(), PUBLISHED.colour),
         "published, first two swapped": (
             [swapped.get(f"{q}_swapped", swapped[q]) for q in printed["quantity"]],
-            style.COLOURS[5],
+            GREY,
         ),
-        f"computed, mesh {finest['mesh_m'].iloc[0]:g} m": (
+        f"{computed.name}, mesh {finest['mesh_m'].iloc[0]:g} m": (
             printed["computed"].to_list(),
-            style.COLOURS[0],
+            computed.colour,
         ),
     }
     for shift, (label, (values, colour)) in zip((-0.27, 0.0, 0.27), groups.items(), strict=True):

@@ -11,10 +11,11 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.looks import SERIES, look_of
 from workflow.models import MODELS, Obtained
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
-COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00", "#000000")
+COLOURS = SERIES
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 
 mpl.use("Agg")
@@ -41,14 +42,14 @@ LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 
 
 
 def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
-    """How the curve of one of ``models`` is drawn: distinct elements by marks, others by lines."""
+    """How one of ``models`` is drawn: its colour; distinct elements by marks, others by lines."""
 
     def solved(name: str) -> bool:
         return MODELS[name].obtained is Obtained.SOLVED
 
     own = [name for name in models if solved(name) == solved(model)]
     styles = LINES if solved(model) else MARKS
-    return dict(styles[own.index(model) % len(styles)])
+    return {"color": look_of(model).colour, **styles[own.index(model) % len(styles)]}
 
 
 def curve_axes(axes: Axes, title: str) -> None:

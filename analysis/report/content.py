@@ -3,13 +3,15 @@
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from analysis.looks import look_of, option_colour
 from analysis.report.paths import path_of, pieces_of, shown_cases
+from analysis.summary import AGREEMENT
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
@@ -22,10 +24,6 @@ from workflow.schema import Study
 PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number
 NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
-CAPACITY_SHOWN = (
-    *("model", "variant", "sample", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm", "load_N"),
-    *("first_failure_load_N", "option", "friction", "reduction", "mesh_error", "error", "case"),
-)
 
 
 def plain(table: pd.DataFrame) -> dict[str, Any]:
@@ -44,10 +42,11 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def kinds() -> dict[str, str]:
-    """How results are obtained from each model: what lines and marks stand for."""
+def looks() -> dict[str, dict[str, Any]]:
+    """Name and colour of each model, and whether it is an engine, which is drawn by marks."""
     return {
-        name: "engine" if m.obtained is Obtained.ENGINE else "solved" for name, m in MODELS.items()
+        name: {**asdict(look_of(name)), "engine": model.obtained is Obtained.ENGINE}
+        for name, model in MODELS.items()
     }
 
 
@@ -133,7 +132,7 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
         {
             "title": "Engines against the static model",
             "text": f"{len(held)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
-            "kind": "good" if worst < 0.01 else "bad",
+            "kind": "good" if worst < AGREEMENT else "bad",
         }
     ]
 
@@ -193,13 +192,11 @@ def content(
     cases = shown_cases(cases_of(study).values())
     paths = [path for path in map(path_of, cases) if path is not None]
     samples = {case.sample: case for case in cases}
-    capacity = tables["capacity"]
     return {
         "samples": list(study.samples),
-        "kinds": kinds(),
+        "looks": looks(),
+        "options": {name: option_colour(name) for name in study.sidmacib.options},
         "verdict": verdict(tables, study),
-        "capacity": plain(capacity[[c for c in CAPACITY_SHOWN if c in capacity]]),
-        "weights": plain(tables["weights"]),
         "paths": paths,
         "pieces": {name: pieces_of(case) for name, case in samples.items()},
         "law": {name: law_of(study.joint(name)) for name in study.interlocking},

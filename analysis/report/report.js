@@ -12,15 +12,17 @@ const records = (table) => table.rows.map((row) => Object.fromEntries(table.colu
 const axis = (title, more) => Object.assign({ title: { text: title }, gridcolor: "#dddddd", zerolinecolor: "#999999" }, more);
 const short = (value) => (typeof value === "number" ? Number(value.toPrecision(4)).toString() : String(value));
 
-const capacity = records(DATA.capacity);
-const weights = records(DATA.weights);
-const cases = DATA.tables.cases ? records(DATA.tables.cases) : [];
+const capacity = records(DATA.tables.capacity);
+const weights = records(DATA.tables.weights);
+const cases = records(DATA.tables.cases);
+const lookOf = (model) => DATA.looks[model];
+const markOf = (model) => MARKS[models.indexOf(model) % MARKS.length];
 
 function fill(select, values, chosen) {
   select.replaceChildren(...values.map((value) => new Option(short(value), value, value === chosen, value === chosen)));
 }
 
-function boxes(fieldset, names, chosen, onchange) {
+function boxes(fieldset, names, chosen, onchange, told = (name) => name) {
   for (const name of names) {
     const label = document.createElement("label");
     const box = document.createElement("input");
@@ -28,7 +30,7 @@ function boxes(fieldset, names, chosen, onchange) {
     box.value = name;
     box.checked = chosen.includes(name);
     box.addEventListener("change", onchange);
-    label.append(box, ` ${name}`);
+    label.append(box, ` ${told(name)}`);
     fieldset.append(label);
   }
   fieldset.hidden = names.length === 0;
@@ -56,13 +58,12 @@ function drawCurves() {
   for (const model of shown) {
     const number = models.indexOf(model);
     const rows = plain.filter((r) => r.sample === sample && r.mesh_m === mesh && r.model === model && r.variant === variant);
-    const engine = DATA.kinds[model] === "engine";
-    line(rows, model, { mode: engine ? "markers" : "lines+markers", marker: { symbol: MARKS[number % MARKS.length], size: 9 }, line: { dash: DASHES[number % DASHES.length], color: COLOURS[number % COLOURS.length] } });
+    const look = lookOf(model);
+    line(rows, look.name, { mode: look.engine ? "markers" : "lines+markers", marker: { symbol: markOf(model), size: 9, color: look.colour }, line: { dash: DASHES[number % DASHES.length], color: look.colour } });
   }
   for (const option of options) {
-    const rows = rules.filter((r) => r.sample === sample && r.mesh_m === mesh && r.option === option && r.reduction === at("curve-reduction").value && String(r.friction) === String(at("curve-friction").checked));
-    const from = unique(rows.map((r) => r.weights_from));
-    line(rows.filter((r) => r.weights_from === from[0]), `SiDMACIB ${option}`, { mode: "lines", line: { width: 1.5, dash: "dot" } });
+    const rows = rules.filter((r) => r.sample === sample && r.mesh_m === mesh && r.option === option && r.reduction === at("curve-reduction").value && r.weights_from === at("curve-source").value && String(r.friction) === String(at("curve-friction").checked));
+    line(rows, `${lookOf("sidmacib").name} ${option}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: DATA.options[option] } });
   }
   Plotly.react("curve-plot", traces, Object.assign({}, LAYOUT, { xaxis: axis("shear V (N)", { rangemode: "tozero" }), yaxis: axis("torque M (N m)", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   const peaks = traces.map((t) => `${t.name} ${short(Math.max(...t.x))} N and ${short(Math.max(...t.y))} N m`);
@@ -77,9 +78,10 @@ function startCurves() {
   fill(at("curve-variant"), unique(plain.map((row) => row.variant)), "reference");
   const reductions = unique(rules.map((row) => row.reduction));
   fill(at("curve-reduction"), reductions, reductions.includes("half") ? "half" : reductions[0]);
-  boxes(at("curve-models"), models, models, drawCurves);
+  fill(at("curve-source"), unique(rules.map((row) => row.weights_from)));
+  boxes(at("curve-models"), models, models, drawCurves, (model) => lookOf(model).name);
   boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves);
-  for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
+  for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
   drawCurves();
 }
 
@@ -88,7 +90,7 @@ function drawWeights() {
   const rows = weights.filter((row) => row.case === at("weight-case").value && row.variant === "reference");
   const traces = unique(rows.map((row) => row.model)).map((model) => {
     const own = rows.filter((row) => row.model === model);
-    return { type: "bar", name: model, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: COLOURS[models.indexOf(model) % COLOURS.length] } };
+    return { type: "bar", name: lookOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: lookOf(model).colour } };
   });
   Plotly.react("weight-plot", traces, Object.assign({}, LAYOUT, { barmode: "group", xaxis: axis(""), yaxis: axis("weight", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   at("weight-text").textContent = traces.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ");
@@ -235,8 +237,7 @@ function drawModels() {
   at("models").hidden = own.length === 0;
   const traces = unique(own.map((row) => row.model)).map((model) => {
     const rows = own.filter((row) => row.model === model);
-    const number = models.indexOf(model);
-    return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: model, mode: "markers", marker: { symbol: MARKS[number % MARKS.length], color: COLOURS[number % COLOURS.length], size: 8 } };
+    return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: lookOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: lookOf(model).colour, size: 8 } };
   });
   Plotly.react("model-plot", traces, Object.assign({}, LAYOUT, { margin: { l: 60, r: 20, t: 20, b: 150 }, legend: { orientation: "h", y: 1.1 }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("over the static model (%)"), showlegend: true }), CONFIG);
 }
