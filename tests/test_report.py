@@ -14,10 +14,13 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page, sync_playwright
 
+from analysis.report import paths
 from analysis.report.content import law_of, plain
 from analysis.report.page import page
 from analysis.report.parts import FILES, REPORT
+from analysis.report.paths import paths_of, shown_cases
 from sidmacib.joint import Joint
+from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.plan import plan_of
 from workflow.schema import Study
@@ -35,7 +38,7 @@ def study() -> Study:
     return read_study(
         {
             "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-            "meshes": [0.02],
+            "meshes": [0.02, 0.01],
             "eccentricities": [0, 0.3, "torsion"],
             "models": ["static", "limit"],
             "dem": {"engines": []},
@@ -176,6 +179,27 @@ def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
     page.select_option("#path-direction", "torsion")
     assert page.text_content("#path-load") != peak
     assert "Bonds fail first in lock" in (page.text_content("#order-text") or "")
+
+
+@needs_browser
+def test_stresses_are_shown_on_each_mesh(opened: Opened) -> None:
+    def nodes() -> int:
+        return len(opened.traces("stress-plot")[0]["x"])
+
+    coarse = nodes()
+    opened.page.select_option("#path-mesh", "0.01")
+    assert nodes() > 2 * coarse
+
+
+def test_paths_are_shown_while_there_is_room(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
+    cases = shown_cases(cases_of(study).values())
+    assert [case.mesh for case in cases] == sorted((case.mesh for case in cases), reverse=True)
+    monkeypatch.setattr(paths, "NODE_STATES", 200)
+    whole = paths_of(cases)
+    assert len(whole) == len(cases)
+    monkeypatch.setattr(paths, "MOST_NODE_STATES", 500)
+    assert paths_of(cases) == whole[: len(paths_of(cases))]
+    assert 0 < len(paths_of(cases)) < len(cases)
 
 
 @needs_browser

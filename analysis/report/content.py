@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.looks import look_of, option_colour
-from analysis.report.paths import path_of, pieces_of, shown_cases
+from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import AGREEMENT
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
@@ -190,14 +190,13 @@ def content(
 ) -> dict[str, Any]:
     """All that the page is made from; ``shown``: tables that it has in full."""
     cases = shown_cases(cases_of(study).values())
-    paths = [path for path in map(path_of, cases) if path is not None]
     samples = {case.sample: case for case in cases}
     return {
         "samples": list(study.samples),
         "looks": looks(),
         "options": {name: option_colour(name) for name in study.sidmacib.options},
         "verdict": verdict(tables, study),
-        "paths": paths,
+        "paths": paths_of(cases),
         "pieces": {name: pieces_of(case) for name, case in samples.items()},
         "law": {name: law_of(study.joint(name)) for name in study.interlocking},
         "tables": {name: plain(tables[name]) for name in shown},

@@ -16,18 +16,29 @@ from workflow.case import REFERENCE, Case
 from workflow.models import WITNESS
 
 STEPS = 24  # of a path, at most
-DIGITS = 4
+NODE_STATES = 4_000  # of a path: nodes times steps, at most
+MOST_NODE_STATES = 400_000  # of all paths: what the page has room for
+DIGITS = 3
 
 
 def shown_cases(cases: Iterable[Case]) -> list[Case]:
-    """The static model's cases whose paths are shown: without changes, on the coarsest mesh."""
+    """The static model's cases without changes, those on coarse meshes first."""
     own = [case for case in cases if case.model == WITNESS and case.variant == REFERENCE]
-    coarsest = {sample: max(c.mesh for c in own if c.sample == sample) for sample in _samples(own)}
-    return [case for case in own if case.mesh == coarsest[case.sample]]
+    return sorted(own, key=lambda case: -case.mesh)
 
 
-def _samples(cases: Iterable[Case]) -> list[str]:
-    return list(dict.fromkeys(case.sample for case in cases))
+def paths_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
+    """`path_of` those ``cases`` that have a peak, as many as the page has room for."""
+    found: list[dict[str, Any]] = []
+    room = MOST_NODE_STATES
+    for case in cases:
+        path = path_of(case)
+        if path is not None:
+            room -= len(path["steps"]) * sum(len(face["x"]) for face in path["faces"])
+            if room < 0:
+                break
+            found.append(path)
+    return found
 
 
 def path_of(case: Case) -> dict[str, Any] | None:
@@ -47,9 +58,11 @@ def path_of(case: Case) -> dict[str, Any] | None:
     faces = [index for index, face in enumerate(assembly.faces) if face.name in numbers]
     faces.sort(key=lambda index: numbers[assembly.faces[index].name])
     nodes = [np.flatnonzero(assembly.nodes.face == index) for index in faces]
-    chosen = np.unique(np.linspace(0, len(path) - 1, STEPS).round().astype(int))
+    most = int(np.clip(NODE_STATES // sum(map(len, nodes)), 2, STEPS))
+    chosen = np.unique(np.linspace(0, len(path) - 1, most).round().astype(int))
     return {
         "sample": case.sample,
+        "mesh": case.mesh,
         "eccentricity": _spelled(case.direction.eccentricity),
         "faces": [
             {

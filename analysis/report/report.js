@@ -111,7 +111,8 @@ function startWeights() {
 }
 
 // --- stresses, order of failure, joint -------------------------------------------------------
-const chosenPath = () => DATA.paths.find((path) => path.sample === at("path-sample").value && path.eccentricity === at("path-direction").value);
+const pathsOf = (mesh) => DATA.paths.filter((path) => path.sample === at("path-sample").value && (mesh === null || path.mesh === mesh));
+const chosenPath = () => pathsOf(Number(at("path-mesh").value)).find((path) => path.eccentricity === at("path-direction").value);
 const chosenStep = (path) => path.steps[Math.min(Number(at("path-step").value), path.steps.length - 1)];
 
 function drawStress(path, step) {
@@ -122,7 +123,7 @@ function drawStress(path, step) {
     colour.push(...step.shear[k]);
     symbol.push(...step.bonded[k].map((whole) => (whole ? "square" : "x")));
   });
-  const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: 13, colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
+  const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: Math.max(4, Math.min(13, 120 / Math.sqrt(x.length))), colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
   Plotly.react("stress-plot", [trace], Object.assign({}, LAYOUT, { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false }), CONFIG);
 }
 
@@ -194,7 +195,10 @@ function drawPath() {
 }
 
 function choosePath() {
-  const own = DATA.paths.filter((path) => path.sample === at("path-sample").value).map((path) => path.eccentricity);
+  const meshes = unique(pathsOf(null).map((path) => path.mesh));
+  const mesh = Number(at("path-mesh").value);
+  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : meshes[0]);
+  const own = pathsOf(Number(at("path-mesh").value)).map((path) => path.eccentricity);
   fill(at("path-direction"), own, own.includes(at("path-direction").value) ? at("path-direction").value : own[0]);
   const path = chosenPath();
   if (path) {
@@ -210,6 +214,7 @@ function startPaths() {
   if (!samples.length) return;
   fill(at("path-sample"), samples, samples[0]);
   at("path-sample").addEventListener("change", choosePath);
+  at("path-mesh").addEventListener("change", choosePath);
   at("path-direction").addEventListener("change", choosePath);
   for (const id of ["path-step", "joint-scale", "joint-body"]) at(id).addEventListener("input", drawPath);
   choosePath();
