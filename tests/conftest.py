@@ -1,5 +1,7 @@
 """What several tests need."""
 
+import importlib
+import json
 import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
@@ -27,12 +29,15 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.quadrature import contact_nodes
 from sidmacib.pieces import lock_faces
 from workflow.case import Case
+from workflow.configuration import read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.plan import plan_of
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord
+from workflow.schema import Study
 from workflow.steps import engine as engine_step
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
@@ -176,3 +181,29 @@ def read_case(folder: Path, case: Case) -> CaseResult:
     nodes = pd.read_csv(folder / "nodes.csv")
     nodes["lock"] = nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int)
     return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
+
+
+@pytest.fixture(scope="session")
+def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
+    """A study without engines, and its results but figures: made job by job, in this process."""
+    study = read_study(
+        {
+            "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
+            "meshes": [0.02, 0.01],
+            "eccentricities": [0, 0.3, "torsion"],
+            "models": ["static", "limit"],
+            "dem": {"engines": []},
+            "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
+        }
+    )
+    results = tmp_path_factory.mktemp("study")
+    for job in plan_of(study).made.values():
+        if job.name in ("figures", "complete"):
+            continue
+        for name in job.outputs:
+            (results / name).parent.mkdir(parents=True, exist_ok=True)
+        arguments = json.loads(json.dumps(job.arguments))
+        step = importlib.import_module(job.step)
+        inputs, outputs = ([results / n for n in names] for names in (job.inputs, job.outputs))
+        step.run(arguments, inputs, outputs)
+    return study, results

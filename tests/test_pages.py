@@ -2,14 +2,18 @@
 
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.pages import BLOCK, BLOCKS, PageError, blocks_of, filled, markdown, percent
-from workflow.results.tables import BONDS, write_table
+from analysis.pages import elastic, published
+from analysis.pages.blocks import BLOCK, BLOCKS, PageError, blocks_of, filled
+from analysis.pages.markdown import markdown, percent
+from workflow.results.tables import BONDS, CAPACITY, CASES, VARIANTS, read_table, write_table
+from workflow.schema import Study
 
 ROOT = Path(__file__).parents[1]
-PAGES = sorted(ROOT.glob("docs/*.md"))
+PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))]
 
 
 def test_a_block_is_made_from_its_table(tmp_path: Path) -> None:
@@ -33,7 +37,7 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 
 
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PageError, match="nothing: no such numbers; there are law-errors"):
+    with pytest.raises(PageError, match="nothing: no such numbers; there are published-short"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 
@@ -52,3 +56,60 @@ def test_tables_in_markdown() -> None:
     assert markdown(["a", "b"], [["1", "2"]]) == "| a | b |\n| --- | --- |\n| 1 | 2 |"
     assert percent(-0.123) == "\N{MINUS SIGN}12.3 %"
     assert percent(0.5, 0) == "+50 %"
+
+
+def test_numbers_of_a_study_are_those_of_its_tables(solved_study: tuple[Study, Path]) -> None:
+    _, results = solved_study
+    cases = read_table(CASES, results / "tables" / "cases.csv")
+    finest = cases[cases["model"].eq("static") & cases["mesh_m"].eq(0.01)]
+    loads = finest.set_index(["sample", "eccentricity_over_a"])["load_N"]
+    told = published.curves(results).splitlines()
+    assert told[0] == "| e / a | n3 (N) | n5 (N) |"
+    assert told[2] == f"| 0 | {loads['n3', 0.0]:.1f} | {loads['n5', 0.0]:.1f} |"
+    torsion = (loads["n3", np.inf], loads["n5", np.inf])
+    assert told[4] == f"| torsion | {torsion[0]:.1f} | {torsion[1]:.1f} |"
+
+
+def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None:
+    _, results = solved_study
+    capacity = read_table(CAPACITY, results / "tables" / "capacity.csv")
+    own = capacity[
+        capacity["model"].eq("static") & capacity["mesh_m"].eq(0.01) & capacity["sample"].eq("n3")
+    ].sort_values("eccentricity_m", ascending=False)
+    slopes = -np.diff(own["torque_Nm"] / 0.06) / np.diff(own["shear_N"])
+    row = next(row for row in published.slopes(results).splitlines() if row.startswith("| n3 "))
+    assert row == f"| n3 | {', '.join(f'{slope:.2f}' for slope in slopes)} |"
+
+
+@pytest.mark.parametrize("name", ["published-short", "peaks", "weights", "options"])
+def test_published_numbers_stand_beside_computed_ones(
+    name: str, solved_study: tuple[Study, Path]
+) -> None:
+    text = BLOCKS[name](solved_study[1])
+    assert "nan" not in text
+    assert len(text.splitlines()) > 3
+    assert "static model" in text
+
+
+def test_blocks_that_bend_are_told_from_stiff_to_soft(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    columns = dict.fromkeys(VARIANTS.columns)
+    rows = [
+        {
+            **columns,
+            **{"model": "static", "variant": name, "sample": f"n{locks}", "locks": locks},
+            **{"mesh_m": 0.02, "case": f"n{locks}-e0a", "upper_body": "columns"},
+            **{"young_Pa": young, "stiffness_ratio": ratio, "eccentricity_m": 0.0},
+            **{"load_N": load, "load_over_T0": load, "option": "option4"},
+            **{"largest_unsafe_error": 0.1, "mesh_error": 0.01},
+        }
+        for name, young, ratio, load in (("soft", 1e10, 20.0, 1.0), ("stiff", None, None, 1.5))
+        for locks in (3, 5)
+    ]
+    table = pd.DataFrame(rows, columns=list(VARIANTS.columns))
+    write_table(VARIANTS, table, tmp_path / "tables" / "variants.csv")
+    lines = elastic.loads(tmp_path).splitlines()
+    minus = "\N{MINUS SIGN}"
+    assert lines[2] == f"| rigid | \N{INFINITY} | columns | 1.50 (+50 %) | 1.50 ({minus}25 %) |"
+    assert lines[3] == f"| 10 | 20 | columns | 1.00 (+0 %) | 1.00 ({minus}50 %) |"
+    assert elastic.unsafe(tmp_path).splitlines()[2] == "| rigid | columns | 4: 10 % | 4: 10 % |"

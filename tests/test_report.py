@@ -1,8 +1,6 @@
 """The report: one page that works without a network, in a real browser."""
 
 import csv
-import importlib
-import json
 import re
 import shutil
 from collections.abc import Iterator
@@ -21,46 +19,24 @@ from analysis.report.parts import FILES, REPORT
 from analysis.report.paths import paths_of, shown_cases
 from sidmacib.joint import Joint
 from workflow.cases import cases_of
-from workflow.configuration import read_study
 from workflow.plan import plan_of
 from workflow.schema import Study
 
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
 CHROMIUM = shutil.which("chromium")
-NOT_NEEDED = {"figures", "complete"}
 
 needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 
 
 @pytest.fixture(scope="module")
-def study() -> Study:
-    return read_study(
-        {
-            "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-            "meshes": [0.02, 0.01],
-            "eccentricities": [0, 0.3, "torsion"],
-            "models": ["static", "limit"],
-            "dem": {"engines": []},
-            "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
-        }
-    )
+def study(solved_study: tuple[Study, Path]) -> Study:
+    return solved_study[0]
 
 
 @pytest.fixture(scope="module")
-def report(study: Study, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The report of a study that was run as Snakemake would, job by job."""
-    results = tmp_path_factory.mktemp("report")
-    for job in plan_of(study).made.values():
-        if job.name in NOT_NEEDED:
-            continue
-        for name in job.outputs:
-            (results / name).parent.mkdir(parents=True, exist_ok=True)
-        arguments = json.loads(json.dumps(job.arguments))
-        step = importlib.import_module(job.step)
-        inputs, outputs = ([results / n for n in names] for names in (job.inputs, job.outputs))
-        step.run(arguments, inputs, outputs)
-    return results / REPORT
+def report(solved_study: tuple[Study, Path]) -> Path:
+    return solved_study[1] / REPORT
 
 
 def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> None:

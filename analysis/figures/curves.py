@@ -80,7 +80,7 @@ def meshes(material: Material) -> Figure:
         published_point(axis, material.capacity, sample)
         measured_points(axis, material, sample)
         style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=7, loc="lower left")
     style.caption(
         figure,
         f"{material.place_in_paper}Peak loads of the models of the joint's pieces; nodes: "

@@ -25,7 +25,7 @@ def models(material: Material) -> Figure:
         model_curve(curves, material, model, material.sample, mesh)
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
-    curves.legend(fontsize=8)
+    curves.legend(fontsize=8, loc="lower left")
     first = own[own["case"] == cases[0]].set_index("model")
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     ratio = min(study.eccentricities)

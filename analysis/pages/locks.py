@@ -1,18 +1,12 @@
-"""Write numbers of a study's tables into pages, between marks: none of them is typed by hand.
+"""Numbers of the study of the law, `make locks`."""
 
-    python -m analysis.pages results-locks docs/law.md
-
-A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced.
-"""
-
-import re
-import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
-import pandas as pd
-
 from analysis.designs.errors import ALL
+from analysis.looks import look_of
+from analysis.pages.markdown import body, markdown, percent, size, table_in
+from workflow.models import WITNESS
 from workflow.results.tables import (
     ASSUMED_SIZES,
     BONDS,
@@ -24,42 +18,15 @@ from workflow.results.tables import (
     POINTS,
     RULE_ERRORS,
     SENSITIVITY,
-    Table,
-    read_table,
 )
 
-BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
 HELD_BACK = "held_back"
 DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf": "torsion"}
 
 
-class PageError(ValueError):
-    """A page asks for a block that there is not."""
-
-
-def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
-
-
-def percent(value: float, digits: int = 1) -> str:
-    """A part in percent, with its sign."""
-    return f"{100.0 * value:+.{digits}f} %".replace("-", "−")
-
-
-def size(value: float, digits: int = 1) -> str:
-    """A part in percent that has no sign."""
-    return f"{100.0 * value:.{digits}f} %"
-
-
-def _table(results: Path, form: Table) -> pd.DataFrame:
-    return read_table(form, results / "tables" / f"{form.name}.csv")
-
-
 def law_errors(results: Path) -> str:
     """Law over the static model's first failure, on joints that nothing was made from."""
-    table = _table(results, LAW)
+    table = table_in(results, LAW)
     own = table[
         table["quantity"].eq("law / first failure")
         & table["design"].eq(HELD_BACK)
@@ -82,7 +49,7 @@ def law_errors(results: Path) -> str:
 
 def safe_margins(results: Path) -> str:
     """The safe rule over the brittle peak."""
-    table = _table(results, LAW)
+    table = table_in(results, LAW)
     own = table[table["quantity"].eq("safe / peak") & table["upper_body"].eq(ALL)]
     own = own[~own["eccentricity_over_a"].eq(ALL)]
     rows = []
@@ -98,7 +65,7 @@ def safe_margins(results: Path) -> str:
 
 def counts(results: Path) -> str:
     """How many joints and points each design has, and how many have no answer."""
-    points = _table(results, POINTS)
+    points = table_in(results, POINTS)
     rows = []
     for design, part in points.groupby("design", sort=True):
         rows.append(
@@ -118,7 +85,7 @@ def counts(results: Path) -> str:
 
 def rules(results: Path) -> str:
     """Where the paper's rules with its Option 4 promise more than the brittle peak."""
-    own = _table(results, RULE_ERRORS)
+    own = table_in(results, RULE_ERRORS)
     own = own[own["option"].eq("option4")]
     names = {
         "half": "(n − 1) / 2",
@@ -128,25 +95,25 @@ def rules(results: Path) -> str:
     }
     groups = list(dict.fromkeys(own["locks"]))
     rows = []
-    for rule, body in ((rule, body) for rule in names for body in ("columns", "monolithic")):
-        part = own[own["rule"].eq(rule) & own["upper_body"].eq(body)].set_index("locks")
+    for rule, upper in ((rule, upper) for rule in names for upper in ("columns", "monolithic")):
+        part = own[own["rule"].eq(rule) & own["upper_body"].eq(upper)].set_index("locks")
         cells = [
             f"{size(part.loc[g, 'unsafe_share'], 0)}, {percent(part.loc[g, 'mean_error'], 0)}"
             for g in groups
             if g in part.index
         ]
-        rows.append([f"{names[rule]}, {'one piece' if body == 'monolithic' else body}", *cells])
+        rows.append([f"{names[rule]}, {body(upper)}", *cells])
     return markdown(["unsafe at; mean error", *(f"n = {group}" for group in groups)], rows)
 
 
 def interaction(results: Path) -> str:
     """Curves through pure shear and pure torsion against what lies between."""
-    table = _table(results, INTERACTION)
+    table = table_in(results, INTERACTION)
     own = table[table["design"].eq(HELD_BACK) & table["eccentricity_over_a"].eq(ALL)]
     rows = [
         [
             f"{row.exponent:g}",
-            f"{row.dry_faces}, {'one piece' if row.upper_body == 'monolithic' else row.upper_body}",
+            f"{row.dry_faces}, {body(row.upper_body)}",
             size(row.mean_absolute_error),
             f"{percent(row.least_error, 0)}, {percent(row.largest_error, 0)}",
         ]
@@ -157,14 +124,14 @@ def interaction(results: Path) -> str:
 
 def freedoms(results: Path) -> str:
     """Misfit of SiDMACIB's polygon by what may be chosen."""
-    table = _table(results, FREEDOMS)
+    table = table_in(results, FREEDOMS)
     own = table[table["design"].eq(HELD_BACK)]
     rows = []
     for freedom in dict.fromkeys(own["freedom"]):
         part = own[own["freedom"].eq(freedom)]
         cells = []
-        for body in ("columns", "monolithic"):
-            chosen = part[part["upper_body"].eq(body)]
+        for upper in ("columns", "monolithic"):
+            chosen = part[part["upper_body"].eq(upper)]
             mean = (chosen["mean_misfit"] * chosen["joints"]).sum() / chosen["joints"].sum()
             cells += [size(float(mean), 0), size(float(chosen["misfit_95_percent"].max()), 0)]
         rows.append([freedom, *cells])
@@ -174,12 +141,12 @@ def freedoms(results: Path) -> str:
 
 def bonds(results: Path) -> str:
     """Peaks of bonds that soften or yield, in pure shear."""
-    table = _table(results, BONDS)
+    table = table_in(results, BONDS)
     own = table[table["eccentricity_over_a"].eq(0.0)]
     rows = [
         [
             row.bonds,
-            "one piece" if row.upper_body == "monolithic" else row.upper_body,
+            body(row.upper_body),
             f"{row.points}",
             f"{row.mean_peak_over_first_failure:.2f}",
             f"{row.largest_peak_over_first_failure:.2f}",
@@ -193,7 +160,7 @@ def bonds(results: Path) -> str:
 
 def sensitivity(results: Path) -> str:
     """Total Sobol indices of the law in pure shear, nine locks."""
-    table = _table(results, SENSITIVITY)
+    table = table_in(results, SENSITIVITY)
     own = table[table["locks"].eq(9) & table["eccentricity_over_a"].eq(0.0)]
     wide = own.pivot_table(index="parameter", columns="upper_body", values="total", sort=False)
     rows = [
@@ -205,14 +172,14 @@ def sensitivity(results: Path) -> str:
 
 def characteristic(results: Path) -> str:
     """The 5 % quantile of the first failure over the law's, in pure shear."""
-    table = _table(results, CHARACTERISTIC)
+    table = table_in(results, CHARACTERISTIC)
     own = table[table["eccentricity_over_a"].eq(0.0)]
     wide = own.pivot_table(
         index=["locks", "upper_body"], columns="variation", values="characteristic_over_law"
     )
     rows = [
-        [f"{locks}, {'one piece' if body == 'monolithic' else body}", *(f"{v:.2f}" for v in row)]
-        for (locks, body), row in wide.iterrows()
+        [f"{locks}, {body(upper)}", *(f"{v:.2f}" for v in row)]
+        for (locks, upper), row in wide.iterrows()
     ]
     return markdown(["locks", *(f"scatter {100 * v:g} %" for v in wide.columns)], rows)
 
@@ -228,7 +195,7 @@ def assumed_sizes(results: Path) -> str:
             f"{row.least_working:.2f} – {row.most_working:.2f}",
             size(row.unsafe_share_of_half, 0),
         ]
-        for row in _table(results, ASSUMED_SIZES).itertuples()
+        for row in table_in(results, ASSUMED_SIZES).itertuples()
     ]
     head = ["locks", "friction", "(n − 1) / 2", "sizes assumed here", "all sizes"]
     return markdown([*head, "(n − 1) / 2 unsafe at"], rows)
@@ -236,19 +203,19 @@ def assumed_sizes(results: Path) -> str:
 
 def engines(results: Path) -> str:
     """Peaks of the engines beside the static model's, on the designed samples."""
-    capacity = _table(results, CAPACITY)
+    capacity = table_in(results, CAPACITY)
     finest = capacity[capacity["mesh_m"].eq(capacity["mesh_m"].max())]
     loads = finest[finest["variant"].eq("reference")].pivot_table(
         index="case", columns="model", values="load_N"
     )
     rows = []
     for model in ("yade", "liggghts", "law", "safe"):
-        if model not in loads or "static" not in loads:
+        if model not in loads or WITNESS not in loads:
             continue
-        error = (loads[model] / loads["static"] - 1.0).dropna()
+        error = (loads[model] / loads[WITNESS] - 1.0).dropna()
         rows.append(
             [
-                model,
+                look_of(model).name,
                 f"{len(error)}",
                 size(float(error.abs().mean())),
                 f"{percent(float(error.min()))}, {percent(float(error.max()))}",
@@ -270,31 +237,3 @@ BLOCKS: dict[str, Callable[[Path], str]] = {
     "assumed-sizes": assumed_sizes,
     "engines": engines,
 }
-
-
-def blocks_of(text: str) -> list[str]:
-    """Names of the blocks in a page."""
-    return [name for _, name, _ in BLOCK.findall(text)]
-
-
-def filled(text: str, results: Path) -> str:
-    """A page with its blocks made from the tables in ``results``; raises `PageError`."""
-
-    def block(found: re.Match[str]) -> str:
-        begin, name, end = found.groups()
-        if name not in BLOCKS:
-            raise PageError(f"{name}: no such numbers; there are {', '.join(BLOCKS)}")
-        return f"{begin}{BLOCKS[name](results)}\n{end}"
-
-    return BLOCK.sub(block, text)
-
-
-def main() -> None:
-    """Fill the pages that are named on the command line."""
-    results, *pages = map(Path, sys.argv[1:])
-    for page in pages:
-        page.write_text(filled(page.read_text(), results))
-
-
-if __name__ == "__main__":
-    main()
