@@ -4,8 +4,10 @@
 # make explore a page with sliders for a joint of your own, on this machine only
 # make calibrate  which geometry fits the published numbers
 # make locks   the study of the law: how many locks work, over 14,592 joints; hours, goes on where stopped
+# make study PROFILE=slurm  the same on a SLURM cluster, see docs/howto/cluster.md
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
+# make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
 # make lint    ruff, snakefmt and mypy alone
@@ -17,22 +19,23 @@ RESULTS ?=
 CASE ?=
 MODEL ?=
 BASE ?=
+PROFILE ?=
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE
+export CONFIG RESULTS CASE MODEL BASE PROFILE
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
-COMPILE = $(BIN)/uv pip compile --quiet --upgrade --universal --no-annotate --no-emit-index-url \
+COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
-study: .venv/study.ready
-	$(WORKFLOW) study $(TO)
+study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
+	$(WORKFLOW) study $(TO) --profile="$$PROFILE"
 
-locks: .venv/study.ready
-	@$(BIN)/python -m workflow study locks.yaml --results="$$RESULTS"
+locks: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
+	$(WORKFLOW) study locks.yaml --results="$$RESULTS" --profile="$$PROFILE"
 
 case: .venv/study.ready
 	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
@@ -59,6 +62,10 @@ bench: .venv/test.ready
 test: .venv/test.ready lint
 	$(BIN)/pytest
 
+test-slurm: .venv/test.ready .venv/slurm.ready
+	@sh workflow/system.sh slurm
+	$(BIN)/pytest -m slurm
+
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
@@ -72,12 +79,16 @@ format: .venv/test.ready
 
 .venv/study.ready: requirements.txt pyproject.toml | system
 	python3 -m venv .venv
-	$(BIN)/pip install --quiet --requirement requirements.txt
+	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
 	$(BIN)/pip install --quiet --no-deps --editable .
 	@touch $@
 
 .venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
-	$(BIN)/pip install --quiet --requirement requirements-dev.txt
+	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
+	@touch $@
+
+.venv/slurm.ready: requirements-slurm.txt .venv/study.ready
+	$(BIN)/pip install --quiet --require-hashes --requirement requirements-slurm.txt
 	@touch $@
 
 system:
@@ -89,6 +100,7 @@ system-test:
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
+	$(COMPILE) --extra slurm --constraint requirements.txt --output-file requirements-slurm.txt
 
 clean:
 	rm -rf .venv .snakemake results

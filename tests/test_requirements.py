@@ -1,0 +1,77 @@
+"""The packages that are installed: pinned, with digests, each of them used."""
+
+import ast
+import re
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+LOCKS = {
+    "requirements.txt": PROJECT["dependencies"],
+    **{
+        f"requirements-{extra}.txt": [*PROJECT["dependencies"], *more]
+        for extra, more in PROJECT["optional-dependencies"].items()
+    },
+}
+PIN = re.compile(
+    r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
+)
+# Used, but not by an import: programs, a plugin of a page's theme, an engine of pandas.
+NOT_IMPORTED = {
+    *("furo", "mypy", "myst-parser", "ruff", "snakefmt", "sphinx", "types-pyyaml", "uv"),
+    *("highspy", "snakemake-executor-plugin-slurm"),
+}
+
+
+def pins(name: str) -> dict[str, str]:
+    """Version of each package of a lock file."""
+    return {canonicalize_name(own[1]): own[2] for own in PIN.finditer((ROOT / name).read_text())}
+
+
+@pytest.mark.parametrize("name", LOCKS)
+def test_a_lock_file_has_digests_of_all_it_names(name: str) -> None:
+    text = (ROOT / name).read_text()
+    named = re.findall(r"^[A-Za-z0-9._-]+==", text, re.MULTILINE)
+    assert len(named) == len(PIN.findall(text)) > 50
+
+
+@pytest.mark.parametrize("name", LOCKS)
+def test_a_lock_file_is_current(name: str) -> None:
+    """It has all that the project asks for, in versions that it allows."""
+    found = pins(name)
+    for text in LOCKS[name]:
+        wanted = Requirement(text)
+        assert canonicalize_name(wanted.name) in found, f"{wanted.name}: run make lock"
+        assert found[canonicalize_name(wanted.name)] in wanted.specifier, text
+
+
+@pytest.mark.parametrize("name", set(LOCKS) - {"requirements.txt"})
+def test_lock_files_agree(name: str) -> None:
+    base, own = pins("requirements.txt"), pins(name)
+    assert {package: own.get(package) for package in base} == base
+
+
+def test_every_dependency_is_used() -> None:
+    imported = set()
+    for folder in ("sidmacib", "workflow", "analysis", "tests"):
+        for path in (ROOT / folder).rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text())):
+                if isinstance(node, ast.Import):
+                    imported |= {alias.name.partition(".")[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                    imported.add(node.module.partition(".")[0])
+    known = packages_distributions()
+    used = {canonicalize_name(own) for name in imported for own in known.get(name, ())}
+    asked = {
+        canonicalize_name(Requirement(text).name)
+        for texts in (PROJECT["dependencies"], *PROJECT["optional-dependencies"].values())
+        for text in texts
+    }
+    assert asked - used - NOT_IMPORTED == set()
+    assert not NOT_IMPORTED & used, "no exception is needed"
