@@ -1,5 +1,6 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
+import os
 import re
 import shlex
 import sys
@@ -10,8 +11,9 @@ CHECKOUT = str(workflow.basedir)
 sys.path.insert(0, CHECKOUT)
 
 from workflow.configuration import ConfigError, load_configuration, read_study
+from workflow.kills import MOST_RETRIES, RETRIES, kills
 from workflow.lock import LockedError, lock
-from workflow.plan import plan_of, prepared
+from workflow.plan import plan_of, planned, prepared
 
 # A study of one's own is not mixed with this one. Snakemake has read the files too; ours is the reader
 # that lets nothing pass in silence.
@@ -32,7 +34,21 @@ if workflow.is_main_process and not workflow.dryrun:
     except LockedError as error:
         sys.exit(str(error))
 JOBS = PLAN.jobs
-PLANS = {name: str(path) for name, path in prepared(JOBS.values(), Path(RESULTS)).items()}
+# Jobs on other machines read this file too: they take the plans as they are.
+if workflow.is_main_process:
+    PLANS = prepared(JOBS.values(), Path(RESULTS))
+else:
+    PLANS = planned(Path(RESULTS))
+    os.environ[RETRIES] = f"{MOST_RETRIES}"
+PLANS = {name: str(path) for name, path in PLANS.items()}
+
+
+def needs(job, kind):
+    """What a job asks of a cluster; more if it was killed before."""
+    own = JOBS[job].needs
+    attempt = 1 + kills(Path(RESULTS), job)
+    return own.megabytes(attempt) if kind == "memory" else own.minutes(attempt)
+
 
 # `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
 # of linear algebra on small matrices only wait for each other.

@@ -14,9 +14,20 @@ from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
 
+PROFILES = Path(__file__).parents[1] / "profiles"
 
-def snakemake(config: Path, results: str, targets: Sequence[str], engines: Sequence[str]) -> bool:
-    """Have Snakemake make ``targets`` (none: the whole study); returns whether it did."""
+
+def snakemake(
+    config: Path,
+    results: str,
+    targets: Sequence[str],
+    engines: Sequence[str],
+    profile: Path | None = None,
+) -> bool:
+    """Have Snakemake make ``targets`` (none: the whole study); returns whether it did.
+
+    ``profile``: a folder with Snakemake's options for a cluster.
+    """
     from workflow import progress
 
     logger = progress.register()  # before the command line is read, which knows the plugins
@@ -26,10 +37,13 @@ def snakemake(config: Path, results: str, targets: Sequence[str], engines: Seque
 
     options = ["--logger", logger, "--configfile", str(config), "--config", f"results={results}"]
     options.append(f"dem={{engines: [{', '.join(engines)}]}}")
+    if profile is not None:
+        options += ["--profile", str(profile)]
     parser, arguments = parse_args([*targets, *options])
     # With a limit to the rate of jobs the scheduler looks around once a second for each job that
-    # has ended: a tenth of a core after a hundred of them.
-    arguments.max_jobs_per_timespan = None
+    # has ended: a tenth of a core after a hundred of them. A cluster is glad of one.
+    if profile is None:
+        arguments.max_jobs_per_timespan = None
     try:
         return bool(args_to_api(arguments, parser))
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
@@ -37,14 +51,25 @@ def snakemake(config: Path, results: str, targets: Sequence[str], engines: Seque
         return False
 
 
-def study(config: Path, results: str | None) -> str | None:
+def profile_named(name: str | None) -> Path | None:
+    """The folder of a profile; None if there is no ``name``. `ConfigError` if there is no such."""
+    if not name:
+        return None
+    known = sorted(path.parent.name for path in PROFILES.glob("*/config.yaml"))
+    if name not in known:
+        raise ConfigError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
+    return PROFILES / name
+
+
+def study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     own = read_study_file(config, results)
     for line in notes(own):
         print(f"Note: {line}", file=sys.stderr)
     engines = installed_engines(own)
-    _first_report(config, own, engines)
-    whole = snakemake(config, own.results, (), engines)
+    if profile is None:  # a cluster's front end is not for computing
+        _first_report(config, own, engines)
+    whole = snakemake(config, own.results, (), engines, profile)
     summary = Path(own.results, "summary.txt")
     if summary.is_file():
         print(summary.read_text(), end="")
@@ -113,6 +138,7 @@ def main() -> None:
     parser.add_argument("--results", help="results folder, in place of the configuration's")
     parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
     parser.add_argument("--model", help="its model; by default the first one installed")
+    parser.add_argument("--profile", help="of a cluster: a folder in profiles, such as slurm")
     parser.add_argument(
         "--without-engines", action="store_true", help="a report of what needs no engine"
     )
@@ -132,8 +158,10 @@ def main() -> None:
             from workflow.calibration import calibrate
 
             fault = calibrate(arguments.config, results, snakemake)
+        elif arguments.what == "decks":
+            fault = decks(arguments.config, results)
         else:
-            fault = {"study": study, "decks": decks}[arguments.what](arguments.config, results)
+            fault = study(arguments.config, results, profile_named(arguments.profile))
     except ConfigError as error:
         sys.exit(str(error))
     if fault:

@@ -6,6 +6,7 @@ from typing import Any
 
 from analysis.figures.catalogue import drawn_files
 from workflow.jobs import Job, parquet_beside
+from workflow.needs import design_needs
 from workflow.schema import Study
 
 JOINTS = 64  # of a design in a batch
@@ -44,7 +45,9 @@ def _batch_job(
     name: str, step: str, message: str, arguments: dict[str, Any], modules: tuple[str, ...] = ()
 ) -> Job:
     """A job of a batch, whose only output is named after it."""
-    return Job(name, step, message, (), (f"{name}.parquet",), arguments, modules=modules)
+    output = f"{name}.parquet"
+    needs = design_needs(arguments["stop"] - arguments["start"])
+    return Job(name, step, message, (), (output,), arguments, modules=modules, needs=needs)
 
 
 def design_tables(study: Study, found: Mapping[str, Job]) -> dict[str, Job]:

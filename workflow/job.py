@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.closure import code_digest
+from workflow.kills import KilledError, begin, end, tried_again
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
@@ -43,7 +44,8 @@ def run_job(plan: dict[str, Any]) -> None:
     step = importlib.import_module(plan["step"])
     inputs = [results / name for name in plan["inputs"]]
     outputs = [results / name for name in plan["outputs"]]
-    error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
+    told = {"tried_again": tried_again(results, plan["name"])}
+    error = step.run({**plan["arguments"], **plan["settings"], **told}, inputs, outputs)
     if error:  # the results say so too; without a receipt the next run tries again
         print(error, file=sys.stderr)
         if not all(path.exists() for path in outputs):
@@ -54,12 +56,16 @@ def run_job(plan: dict[str, Any]) -> None:
 
 
 def write_times(path: Path, start: float) -> None:
-    """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs."""
+    """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs.
+
+    And the most memory of the two together, in MB.
+    """
     own, programs = (resource.getrusage(who) for who in (SELF, CHILDREN))
     times = {
         "wall_s": time.monotonic() - start,
         "own_cpu_s": own.ru_utime + own.ru_stime,
         "programs_cpu_s": programs.ru_utime + programs.ru_stime,
+        "memory_MB": (own.ru_maxrss + programs.ru_maxrss) / 1024.0,
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(times) + "\n")
@@ -67,13 +73,26 @@ def write_times(path: Path, start: float) -> None:
 
 def main() -> None:
     """Command line: the plan of the job, a file."""
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit("stopped"))
-    signal.signal(signal.SIGHUP, lambda *_: sys.exit("stopped"))
+    signal.signal(signal.SIGTERM, _killed)
+    signal.signal(signal.SIGHUP, _killed)
     end_with_parent()
     plan = json.loads(Path(sys.argv[1]).read_text())
+    results, name = Path(plan["results"]), plan["name"]
     start = time.monotonic()
-    run_job(plan)
-    write_times(Path(plan["results"], ".times", f"{plan['name']}.json"), start)
+    begin(results, name)
+    try:
+        run_job(plan)
+    except KilledError:
+        raise
+    except BaseException:
+        end(results, name)
+        raise
+    end(results, name)
+    write_times(results / ".times" / f"{name}.json", start)
+
+
+def _killed(*_: object) -> None:
+    raise KilledError("stopped")
 
 
 if __name__ == "__main__":

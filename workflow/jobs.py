@@ -18,6 +18,7 @@ from workflow.closure import code_digest
 from workflow.engines import ENGINES, Engine
 from workflow.engines.render import sources
 from workflow.models import MODELS, Obtained, detailed
+from workflow.needs import Needs, engine_needs, solved_needs
 from workflow.receipts import digest_of
 from workflow.results.files import BATCH_FILES, OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
@@ -37,7 +38,7 @@ class Job:
     ``settings``: plain data that they do not depend on. ``inputs``, ``outputs``: paths below the
     results folder; ``others``: outputs that exist only if the job has a result. ``versions``: of
     the programs that it starts. ``finds``: model and name of the cases whose records are in the
-    first output.
+    first output. ``needs``: what it asks of a cluster.
     """
 
     name: str
@@ -53,6 +54,7 @@ class Job:
     settings: Mapping[str, Any] = field(default_factory=dict)
     finds: tuple[tuple[str, str], ...] = ()
     threads: int = 1
+    needs: Needs = field(default_factory=Needs)
 
     @property
     def receipt(self) -> str:
@@ -128,6 +130,7 @@ def _engine_job(case: Case, time_limit: float) -> Job:
         settings={"time_limit": time_limit},
         finds=((case.model, case.name),),
         threads=case.numerics.ranks if case.numerics else 1,
+        needs=engine_needs(case, time_limit),
     )
 
 
@@ -162,6 +165,7 @@ def _batch_job(model: str, batch: str, cases: list[Case]) -> Job:
         outputs=tuple(f"cases/{model}/{batch}/{name}" for name in BATCH_FILES),
         arguments={"module": module, "cases": [case.to_json() for case in cases]},
         modules=(module,),
+        needs=solved_needs(cases),
         finds=tuple((case.model, case.name) for case in cases),
     )
 

@@ -104,4 +104,16 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         if reason not in (None, STALE):
             for name in job.outputs:
                 (results / name).unlink(missing_ok=True)
+    index = _index(results)
+    index.parent.mkdir(parents=True, exist_ok=True)
+    index.write_text(json.dumps({name: str(path) for name, path in plans.items()}) + "\n")
     return plans
+
+
+def planned(results: Path) -> dict[str, Path]:
+    """The plans that `prepared` wrote, by job: for processes of the same run on other machines."""
+    return {name: Path(path) for name, path in json.loads(_index(results).read_text()).items()}
+
+
+def _index(results: Path) -> Path:
+    return results / ".plan" / "index.json"

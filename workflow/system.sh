@@ -1,6 +1,6 @@
 #!/bin/sh
-# Have the system packages that a study needs, or with "test" its tests too: install them as root or
-# through sudo, or say which.
+# Have the system packages that a study needs, with "test" those of its tests too, with "slurm" a
+# cluster's scheduler: install them as root or through sudo, or say which.
 set -eu
 
 # Python is needed; without an engine the study goes on with the models that need none.
@@ -14,6 +14,10 @@ done
 command -v ccx >/dev/null || engines="$engines calculix-ccx"
 # The report is tested in a browser.
 [ "${1-}" != test ] || command -v chromium >/dev/null || engines="$engines chromium"
+if [ "${1-}" = slurm ]; then
+    command -v slurmctld >/dev/null || needed="$needed slurm-wlm"
+    command -v munged >/dev/null || needed="$needed munge"
+fi
 
 install() {
     as=

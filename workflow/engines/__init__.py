@@ -16,6 +16,16 @@ from pathlib import Path
 YADE_CONFIGURATION = "/usr/lib", "*/yade-double/py/yade/config.py"  # Debian's
 
 
+# What schedulers and MPI tell the processes that they start: an engine is none of them.
+FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
+
+
+def own_environment(**more: str) -> dict[str, str]:
+    """The environment of an engine's process: without what a scheduler has put into this one's."""
+    own = {name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)}
+    return own | more
+
+
 @dataclass(frozen=True)
 class Engine:
     """An external program.
@@ -75,14 +85,14 @@ def _yade_configuration() -> str:
 
 
 def _liggghts_help() -> str:
-    environment = {**os.environ, "OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
     return subprocess.run(
         ["liggghts", "-h"],
         stdin=subprocess.DEVNULL,
         capture_output=True,
         text=True,
         errors="replace",
-        env=environment,
+        env=own_environment(**alone),
         check=False,
     ).stdout
 

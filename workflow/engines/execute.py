@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from workflow.engines import Engine
+from workflow.engines import Engine, own_environment
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.results.files import OUTPUTS
@@ -22,6 +22,10 @@ TAIL_LINES = 20
 
 class EngineError(RuntimeError):
     """The engine did not end with a result; the message says why, with the tail of its log."""
+
+
+class EngineKilledError(EngineError):
+    """The engine was killed, as the system does where memory is short."""
 
 
 def execute(engine: Engine, folder: Path, time_limit: float) -> None:
@@ -59,7 +63,7 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             stdout=stream,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            env={**os.environ, "OMP_NUM_THREADS": "1"},
+            env=own_environment(OMP_NUM_THREADS="1"),
         )
         try:
             if not _ends_within(process.pid, time_limit):
@@ -67,6 +71,8 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             status = process.wait()
         finally:
             _end(process)
+    if status == -signal.SIGKILL:
+        raise EngineKilledError(_with_tail("killed by signal 9", log))
     if status < 0:
         raise EngineError(_with_tail(f"killed by signal {-status}", log))
     if status > 0:

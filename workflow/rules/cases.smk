@@ -21,7 +21,13 @@ for model, jobs in OF_A_KIND.items():
             f"{RESULTS}/logs/{model}/{{job}}.log",
         wildcard_constraints:
             job="|".join(map(re.escape, jobs)),
+        group:
+            "cases"
         threads: max(job.threads for job in jobs.values())
+        resources:
+            mem_mb=lambda wildcards, model=model: needs(f"{model}/{wildcards.job}", "memory"),
+            runtime=lambda wildcards, model=model: needs(f"{model}/{wildcards.job}", "time"),
+            abreast=1,
         message:
             f"{model}: {{wildcards.job}}"
         shell:

@@ -34,6 +34,11 @@ for job in JOBS.values():
                 list(in_report(job.outputs)),
             log:
                 f"{RESULTS}/logs/{job.name}.log",
+            group:
+                "tables"
+            resources:
+                mem_mb=lambda wildcards, name=job.name: needs(name, "memory"),
+                runtime=lambda wildcards, name=job.name: needs(name, "time"),
             message:
                 job.message
             shell:

@@ -1,0 +1,177 @@
+"""What a cluster is told of a job, and what becomes of one that it kills."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import ROOT, a_case
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Elastic
+from workflow.__main__ import profile_named
+from workflow.case import Case
+from workflow.configuration import ConfigError, read_study
+from workflow.engines import FOREIGN, own_environment
+from workflow.engines.execute import EngineKilledError
+from workflow.kills import MOST_RETRIES, RETRIES, KilledError, begin, end, kills, tried_again
+from workflow.needs import Needs, design_needs, engine_needs, nodes_of, solved_needs
+from workflow.plan import plan_of, planned, prepared
+from workflow.results.files import RECORD, RESULT
+from workflow.steps import engine as engine_step
+
+
+def case_on(mesh: float) -> Case:
+    return a_case("yade", Joint(locks=3), Loading(Direction(0.0)), mesh)
+
+
+def test_more_nodes_ask_for_more() -> None:
+    coarse, fine = case_on(mesh=0.02), case_on(mesh=0.005)
+    assert nodes_of(fine) > 5 * nodes_of(coarse)
+    for one, other in (
+        (engine_needs(coarse, 3600), engine_needs(fine, 3600)),
+        (solved_needs([coarse]), solved_needs([fine])),
+    ):
+        assert one.time < other.time
+        assert one.memory <= other.memory
+
+
+def test_an_engine_asks_for_no_more_than_its_own_time_limit() -> None:
+    assert engine_needs(case_on(mesh=0.001), 60).time == 60
+
+
+def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
+    case = case_on(mesh=0.02)
+    soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
+    assert solved_needs([soft]).time > 10 * solved_needs([case]).time
+    assert solved_needs([case, case]).time == 2 * solved_needs([case]).time
+    assert design_needs(64).time > design_needs(8).time
+
+
+def test_a_further_attempt_asks_for_twice_as_much() -> None:
+    needs = Needs(memory=1000, time=600.0)
+    assert needs.megabytes(2) == 2 * needs.megabytes(1) == 2000
+    assert needs.minutes(2) == 2 * needs.minutes(1)
+
+
+def test_only_a_job_that_was_killed_counts_as_killed(tmp_path: Path) -> None:
+    assert kills(tmp_path, "yade/one") == 0
+    begin(tmp_path, "yade/one")
+    begin(tmp_path, "yade/one")  # after it was killed
+    assert kills(tmp_path, "yade/one") == 2
+    assert kills(tmp_path, "yade/other") == 0
+    end(tmp_path, "yade/one")
+    assert kills(tmp_path, "yade/one") == 0
+
+
+def test_a_job_is_tried_again_on_a_cluster_only(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv(RETRIES, raising=False)
+    begin(tmp_path, "one")
+    assert not tried_again(tmp_path, "one")
+    monkeypatch.setenv(RETRIES, "2")
+    assert tried_again(tmp_path, "one")
+    begin(tmp_path, "one")
+    assert tried_again(tmp_path, "one")
+    begin(tmp_path, "one")  # the third and last time
+    assert not tried_again(tmp_path, "one")
+
+
+def test_the_profile_tries_as_often_as_jobs_are_told() -> None:
+    profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text())
+    assert profile["retries"] == MOST_RETRIES
+    assert profile_named("slurm") == ROOT / "profiles/slurm"
+    assert profile_named("") is None
+    with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not known; it must be"):
+        profile_named("slrum")
+
+
+def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def killed(*_: object) -> None:
+        raise EngineKilledError("killed by signal 9; end of engine.log:")
+
+    monkeypatch.setattr(engine_step, "run_engine", killed)
+    outputs = (tmp_path / RECORD, tmp_path / RESULT)
+    case = case_on(mesh=0.02)
+    told = {"case": case.to_json(), "time_limit": 60, "tried_again": True}
+    with pytest.raises(KilledError, match="killed by signal 9"):
+        engine_step.run(told, (), outputs)
+    assert not any(path.exists() for path in outputs)
+    assert "killed" in str(engine_step.run({**told, "tried_again": False}, (), outputs))
+    assert all(path.exists() for path in outputs)
+
+
+def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SLURM_JOB_ID", "1")
+    monkeypatch.setenv("PMI_RANK", "0")
+    own = own_environment(OMP_NUM_THREADS="1")
+    assert not [name for name in own if name.startswith(FOREIGN)]
+    assert own["OMP_NUM_THREADS"] == "1"
+    assert own["PATH"] == os.environ["PATH"]
+
+
+def test_other_machines_find_the_plans_as_they_are(tmp_path: Path) -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
+    plans = prepared(plan_of(study).jobs.values(), tmp_path)
+    assert planned(tmp_path) == plans
+    assert all(path.is_file() for path in plans.values())
+
+
+SLEEPER = """
+import time
+def run(arguments, inputs, outputs):
+    print("asleep", flush=True)
+    time.sleep(60)
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Signals) -> None:
+    (tmp_path / "sleeper.py").write_text(SLEEPER)
+    plan = {
+        **{"name": "a/job", "digest": "x", "step": "sleeper", "results": str(tmp_path)},
+        **{"inputs": [], "outputs": [], "others": [], "receipt": ".receipts/a/job.json"},
+        **{"arguments": {}, "settings": {}},
+    }
+    path = tmp_path / "plan.json"
+    code = "import workflow.job as j, sys; j.code_digest = lambda *_: 'x'; j.main()"
+    plan["code"] = {"digest": "x", "modules": [], "files": []}
+    path.write_text(json.dumps(plan))
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(path)],
+        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}"},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == "asleep\n"
+    assert kills(tmp_path, "a/job") == 1
+    process.send_signal(number)
+    process.communicate(timeout=10)
+    time.sleep(0.05)
+    assert process.returncode != 0
+    assert kills(tmp_path, "a/job") == 1
+
+
+def test_both_containers_are_made_by_the_same_commands() -> None:
+    """No registry is needed to see that the recipes agree with each other and the checkout."""
+    recipes = [(ROOT / name).read_text() for name in ("Containerfile", "multilock.def")]
+    base = {re.search(r"^(?:FROM|From:) (\S+)$", text, re.MULTILINE)[1] for text in recipes}  # type: ignore[index]
+    assert len(base) == 1
+    packages = "apt-get install --yes --no-install-recommends make python3 python3-venv"
+    assert all(packages in text for text in recipes)
+    assert all("make .venv/study.ready" in text for text in recipes)
+    assert ".venv/study.ready:" in (ROOT / "Makefile").read_text()
+    assert all("-m" in text and "workflow" in text for text in recipes)

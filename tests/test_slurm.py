@@ -1,0 +1,168 @@
+"""A study through SLURM: on this one machine, which is set up for it and cleaned up afterwards."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+CONFIGURATION = Path("/etc/slurm/slurm.conf")  # jobs look for it nowhere else
+STUDY = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.03],
+    "models": ["static"],
+    "dem": {"engines": ["yade", "liggghts"]},
+    "eccentricities": [0, 0.5, "torsion"],
+}
+# The whole of a cluster: a controller and a node, both here.
+SLURM = """
+ClusterName=local
+SlurmctldHost={host}(127.0.0.1)
+CommunicationParameters=NoInAddrAny
+AuthType=auth/munge
+SlurmUser=root
+SlurmdUser=root
+StateSaveLocation={folder}/state
+SlurmdSpoolDir={folder}/spool
+SlurmctldPidFile={folder}/slurmctld.pid
+SlurmdPidFile={folder}/slurmd.pid
+SlurmctldLogFile={folder}/slurmctld.log
+SlurmdLogFile={folder}/slurmd.log
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+MpiDefault=none
+SwitchType=switch/none
+ReturnToService=2
+SelectType=select/cons_tres
+SelectTypeParameters=CR_Core
+JobAcctGatherType=jobacct_gather/none
+AccountingStorageType=accounting_storage/none
+SchedulerParameters=sched_interval=2
+NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory=8000 State=UNKNOWN
+PartitionName=local Nodes={host} Default=YES MaxTime=INFINITE State=UP
+"""
+pytestmark = [
+    pytest.mark.slurm,
+    pytest.mark.skipif(os.geteuid() != 0, reason="SLURM is set up by root"),
+    pytest.mark.skipif(shutil.which("slurmctld") is None, reason="SLURM is not installed"),
+]
+
+
+def told_by(*command: str) -> list[str]:
+    """Words that a command prints, whether it ends well or not."""
+    return subprocess.run(command, capture_output=True, text=True, check=False).stdout.split()
+
+
+class Cluster:
+    """SLURM's daemons on this machine."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.node = ["slurmd"]
+
+    def start(self) -> None:
+        host = socket.gethostname().partition(".")[0]
+        CONFIGURATION.parent.mkdir(parents=True, exist_ok=True)
+        text = SLURM.format(host=host, folder=self.folder, cores=os.cpu_count())
+        CONFIGURATION.write_text(text)
+        subprocess.run(
+            ["install", "-d", "-o", "munge", "-g", "munge", "-m", "0755", "/run/munge"], check=True
+        )
+        subprocess.run(
+            ["su", "-s", "/bin/sh", "munge", "-c", "/usr/sbin/munged --force"], check=True
+        )
+        subprocess.run(["slurmctld"], check=True)
+        subprocess.run(self.node, check=True)
+        self.wait_until_idle()
+
+    def wait_until_idle(self) -> None:
+        for _ in range(60):
+            told = told_by("sinfo", "-h", "-o", "%T")
+            if told and told[0] in ("idle", "mixed", "allocated"):
+                return
+            time.sleep(0.5)
+        pytest.fail(f"SLURM has no node: {told}")
+
+    def jobs(self) -> list[str]:
+        return told_by("squeue", "-h", "-o", "%T")
+
+    def pid(self, daemon: str) -> int:
+        return int((self.folder / f"{daemon}.pid").read_text())
+
+    def kill_node(self) -> None:
+        os.kill(self.pid("slurmd"), signal.SIGKILL)
+
+    def stop(self) -> None:
+        subprocess.run(["scancel", "--user=root"], capture_output=True, check=False)
+        for daemon in ("slurmd", "slurmctld"):
+            with_pid = self.folder / f"{daemon}.pid"
+            if with_pid.is_file():
+                try:
+                    os.kill(self.pid(daemon), signal.SIGTERM)
+                except (ProcessLookupError, ValueError):
+                    continue
+        subprocess.run(["pkill", "-x", "munged"], check=False)
+        CONFIGURATION.unlink(missing_ok=True)
+
+
+@pytest.fixture
+def cluster(tmp_path: Path) -> Iterator[Cluster]:
+    if CONFIGURATION.exists():
+        pytest.skip(f"{CONFIGURATION} is there: this machine is part of a cluster")
+    found = Cluster(tmp_path / "slurm")
+    found.folder.mkdir()
+    try:
+        found.start()
+        yield found
+    finally:
+        found.stop()
+
+
+def study(folder: Path, name: str, *options: str) -> subprocess.Popen[str]:
+    """A study that is begun, in a folder of its own."""
+    path = folder / f"{name}.yaml"
+    path.write_text(yaml.safe_dump(STUDY))
+    command = [sys.executable, "-m", "workflow", "study", str(path)]
+    return subprocess.Popen(
+        [*command, f"--results={folder / name}", *options],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )
+
+
+def tables(results: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in sorted((results / "tables").glob("*.csv"))}
+
+
+def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    local = study(tmp_path, "local")
+    told, _ = local.communicate(timeout=300)
+    assert local.returncode == 0, told
+    remote = study(tmp_path, "remote", "--profile=slurm")
+    deadline = time.monotonic() + 120.0
+    while "RUNNING" not in cluster.jobs():
+        assert time.monotonic() < deadline, "no job has begun"
+        assert remote.poll() is None, remote.communicate()[0]
+        time.sleep(0.5)
+    cluster.kill_node()
+    time.sleep(3.0)
+    subprocess.run(cluster.node, check=True)
+    told, _ = remote.communicate(timeout=540)
+    assert remote.returncode == 0, told
+    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
+    assert cluster.jobs() == []
+    # What a job that was killed leaves behind is gone.
+    assert not [path for path in (tmp_path / "remote" / ".begun").rglob("*") if path.is_file()]

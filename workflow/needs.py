@@ -1,0 +1,67 @@
+"""What a job asks of a cluster: memory and time, from the size of its cases.
+
+The numbers are rounded up from what jobs took in the published study and in `make locks`; the
+`.times` of a results folder have what each job took, and the report shows both. A job that ran out
+of either asks for twice as much the next time.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from workflow.case import Case
+
+MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
+START = 60.0  # s: to begin at all
+LEAST_MB = 600  # a process with this package and its libraries
+ENGINE_NODE = 0.012  # s, for each node of an engine's case, of 40 ramp periods
+ENGINE_NODE_MB = 0.1
+SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved in this process
+ELASTIC = 50.0  # times that, of elastic pieces
+FEW_NODES = 200
+DESIGN_JOINT = 4.0  # s, of a joint of a design
+
+
+@dataclass(frozen=True)
+class Needs:
+    """Memory (MB), and time (s) on one core of this machine."""
+
+    memory: int = 2 * LEAST_MB
+    time: float = 120.0
+
+    def minutes(self, attempt: int = 1) -> int:
+        """Time to ask for, with its margin; twice as much at each further ``attempt``."""
+        return math.ceil((START + MARGIN * self.time) * 2 ** (attempt - 1) / 60.0)
+
+    def megabytes(self, attempt: int = 1) -> int:
+        """Memory to ask for; twice as much at each further ``attempt``."""
+        return int(self.memory * 2 ** (attempt - 1))
+
+
+def nodes_of(case: Case) -> float:
+    """About how many contact nodes a case has: some four faces for each lock."""
+    joint, mesh = case.joint, case.mesh
+    return 4.0 * joint.locks * (joint.a / mesh + 1.0) * (joint.b / mesh + 1.0)
+
+
+def engine_needs(case: Case, time_limit: float) -> Needs:
+    """Of one case in an engine, which ends it at ``time_limit`` (s) itself."""
+    nodes = nodes_of(case)
+    ramps = case.numerics.ramp_periods / 40.0 if case.numerics else 1.0
+    time = ENGINE_NODE * nodes * max(ramps, 1.0)
+    return Needs(math.ceil(LEAST_MB + ENGINE_NODE_MB * nodes), min(time, time_limit))
+
+
+def solved_needs(cases: Iterable[Case]) -> Needs:
+    """Of cases that are solved one after the other in this process."""
+    time, most = 0.0, 0.0
+    for case in cases:
+        nodes = max(nodes_of(case), FEW_NODES)
+        time += SOLVED_NODE * nodes * (1.0 if case.joint.elastic is None else ELASTIC)
+        most = max(most, nodes)
+    return Needs(math.ceil(2 * LEAST_MB + most), time)
+
+
+def design_needs(joints: int) -> Needs:
+    """Of a batch of a design's joints."""
+    return Needs(2 * LEAST_MB, DESIGN_JOINT * joints)
