@@ -287,3 +287,21 @@ def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(
     ]
     assert found == sorted(found, reverse=True)
     assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-3)
+
+
+@pytest.mark.parametrize("locks", [4, 6, 8])
+@pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0, math.inf])
+def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: float) -> None:
+    """One lock is idle there, which leaves solvers fewer digits."""
+    joint = Joint(locks)
+    assembly = assemble(joint, 0.02)
+    loads = lateral_load(joint, assembly, Loading(Direction(ratio)))
+    found = limit_load(assembly, loads)
+    odd = Joint(locks + 1)
+    other = assemble(odd, 0.02)
+    more = limit_load(other, lateral_load(odd, other, Loading(Direction(ratio)))).load
+    assert 0.0 < found.load <= more * (1 + 1e-6)
+    residual = equilibrium_matrix(assembly) @ found.force.ravel()
+    applied = (loads.permanent + found.load * loads.variable).ravel()
+    rows = free_rows(assembly)
+    assert np.abs(residual - applied)[rows].max() < 1e-6 * loads.scale

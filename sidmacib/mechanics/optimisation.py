@@ -61,33 +61,45 @@ class _Answer:
     z: Floats
 
 
-def solve(problem: cp.Problem, what: str, accuracy: float = ACCURACY) -> None:
+def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     """Solve; the variables of ``problem`` then hold an optimum that was checked.
 
-    ``accuracy``: of the optimum's value over itself or 1, whichever is larger. Everything but an
-    optimum raises an error that names ``what``: `sidmacib.errors.InfeasibleError`,
-    `sidmacib.errors.UnboundedError`, or `sidmacib.errors.SolverError` where no solver came to a
-    verdict that holds.
+    ``accuracies``: of the optimum's value over itself or 1, whichever is larger; the first that
+    some solver meets is returned. Everything but an optimum raises an error that names ``what``:
+    `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
+    `sidmacib.errors.SolverError` where no solver came to a verdict that holds.
     """
-    verdicts = []
+    verdicts: list[str] = []
+    found: list[tuple[float, Any, Any]] = []  # of all solvers: errors, and how to take the answer
+    wanted = accuracies or (ACCURACY,)
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
         try:
             data, chain, inverse = problem.get_problem_data(solver, solver_opts=dict(settings))
             raw = chain.solve_via_data(problem, data, solver_opts=dict(settings))
-        except (cp.SolverError, ValueError) as error:
-            verdicts.append(f"{solver}: {error}")
+        except (cp.SolverError, ValueError) as refusal:
+            verdicts.append(f"{solver}: {refusal}")
             continue
         answer = _answer(solver, raw)
         verdicts.append(f"{solver}: {answer.status}")
-        if answer.x.size and answer.z.size and _optimal(data, answer, accuracy):
-            problem.unpack(chain.invert(raw, inverse))
-            if problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE):
-                return
+        error = _error(data, answer) if answer.x.size and answer.z.size else np.inf
+        if error <= wanted[-1]:
+            found.append((error, chain, (raw, inverse)))
+            if error <= wanted[0] and _taken(problem, chain, raw, inverse):
+                return wanted[0]
         elif "infeasible" in answer.status and _infeasible(data, answer.z):
             raise InfeasibleError(f"{what}: no forces balance the permanent loads")
         elif "unbounded" in answer.status and _unbounded(data, answer.x):
             raise UnboundedError(f"{what}: the load can grow without limit")
+    for error, chain, (raw, inverse) in sorted(found, key=lambda each: each[0]):
+        if _taken(problem, chain, raw, inverse):
+            return next(accuracy for accuracy in wanted if error <= accuracy)
     raise SolverError(f"{what}: no verdict that holds ({'; '.join(verdicts)})")
+
+
+def _taken(problem: cp.Problem, chain: Any, raw: Any, inverse: Any) -> bool:
+    """Whether ``problem`` takes a solver's answer as an optimum."""
+    problem.unpack(chain.invert(raw, inverse))
+    return problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)
 
 
 def _answer(solver: str, raw: Any) -> _Answer:
@@ -100,8 +112,11 @@ def _answer(solver: str, raw: Any) -> _Answer:
     return _Answer(status, np.array(raw["solution"].col_value), -np.array(rows))
 
 
-def _optimal(data: dict[str, Any], answer: _Answer, accuracy: float) -> bool:
-    """Whether unknowns and multipliers prove each other optimal."""
+def _error(data: dict[str, Any], answer: _Answer) -> float:
+    """Of an optimum that unknowns and multipliers prove each other, over its value or 1.
+
+    Infinite if a constraint is violated.
+    """
     A, b, c, x = data["A"], data["b"], data["c"], answer.x
     curved = data["P"] @ x if "P" in data else np.zeros_like(x)
     slack = b - A @ x
@@ -113,9 +128,10 @@ def _optimal(data: dict[str, Any], answer: _Answer, accuracy: float) -> bool:
     error = abs(float(np.sum((curved + c) * x) + np.sum(b * z))) + float(
         np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z))
     )
-    close = error <= accuracy * max(abs(value), 1.0)
     largest = max(1.0, float(np.abs(x).max()))
-    return bool(close and np.abs(violation).max(initial=0.0) <= FEASIBLE * largest)
+    if np.abs(violation).max(initial=0.0) > FEASIBLE * largest:
+        return np.inf
+    return error / max(abs(value), 1.0)
 
 
 def _infeasible(data: dict[str, Any], ray: Floats) -> bool:
