@@ -3,7 +3,7 @@
 import shutil
 import threading
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import pytest
 import yaml
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from playwright.sync_api import sync_playwright
 from werkzeug.serving import make_server
 
-from analysis.explore.app import LOOPBACK, SLIDERS, make_app, shown
+from analysis.explore.app import LOOPBACK, SLIDERS, drawn, make_app, playing, shown
 from analysis.explore.pictures import answers, drawing, peak
 from analysis.explore.state import Playing, as_configuration, as_python, as_query, from_query
 from sidmacib.chain.rule import law
@@ -81,10 +81,21 @@ def test_peaks_fall_with_the_eccentricity() -> None:
     assert shears == sorted(shears, reverse=True)
 
 
+def values(state: Playing) -> list[float]:
+    """The sliders' values, in their order."""
+    return [float(getattr(state, name)) for name in SLIDERS]
+
+
 def test_what_is_shown_follows_the_sliders() -> None:
-    before, after = (shown(asdict(replace(Playing(), H=height))) for height in (27.0, 80.0))
+    before, after = (shown(*values(replace(Playing(), H=height))) for height in (27.0, 80.0))
     assert before[3] != after[3]
     assert "H: 0.08" in after[4]
+    assert drawn(before[0]) != drawn(after[0])
+
+
+@pytest.mark.parametrize("state", STATES)
+def test_sliders_say_what_the_state_is(state: Playing) -> None:
+    assert playing(values(state)) == state
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,11 @@
 """The page, served to this machine only: sliders on one side, what follows on the other."""
 
 import argparse
+from collections.abc import Iterable
 from typing import Any
 
 import dash
+import plotly.graph_objects as go
 from dash import Input, Output, State, dcc, html
 
 from analysis.explore.pictures import answers, curve, drawing, weights
@@ -73,6 +75,7 @@ def layout(state: Playing) -> html.Div:
     return html.Div(
         [
             dcc.Location(id="place", refresh=False),
+            dcc.Store(id="values"),
             html.Header(html.H1("A joint to play with", style={"fontSize": "1.4rem"})),
             html.Main(
                 [
@@ -89,21 +92,35 @@ def layout(state: Playing) -> html.Div:
     )
 
 
-def shown(values: dict[str, Any]) -> tuple[Any, ...]:
-    """What the page shows for the sliders' values: pictures, words, and three ways to copy it."""
-    state = Playing(**values)
+def playing(values: Iterable[float]) -> Playing:
+    """The state of the page for the sliders' values, in their order."""
+    given: dict[str, Any] = dict(zip(SLIDERS, map(float, values), strict=True))
+    return Playing(**given | {"locks": int(given["locks"]), "one_piece": bool(given["one_piece"])})
+
+
+def shown(*values: float) -> tuple[Any, ...]:
+    """What follows the sliders at once: pictures, words, three ways to copy it, and the values.
+
+    The curve is drawn after it: it takes as long as all else for each of its directions.
+    """
+    state = playing(values)
     told = answers(state)
-    numbers = [f"{values[name]:g}" for name in SLIDERS]
     return (
-        curve(state, told),
+        list(values),
         drawing(state),
         weights(told),
         told.words,
         as_configuration(state),
         as_python(state),
         f"?{as_query(state)}",
-        *numbers,
+        *(f"{float(value):g}" for value in values),
     )
+
+
+def drawn(values: Iterable[float]) -> go.Figure:
+    """The curve for the sliders' values."""
+    state = playing(values)
+    return curve(state, answers(state))
 
 
 def make_app() -> dash.Dash:
@@ -115,23 +132,20 @@ def make_app() -> dash.Dash:
     app.layout = layout(Playing())
     names = list(SLIDERS)
 
-    def follow(*values: Any) -> tuple[Any, ...]:
-        given = {name: float(value) for name, value in zip(names, values, strict=True)}
-        whole = {"locks": int(given["locks"]), "one_piece": bool(given["one_piece"])}
-        return shown({**given, **whole})
-
     def begin(search: str, *values: Any) -> list[float]:
         state = from_query(search or "")
         return [float(getattr(state, name)) for name in SLIDERS]
 
     app.callback(
         [
-            *(Output(name, "figure") for name in ("curve", "drawing", "weights")),
+            Output("values", "data"),
+            *(Output(name, "figure") for name in ("drawing", "weights")),
             *(Output(name, "children") for name in ("words", "yaml", "python", "link")),
             *(Output(f"{name}-told", "children") for name in SLIDERS),
         ],
         [Input(name, "value") for name in names],
-    )(follow)
+    )(shown)
+    app.callback(Output("curve", "figure"), Input("values", "data"))(drawn)
     app.callback(
         [Output(name, "value") for name in names],
         Input("place", "search"),
