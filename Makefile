@@ -78,7 +78,7 @@ format: .venv/test.ready
 	$(BIN)/snakefmt Snakefile workflow/rules
 
 .venv/study.ready: requirements.txt pyproject.toml | system
-	python3 -m venv .venv
+	python3 -m venv --clear .venv
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
 	$(BIN)/pip install --quiet --no-deps --editable .
 	@touch $@

@@ -32,12 +32,29 @@ _MODELS = {
     "sidmacib": Look("SiDMACIB", PURPLE),
 }
 PUBLISHED = Look("published (3DEC)", BLACK)
-_OPTIONS = dict(zip(OPTIONS, cycle((OCHRE, SKY, PURPLE, GREEN)), strict=False))
+_RULES = {
+    "none": "every lock counts",
+    "half": "(n - 1) / 2 locks count",
+    "floor_of_sum": "sum of weights, rounded down",
+    "lower_sum": "lower locks count by their weights",
+    "per_lock": "each lock counts by its weight",
+}
+_OPTIONS = dict(zip(OPTIONS, cycle((ORANGE, SKY, PURPLE, "#2f4b7c")), strict=False))
 
 
 def look_of(model: str) -> Look:
     """The look of a model; its own name and grey if it has none yet."""
     return _MODELS.get(model, Look(model, GREY))
+
+
+def rule_name(reduction: str) -> str:
+    """A reduction of SiDMACIB in words; its own name if there are none."""
+    return _RULES.get(reduction, reduction)
+
+
+def option_name(option: str) -> str:
+    """An option for SiDMACIB's contact points in words."""
+    return option.replace("option", "Option ") if option in _OPTIONS else option
 
 
 def option_colour(option: str) -> str:

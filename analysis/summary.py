@@ -9,8 +9,9 @@ import pandas as pd
 
 from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
+from analysis.looks import look_of
 from workflow.case import REFERENCE
-from workflow.models import MODELS, first_failure_only
+from workflow.models import Obtained, first_failure_only, obtained_by
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
@@ -116,12 +117,14 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
 
 def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
     """Largest loads of all models of the joint's pieces, direction by direction."""
-    own = capacity[capacity["failed_load_N"].notna() & (capacity["variant"] == REFERENCE)]
+    asked = capacity["model"].isin(obtained_by(Obtained.LAW)) & capacity["load_N"].notna()
+    found = capacity["failed_load_N"].notna() | asked
+    own = capacity[found & (capacity["variant"] == REFERENCE)]
     # Not those for the mesh error only.
     own = own[np.isclose(own["mesh_m"].to_numpy()[:, None], meshes).any(axis=1)]
     models = list(own["model"].unique())
     yield ""
-    names = (f"{m} (first failure)" if m in MODELS and first_failure_only(m) else m for m in models)
+    names = [look_of(m).name + (" (first failure)" * first_failure_only(m)) for m in models]
     yield f"Largest load along each direction (N): {', '.join(names)}; largest mesh error"
     keys = ["sample", "mesh_m", "eccentricity_m"]
     for _, rows in own.groupby("case", sort=False):
@@ -130,7 +133,8 @@ def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
         cells = "".join(f"{loads[m]:>10.2f}" if m in loads else " " * 10 for m in models)
         error = rows["mesh_error"].max()
         told = "" if pd.isna(error) else f"{100 * error:>8.2f} %"
-        yield f"  {sample} mesh {mesh:g} m, e = {eccentricity:>6g} m{cells}{told}"
+        where = "torsion" if np.isinf(eccentricity) else f"e = {eccentricity:g} m"
+        yield f"  {sample} mesh {mesh:<6g} m, {where:<12}{cells}{told}"
 
 
 def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:

@@ -4,6 +4,7 @@ import csv
 import io
 import json
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,8 @@ from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
+from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 
 
@@ -36,6 +39,29 @@ def test_capacity_tells_what_the_library_does() -> None:
         expected = rule(joint, Direction(ratio))
         assert row["V (N)"] == expected.shear
         assert row["M (N m)"] == expected.torque
+
+
+def test_a_joint_that_no_model_takes_ends_with_an_error() -> None:
+    found = run("capacity", "-n", "9", "-H", "60", "-m", "law", "-m", "safe")
+    assert found.exit_code == 1
+    assert "H / b: 1200 is not possible" in found.output
+    assert "H: 60 m is very much; is it in m?" in found.stderr
+
+
+def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:
+    flags = ["--young", "1e10", "--upper-body", "monolithic"]
+    assert [row["model"] for row in answers("capacity", "-n", "3", *flags)] == ["safe", "law"]
+    assert [row["model"] for row in answers("capacity", "-n", "3")] == ["safe", "law", "static"]
+
+
+def test_the_mesh_error_is_that_of_the_load_it_stands_beside() -> None:
+    flags = ["-n", "9", "-a", "0.08", "-H", "0.06", "-e", "0.5", "-m", "static"]
+    (row,) = answers("capacity", *flags)
+    joint = Joint(9, a=0.08, H=0.06)
+    finer = load_path(joint, Loading(Direction(0.5)), 0.005)[1].peak.load * Direction(0.5).shear
+    error = abs(float(str(row["V (N)"])) / finer - 1.0)
+    told = float(re.search(r"mesh error ([\d.]+) %", str(row["note"]))[1]) / 100.0  # type: ignore[index]
+    assert error < 3.0 * told < 0.05
 
 
 def test_every_model_answers() -> None:

@@ -19,10 +19,10 @@ from workflow.models import detailed
 def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     study = read_study_file(ROOT / "config.yaml")
     figures = figures_of(study, detailed(study.model_names))
-    kinds = ("options", "shear_stress", "torsion_stress", "revised", "models")
+    kinds = ("joint", "options", "shear_stress", "torsion_stress", "revised", "models")
     samples = ("n3", "n5", "n3_fits", "n5_fits")
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
-    of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[1:3] for sample in ("n3", "n5")}
+    of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[2:4] for sample in ("n3", "n5")}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - {
         "stiffness",
@@ -89,3 +89,10 @@ def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:
     shown = _thinned(nodes)
     assert 9 <= len(shown) <= 25
     assert len(shown) == shown["x_m"].nunique() * shown["y_m"].nunique()
+
+
+def test_rules_without_a_figure_of_their_own_leave_it_out() -> None:
+    config = {"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}}
+    for reductions, there in ((["none"], False), (["none", "half"], True), (["lower_sum"], True)):
+        study = read_study({**config, "sidmacib": {"reductions": reductions}})
+        assert ("revised-n3" in figures_of(study, ("static",))) == there

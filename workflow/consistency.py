@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator
 
+from sidmacib.doubts import doubts
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.mechanics.quadrature import RULES
@@ -116,14 +117,18 @@ def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
 
 
 def notes(study: Study) -> list[str]:
-    """Settings of a study that have no effect on one of its engines, one line each."""
+    """What looks like a mistake in a study but may be meant, one line each.
+
+    Settings that have no effect on one of its engines, and numbers that seem to be in another unit.
+    """
     default = NumericsSection()
     given = {
         "dem.numerics": study.dem.numerics,
         **{f"variants.{name}.numerics": v.numerics for name, v in study.variants.items()},
         **{f"overrides.{shown_key(name)}": change for name, change in study.overrides.items()},
     }
-    found = [*_fading(study)]
+    doubted = {f"{name}: {doubt}" for name in study.samples for doubt in doubts(study.joint(name))}
+    found = [*sorted(doubted), *_fading(study)]
     for model in (MODELS[name] for name in study.dem.engines):
         ignored = model.ignores | (frozenset() if Ability.RANKS in model.abilities else {"ranks"})
         for place, numerics in given.items():

@@ -9,7 +9,7 @@ LOCK = ".lock"
 
 
 class LockedError(RuntimeError):
-    """Another run is using the folder; the message is one line."""
+    """The folder cannot be used, as by another run; the message is one line."""
 
 
 def lock(results: Path) -> TextIO:
@@ -17,8 +17,12 @@ def lock(results: Path) -> TextIO:
 
     The system releases the lock when the process ends, however that happens: no stale lock remains.
     """
-    results.mkdir(parents=True, exist_ok=True)
-    stream = (results / LOCK).open("a+")
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+        stream = (results / LOCK).open("a+")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise LockedError(f"results: {results} cannot be written to: {reason}") from None
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

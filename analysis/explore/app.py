@@ -26,8 +26,9 @@ SLIDERS = {  # least, most, step, and words
     "one_piece": (0, 1, 1, "upper body: columns (0), one piece (1)"),
 }
 ABOUT = (
-    "Peaks of the static model on its coarsest mesh; law and safe rule of docs/law.md, within the "
-    "spans of their study; the first lock is on the left. Nothing leaves this machine."
+    "Peaks of the static model on its coarsest mesh, of pieces that bend the law's first failure. "
+    "Law and safe rule are those of docs/law.md, within the spans of their study; the tensile "
+    "strength goes with the cohesion; the first lock is on the left. Nothing leaves this machine."
 )
 STYLE = {
     "fontFamily": "system-ui, sans-serif",

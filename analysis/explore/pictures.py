@@ -8,12 +8,13 @@ import plotly.graph_objects as go
 
 from analysis.explore.state import Playing
 from analysis.looks import BLUE, GREY, look_of
+from sidmacib.chain.failure import first_failure
 from sidmacib.chain.rule import RULES, LawCapacity
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
-from sidmacib.weights import LockWeight, lock_weights
+from sidmacib.weights import lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
@@ -21,12 +22,21 @@ FONT = {"size": 13}
 
 
 @dataclass(frozen=True)
+class Share:
+    """A lock by number, its block, and what it carries over its strength."""
+
+    lock: int
+    block: str
+    weight: float
+
+
+@dataclass(frozen=True)
 class Peak:
-    """Peak of the static model along a direction: shear (N), torque (N m), weights of the locks."""
+    """The largest load along a direction: shear (N), torque (N m), shares of the locks."""
 
     shear: float
     torque: float
-    weights: tuple[LockWeight, ...]
+    shares: tuple[Share, ...]
 
 
 @dataclass(frozen=True)
@@ -40,25 +50,53 @@ class Answers:
 
 @lru_cache(maxsize=512)
 def peak(joint: Joint, ratio: float) -> Peak | None:
-    """The static model on its coarsest mesh; None if the joint carries nothing."""
+    """The static model on its coarsest mesh; None if the joint carries nothing.
+
+    Of pieces that bend, where it takes minutes, the first failure of the law.
+    """
     direction = Direction(ratio)
+    return _peak(joint, direction) if joint.elastic is None else _first_failure(joint, direction)
+
+
+def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
+    try:
+        state = first_failure(joint, Loading(direction))
+    except (CapacityError, ValueError):
+        return None
+    shares = tuple(
+        Share(lock, _block(joint, lock), math.hypot(x, y) / joint.T0)
+        for lock, x, y in zip(joint.numbers, state.force_x, state.force_y, strict=True)
+    )
+    return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
+
+
+def _block(joint: Joint, lock: int) -> str:
+    return "upper" if joint.is_upper(lock) else "lower"
+
+
+def _peak(joint: Joint, direction: Direction) -> Peak | None:
     try:
         assembly, solution = load_path(joint, Loading(direction), COARSE * joint.least_side)
     except CapacityError:
         return None
     load = float(solution.peak.load)
-    weights = lock_weights(joint, assembly, solution.peak.force)
-    return Peak(load * direction.shear, load * direction.torque * joint.a, weights)
+    shares = tuple(
+        Share(each.lock, _block(joint, each.lock), each.weight)
+        for each in lock_weights(joint, assembly, solution.peak.force)
+    )
+    return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 
 
 def answers(state: Playing) -> Answers:
     """Peak, law and safe rule at the chosen eccentricity; a refusal is told, not raised."""
     joint, ratio = state.joint, state.eccentricity
     found = peak(joint, ratio)
+    what = "peak" if joint.elastic is None else "first failure"
     words = (
         f"At e = {ratio:g} a nothing carries the load."
         if found is None
-        else f"At e = {ratio:g} a the peak is V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
+        else f"At e = {ratio:g} a the {what} is at V = {found.shear:.4g} N, M = {found.torque:.3g} "
+        "N m."
     )
     rules: dict[str, LawCapacity] = {}
     try:
@@ -76,12 +114,14 @@ def curve(state: Playing, told: Answers) -> go.Figure:
     figure = go.Figure()
     ratios = sorted({*RATIOS, state.eccentricity})
     points = [found for ratio in ratios if (found := peak(state.joint, ratio)) is not None]
+    bends = state.joint.elastic is not None
+    what, model = ("first failure", look_of("law")) if bends else ("peak", look_of("static"))
     figure.add_scatter(
         x=[point.shear for point in points],
         y=[point.torque for point in points],
-        name="peak, static model",
+        name=f"{what}, {model.name}",
         mode="lines+markers",
-        line={"color": look_of("static").colour},
+        line={"color": model.colour},
     )
     marks = {"law": ("first failure, law", "x"), "safe": (look_of("safe").name, "star")}
     for name, (words, symbol) in marks.items():
@@ -102,7 +142,7 @@ def weights(told: Answers) -> go.Figure:
     figure = go.Figure()
     if told.peak is not None:
         for block, colour in (("upper", BLUE), ("lower", GREY)):
-            own = [each for each in told.peak.weights if each.block == block]
+            own = [each for each in told.peak.shares if each.block == block]
             figure.add_bar(
                 x=[f"{each.lock}" for each in own],
                 y=[each.weight for each in own],
@@ -110,7 +150,7 @@ def weights(told: Answers) -> go.Figure:
                 marker_color=colour,
             )
         figure.update_xaxes(
-            categoryorder="array", categoryarray=[f"{e.lock}" for e in told.peak.weights]
+            categoryorder="array", categoryarray=[f"{e.lock}" for e in told.peak.shares]
         )
     figure = _laid_out(figure, "lock", "weight at the peak")
     figure.update_yaxes(range=[0, 1.05])

@@ -10,6 +10,8 @@ from workflow.schema import Study
 
 MOST_SAMPLES = 12  # that are drawn: a sweep over many has tables
 
+REVISED = ("half", "lower_sum")  # reductions that the figure of revised SiDMACIB has
+
 # Figures of the paper that each kind redraws, by number of locks.
 IN_THE_PAPER = {
     "options": {3: "Figure 6", 5: "Figure 11"},
@@ -53,6 +55,7 @@ def shown_samples(study: Study) -> tuple[str, ...]:
 def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
     cases = list(cases_of(study).values())
     for sample in shown_samples(study):
+        yield FigureSpec(f"joint-{sample}", "joint", sample)
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
@@ -69,7 +72,7 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
                 ),
             ):
                 yield FigureSpec(f"{kind}-{sample}{suffix}", kind, sample, case)
-        if interlocking:
+        if interlocking and set(REVISED) & set(study.sidmacib.reductions):
             yield FigureSpec(f"revised-{sample}", "revised", sample)
         yield FigureSpec(f"models-{sample}", "models", sample)
     yield FigureSpec("meshes", "meshes")

@@ -10,13 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.figures import style
-from analysis.figures.catalogue import shown_samples
+from analysis.figures.catalogue import REVISED, shown_samples
 from analysis.figures.material import Material
-from analysis.looks import PUBLISHED, look_of, option_colour
+from analysis.looks import PUBLISHED, look_of, option_colour, option_name, rule_name
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
-
-REVISED = {"half": "(n - 1) / 2 locks count", "lower_sum": "lower locks count by their weights"}
 
 
 def first_quadrant(vertices: Floats) -> Floats:
@@ -50,7 +48,7 @@ def options(material: Material) -> Figure:
                 & (material.envelopes["friction"] == friction)
             ]
             shown = first_quadrant(own[["shear_N", "torque_Nm"]].to_numpy())
-            axis.plot(shown[:, 0], shown[:, 1], color=option_colour(name), label=name)
+            axis.plot(shown[:, 0], shown[:, 1], color=option_colour(name), label=option_name(name))
     style.curve_axes(axes[0], "without friction along the locks")
     style.curve_axes(axes[1], "with friction along the locks")
     axes[0].legend()
@@ -80,7 +78,8 @@ def meshes(material: Material) -> Figure:
         published_point(axis, material.capacity, sample)
         measured_points(axis, material, sample)
         style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
-        axis.legend(fontsize=7, loc="lower left")
+        axis.set_ylim(top=1.5 * axis.get_ylim()[1])  # room for the legend
+        axis.legend(fontsize=7, loc="upper right")
     style.caption(
         figure,
         f"{material.place_in_paper}Peak loads of the models of the joint's pieces; nodes: "
@@ -105,13 +104,9 @@ def mesh_error_words(material: Material) -> str:
 def revised(material: Material) -> Figure:
     """Revised SiDMACIB, by two reductions, and the distinct elements."""
     study = material.study
-    titles = {
-        reduction: title
-        for reduction, title in REVISED.items()
-        if reduction in study.sidmacib.reductions
-    }
+    titles = {name: rule_name(name) for name in REVISED if name in study.sidmacib.reductions}
     figure = Figure(figsize=(8, 4.8), layout="constrained")
-    axes = figure.subplots(1, max(1, len(titles)), sharex=True, sharey=True, squeeze=False)[0]
+    axes = figure.subplots(1, len(titles), sharex=True, sharey=True, squeeze=False)[0]
     limit = material.capacity[
         (material.capacity["model"] == "sidmacib")
         & material.capacity["variant"].str.contains("-frictionless-")
@@ -121,7 +116,12 @@ def revised(material: Material) -> Figure:
     for axis, reduction in zip(axes, titles, strict=True):
         for name in study.sidmacib.options:
             rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
-            axis.plot(rows["shear_N"], rows["torque_Nm"], color=option_colour(name), label=name)
+            axis.plot(
+                rows["shear_N"],
+                rows["torque_Nm"],
+                color=option_colour(name),
+                label=option_name(name),
+            )
         for mesh, marker in zip(study.meshes, cycle(style.MARKERS), strict=False):
             curve = material.curve(material.leading, material.sample, mesh)
             axis.plot(
@@ -163,6 +163,16 @@ def model_curve(
         zorder=3,
         label=f"{look_of(model).name}, mesh {mesh:g} m",
     )
+
+
+def rule_curve(axis: Axes, material: Material, rule: str, sample: str, mesh: float) -> None:
+    """The V-M curve of the law or the safe rule, if the study asks for it."""
+    curve = material.curve(rule, sample, mesh).dropna(subset=["load_N"])
+    if len(curve):
+        look = look_of(rule)
+        axis.plot(
+            curve["shear_N"], curve["torque_Nm"], ":", color=look.colour, label=look.name, lw=1.2
+        )
 
 
 def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:

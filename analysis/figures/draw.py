@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from analysis.figures import curves, models, side_by_side, stress_maps, style, variants
+from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import Material, Stresses
 from workflow.results.files import BATCH_NODES, read_records
@@ -22,6 +22,7 @@ from workflow.results.tables import (
 from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
+    "joint": joint.joint,
     "options": curves.options,
     "meshes": curves.meshes,
     "revised": curves.revised,

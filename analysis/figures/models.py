@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from analysis.collect import SHARES
 from analysis.figures import style
-from analysis.figures.curves import model_curve, published_point
+from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import Material
 from analysis.looks import look_of
+from workflow.models import Obtained, obtained_by
 
 
 def models(material: Material) -> Figure:
@@ -23,15 +24,19 @@ def models(material: Material) -> Figure:
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model in material.models:
         model_curve(curves, material, model, material.sample, mesh)
+    for rule in obtained_by(Obtained.LAW):
+        rule_curve(curves, material, rule, material.sample, mesh)
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
-    curves.legend(fontsize=8, loc="lower left")
+    curves.set_ylim(top=1.35 * curves.get_ylim()[1])  # room for the legend
+    curves.legend(fontsize=7, loc="upper right")
     first = own[own["case"] == cases[0]].set_index("model")
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     ratio = min(study.eccentricities)
-    weights.set_title(f"weights at e = {ratio:g} a", loc="left", fontsize=10)
+    told = f"{ratio:g} a" if ratio else "0"
+    weights.set_title(f"weights at e = {told}", loc="left", fontsize=10)
     _displacements(moved, material.models, first)
-    moved.set_title(f"displacement at e = {ratio:g} a", loc="left", fontsize=10)
+    moved.set_title(f"displacement at e = {told}", loc="left", fontsize=10)
     _friction(friction, material.models, own)
     style.caption(
         figure,
@@ -56,9 +61,10 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
         values = [row[f"weight_lock{number}"] for number in numbers]
         shift = (index - (len(models) - 1) / 2) * width
         bar = axes.bar(numbers + shift, values, width, color=look_of(model).colour)
-        axes.bar_label(bar, fmt="%.2f", fontsize=5.5, rotation=90, padding=2)
+        axes.bar_label(bar, fmt="%.2f", fontsize=6, rotation=90, padding=2)
     axes.set_xticks(numbers)
     axes.set_xlabel("lock")
+    axes.set_ylabel("weight")
     axes.set_ylim(0, 1.4)
     axes.set_axisbelow(True)
     axes.grid(axis="x", visible=False)

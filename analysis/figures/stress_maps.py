@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import style
 from analysis.figures.material import Material, Stresses
+from analysis.looks import look_of
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Face
 from sidmacib.pieces import assemble, lock_faces
@@ -59,10 +60,10 @@ def _map(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {case.model}, mesh {case.mesh:g} "
-        "m. Seen from below. Faces of upper locks lie at z = h, of lower locks at z = 0; arrows: "
-        "direction of the stress on the piece above; grey: broken. W: resultant over T0; mean: "
-        f"mean magnitude over the cohesion. {material.assumed_geometry}",
+        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {look_of(case.model).name}, "
+        f"mesh {case.mesh:g} m. Seen from below. Faces of upper locks lie at z = h, of lower locks "
+        "at z = 0; arrows: direction of the stress on the piece above; grey: broken. W: resultant "
+        f"over T0; mean: mean magnitude over the cohesion. {material.assumed_geometry}",
         height=0.27,
     )
     return figure
@@ -108,16 +109,18 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     for face in faces.values():
         axes.axvline(face.low[1], color="white", linewidth=2)
     thinned = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
-    axes.quiver(
+    arrows = axes.quiver(
         thinned["y_m"],
         thinned["x_m"],
         thinned["shear_y_Pa"],
         thinned["shear_x_Pa"],
         color="white",
-        scale=strongest * 6 * joint.locks,
+        scale=strongest * 7 * joint.locks,
         width=0.003,
         pivot="mid",
+        clip_on=False,
     )
+    arrows.set_in_layout(False)
     axes.set_xlim(0, joint.total_width)
     return cells
 

@@ -27,7 +27,11 @@ mpl.rcParams.update(
         "axes.grid": True,
         "grid.color": "#dddddd",
         "grid.linewidth": 0.6,
-        "legend.frameon": False,
+        # A frame: what is in it is no point of a curve.
+        "legend.frameon": True,
+        "legend.framealpha": 0.9,
+        "legend.edgecolor": "#bbbbbb",
+        "legend.fancybox": False,
         "figure.dpi": 150,
     }
 )

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.looks import look_of, option_colour
+from analysis.looks import look_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import AGREEMENT
 from sidmacib.chain.pairs import pairs_of
@@ -76,8 +76,10 @@ def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, 
         *_mesh(tables["capacity"], study),
         {
             "title": "What is assumed",
-            "text": "The positions of the contact points, and of the published samples a, b, h and "
-            "H: the paper's text gives a·b only.",
+            "text": "The positions of the contact points."
+            if tables["validation"].empty
+            else "The positions of the contact points, and a, b, h and H of the published samples: "
+            "the paper's text gives a·b only.",
             "kind": "note",
         },
     ]
@@ -138,26 +140,28 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _safe_rule(capacity: pd.DataFrame) -> list[dict[str, str]]:
-    """Revised SiDMACIB against the peaks of the leading model, rule by rule."""
+    """Revised SiDMACIB against the peaks of each sample's leading model, rule by rule."""
     rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
     rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
-    leading = next(iter(rule["weights_from"].dropna()), None)
-    peaks = capacity[capacity["model"].eq(leading) & capacity["variant"].eq(REFERENCE)]
-    loads = peaks.set_index("case")["load_N"]
-    if leading is None or loads.empty:
+    leading = rule.dropna(subset=["weights_from"]).drop_duplicates("sample")
+    leading = leading.set_index("sample")["weights_from"]
+    own = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
+    peaks = capacity[capacity["variant"].eq(REFERENCE)].set_index(["model", "case"])["load_N"]
+    if own.empty or peaks.empty:
         return []
+    against = peaks.reindex(pd.MultiIndex.from_frame(own[["weights_from", "case"]]))
+    over = own["load_N"].to_numpy() / against.to_numpy() - 1.0
+    known = own.assign(over=over).dropna(subset=["over"])
     told = []
-    for name, part in rule[rule["weights_from"].eq(leading)].groupby("reduction", sort=True):
-        over = (part["load_N"].to_numpy() / loads.reindex(part["case"]).to_numpy() - 1.0).tolist()
-        known = [value for value in over if not math.isnan(value)]
-        if known:
-            most = max(known)
-            words = "safe" if most <= 0.0 else f"unsafe by up to {100 * most:.1f} %"
-            told.append(f"{name}: {words}")
+    for name, part in known.groupby("reduction", sort=True):
+        worst = part.loc[part["over"].idxmax()]
+        words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
+        told.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
+    models = ", ".join(look_of(name).name for name in dict.fromkeys(leading))
     return [
         {
             "title": "Which rule is safe",
-            "text": f"SiDMACIB, Option 4, no friction, against {leading}. {'; '.join(told)}.",
+            "text": f"SiDMACIB, Option 4, no friction, against {models}. {'; '.join(told)}.",
             "kind": "note",
         }
     ]
@@ -193,8 +197,13 @@ def content(
     samples = {case.sample: case for case in cases}
     return {
         "samples": list(study.samples),
+        "meshes": sorted(study.meshes),
+        "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
         "looks": looks(),
-        "options": {name: option_colour(name) for name in study.sidmacib.options},
+        "options": {
+            name: {"name": option_name(name), "colour": option_colour(name)}
+            for name in study.sidmacib.options
+        },
         "verdict": verdict(tables, study),
         "paths": paths_of(cases),
         "pieces": {name: pieces_of(case) for name, case in samples.items()},

@@ -18,8 +18,8 @@ const cases = records(DATA.tables.cases);
 const lookOf = (model) => DATA.looks[model];
 const markOf = (model) => MARKS[models.indexOf(model) % MARKS.length];
 
-function fill(select, values, chosen) {
-  select.replaceChildren(...values.map((value) => new Option(short(value), value, value === chosen, value === chosen)));
+function fill(select, values, chosen, told = short) {
+  select.replaceChildren(...values.map((value) => new Option(told(value), value, value === chosen, value === chosen)));
 }
 
 function boxes(fieldset, names, chosen, onchange, told = (name) => name) {
@@ -63,7 +63,7 @@ function drawCurves() {
   }
   for (const option of options) {
     const rows = rules.filter((r) => r.sample === sample && r.mesh_m === mesh && r.option === option && r.reduction === at("curve-reduction").value && r.weights_from === at("curve-source").value && String(r.friction) === String(at("curve-friction").checked));
-    line(rows, `${lookOf("sidmacib").name} ${option}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: DATA.options[option] } });
+    line(rows, `${lookOf("sidmacib").name} ${DATA.options[option].name}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: DATA.options[option].colour } });
   }
   Plotly.react("curve-plot", traces, Object.assign({}, LAYOUT, { xaxis: axis("shear V (N)", { rangemode: "tozero" }), yaxis: axis("torque M (N m)", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   const peaks = traces.map((t) => `${t.name} ${short(Math.max(...t.x))} N and ${short(Math.max(...t.y))} N m`);
@@ -73,14 +73,14 @@ function drawCurves() {
 function startCurves() {
   const samples = DATA.samples;
   fill(at("curve-sample"), samples, samples[0]);
-  const meshes = unique(plain.map((row) => row.mesh_m)).sort((a, b) => b - a);
+  const meshes = DATA.meshes.filter((mesh) => plain.some((row) => row.mesh_m === mesh));
   fill(at("curve-mesh"), meshes, meshes[0]);
   fill(at("curve-variant"), unique(plain.map((row) => row.variant)), "reference");
   const reductions = unique(rules.map((row) => row.reduction));
-  fill(at("curve-reduction"), reductions, reductions.includes("half") ? "half" : reductions[0]);
+  fill(at("curve-reduction"), reductions, reductions.includes("lower_sum") ? "lower_sum" : reductions[0], (name) => DATA.rules[name] || name);
   fill(at("curve-source"), unique(rules.map((row) => row.weights_from)));
   boxes(at("curve-models"), models, models, drawCurves, (model) => lookOf(model).name);
-  boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves);
+  boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves, (option) => DATA.options[option].name);
   for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
   drawCurves();
 }
@@ -197,7 +197,7 @@ function drawPath() {
 function choosePath() {
   const meshes = unique(pathsOf(null).map((path) => path.mesh));
   const mesh = Number(at("path-mesh").value);
-  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : meshes[0]);
+  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : Math.min(...meshes.filter((own) => DATA.meshes.includes(own)), ...meshes.slice(0, 1)));
   const own = pathsOf(Number(at("path-mesh").value)).map((path) => path.eccentricity);
   fill(at("path-direction"), own, own.includes(at("path-direction").value) ? at("path-direction").value : own[0]);
   const path = chosenPath();
@@ -223,8 +223,8 @@ function startPaths() {
 // --- law, models -----------------------------------------------------------------------------
 function drawLaw() {
   const own = DATA.law[at("law-sample").value];
-  const names = { law: "law", safe: "safe rule", closed: "closed form", half: "(n - 1) / 2" };
-  const traces = Object.keys(names).map((key, k) => ({ x: own.locks, y: own[key], name: names[key], connectgaps: true, mode: "lines+markers", marker: { symbol: MARKS[k] }, line: { color: COLOURS[k], dash: DASHES[k] } }));
+  const names = { law: lookOf("law"), safe: lookOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n - 1) / 2", colour: "#000000" } };
+  const traces = Object.keys(names).map((key, k) => ({ x: own.locks, y: own[key], name: names[key].name, connectgaps: true, mode: "lines+markers", marker: { symbol: MARKS[k] }, line: { color: names[key].colour, dash: DASHES[k] } }));
   Plotly.react("law-plot", traces, Object.assign({}, LAYOUT, { xaxis: axis("locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }), showlegend: true }), CONFIG);
 }
 

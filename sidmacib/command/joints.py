@@ -10,6 +10,7 @@ from typing import Any
 import click
 import yaml
 
+from sidmacib.doubts import doubts
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Push
@@ -108,7 +109,7 @@ _OPTIONS = (
     click.option(
         "--file",
         type=click.Path(exists=True, dir_okay=False, path_type=Path),
-        help="A joint as YAML, with the same names; flags go before it.",
+        help="A joint as YAML, with the same names; what a flag says counts more.",
     ),
 )
 
@@ -128,7 +129,10 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
     told = {key: value for key, value in given.items() if value is not None}
     path = told.pop("file", None)
     try:
-        return _joint({**(_from_file(path) if path else {}), **told})
+        joint = _joint({**(_from_file(path) if path else {}), **told})
+        for doubt in doubts(joint):
+            click.echo(f"Note: {doubt}", err=True)
+        return joint
     except (ValueError, TypeError) as error:
         key, colon, rest = str(error).partition(":")
         flag = FLAGS.get(key, f"--{key.replace('_', '-')}")

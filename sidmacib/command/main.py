@@ -24,21 +24,25 @@ _models = click.option(
 )
 
 
-@click.group(context_settings=CONTEXT)
+# A line with \b alone has click leave the paragraph as it is.
+HELP = """Tell how much torsion and shear an interlocking joint with several locks takes.
+
+\b
+  multilock capacity -n 9 -e 0.3         loads of a joint of nine locks at e = 0.3 a
+  multilock envelope --picture vm.png    its V-M curve
+  multilock weights -n 5                 what each lock carries at the peak
+  multilock law -n 9 -H 0.06             how many locks work
+  multilock cases config.yaml            a study's cases and their state
+
+Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
+completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
+"""
+
+
+@click.group(context_settings=CONTEXT, help=HELP)
 @click.version_option(package_name="multilock")
 def main() -> None:
-    r"""Tell how much torsion and shear an interlocking joint with several locks takes.
-
-    \b
-      multilock capacity -n 9 -e 0.3           loads of a joint of nine locks at e = 0.3 a
-      multilock envelope --picture vm.png      its V-M curve
-      multilock weights -n 5                   what each lock carries at the peak
-      multilock law -n 9 -H 0.06               how many locks work
-      multilock cases config.yaml              a study's cases and their state
-
-    Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study.
-    For completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
-    """
+    """Everything but the help is in the commands."""
 
 
 @main.command()
@@ -60,12 +64,16 @@ def capacity(
     """Shear and torque that a joint carries, after several models.
 
     safe is for design, law the best estimate of the first failure, static the peak of the joint's
-    pieces, limit what bonds that yield reach, sidmacib the published rule.
+    pieces, limit what bonds that yield reach, sidmacib the published rule. Without a choice they
+    are safe, law and static; of pieces that bend, where static takes minutes, safe and law.
     """
-    from sidmacib.command.answers import capacity_rows
+    from sidmacib.command.answers import capacity_rows, usual_models
 
-    chosen = models or ("safe", "law", "static")
-    click.echo(text_of(capacity_rows(joint_of(joint), ratios, chosen, Push(push)), form))
+    own = joint_of(joint)
+    rows = capacity_rows(own, ratios, models or usual_models(own), Push(push))
+    click.echo(text_of(rows, form))
+    if all(row["V (N)"] is None for row in rows):
+        sys.exit(1)
 
 
 @main.command()

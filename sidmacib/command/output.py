@@ -13,6 +13,11 @@ from sidmacib.command.answers import Row
 
 DIGITS = 4
 FORMATS = ("table", "json", "csv")
+# Of models, as in the figures of studies.
+COLOURS = {
+    **{"safe": "#009e73", "law": "#8a6d00", "static": "#0072b2"},
+    **{"limit": "#56b4e9", "sidmacib": "#cc79a7"},
+}
 
 
 def text_of(rows: Sequence[Row], form: str) -> str:
@@ -57,7 +62,8 @@ def draw(rows: Sequence[Row], path: Path, title: str) -> None:
     axes = figure.subplots()
     for model in dict.fromkeys(row["model"] for row in rows):
         own = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
-        axes.plot([r["V (N)"] for r in own], [r["M (N m)"] for r in own], "o-", ms=3, label=model)
+        shear, torque = [r["V (N)"] for r in own], [r["M (N m)"] for r in own]
+        axes.plot(shear, torque, "o-", ms=3, color=COLOURS.get(model), label=model)
     axes.set_xlabel("shear V (N)")
     axes.set_ylabel("torque M (N m)")
     axes.set_xlim(left=0)

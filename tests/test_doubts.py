@@ -1,0 +1,51 @@
+"""Numbers that look as if they were in another unit."""
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sidmacib.doubts import doubts
+from sidmacib.joint import Joint
+from sidmacib.mechanics.assembly import Elastic
+from workflow.configuration import read_study
+from workflow.consistency import notes
+
+
+def test_the_published_joint_raises_no_doubt() -> None:
+    assert list(doubts(Joint(5, elastic=Elastic(1e10)))) == []
+
+
+@pytest.mark.parametrize(
+    ("joint", "words"),
+    [
+        (Joint(5, H=60.0), "H: 60 m is very much; is it in m?"),
+        (Joint(5, elastic=Elastic(10.0)), "Young's modulus: 10 Pa is very little; is it in Pa?"),
+        (
+            Joint(5, inner=replace(Joint(5).inner, cohesion=0.08)),
+            "cohesion: 0.08 Pa is very little; is it in Pa?",
+        ),
+        (Joint(5, density=1.4), "density: 1.4 kg/m3 is very little; is it in kg/m3?"),
+    ],
+)
+def test_another_unit_is_doubted(joint: Joint, words: str) -> None:
+    assert list(doubts(joint)) == [words]
+
+
+@given(st.floats(0.01, 1.0), st.floats(0.01, 1.0), st.floats(1e4, 1e7))
+def test_joints_of_any_usual_size_and_strength_are_not(a: float, b: float, cohesion: float) -> None:
+    joint = Joint(3, a=a, b=b)
+    inner = replace(joint.inner, cohesion=cohesion, tensile_strength=5 * cohesion)
+    assert list(doubts(replace(joint, inner=inner))) == []
+
+
+def test_a_study_says_which_sample_is_doubted() -> None:
+    study = read_study(
+        {
+            "samples": {"mine": {"locks": 3, "inner": {"cohesion": 0.08}}},
+            "dem": {"engines": []},
+            "models": ["static"],
+        }
+    )
+    assert notes(study) == ["mine: cohesion: 0.08 Pa is very little; is it in Pa?"]
