@@ -26,7 +26,7 @@ BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
-	--custom-compile-command "make lock" pyproject.toml
+	--custom-compile-command "make lock" --extra study pyproject.toml
 
 .PHONY: study locks case report explore calibrate decks docs bench test test-slurm lint format lock system system-test clean
 .DELETE_ON_ERROR:

@@ -12,12 +12,11 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+EXTRAS = dict(PROJECT["optional-dependencies"])
+STUDY = [*PROJECT["dependencies"], *EXTRAS.pop("study")]
 LOCKS = {
-    "requirements.txt": PROJECT["dependencies"],
-    **{
-        f"requirements-{extra}.txt": [*PROJECT["dependencies"], *more]
-        for extra, more in PROJECT["optional-dependencies"].items()
-    },
+    "requirements.txt": STUDY,
+    **{f"requirements-{extra}.txt": [*STUDY, *more] for extra, more in EXTRAS.items()},
 }
 PIN = re.compile(
     r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
@@ -57,15 +56,20 @@ def test_lock_files_agree(name: str) -> None:
     assert {package: own.get(package) for package in base} == base
 
 
+def _imported(*folders: str) -> set[str]:
+    """Names of the packages that the files in ``folders`` import."""
+    found: set[str] = set()
+    for path in (path for folder in folders for path in (ROOT / folder).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+                found.add(node.module.partition(".")[0])
+    return found
+
+
 def test_every_dependency_is_used() -> None:
-    imported = set()
-    for folder in ("sidmacib", "workflow", "analysis", "tests"):
-        for path in (ROOT / folder).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text())):
-                if isinstance(node, ast.Import):
-                    imported |= {alias.name.partition(".")[0] for alias in node.names}
-                elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                    imported.add(node.module.partition(".")[0])
+    imported = _imported("sidmacib", "workflow", "analysis", "tests")
     known = packages_distributions()
     used = {canonicalize_name(own) for name in imported for own in known.get(name, ())}
     asked = {
@@ -75,3 +79,12 @@ def test_every_dependency_is_used() -> None:
     }
     assert asked - used - NOT_IMPORTED == set()
     assert not NOT_IMPORTED & used, "no exception is needed"
+
+
+def test_the_library_needs_no_more_than_it_imports() -> None:
+    """Who wants one number for one joint installs no workflow."""
+    imported = _imported("sidmacib")
+    known = packages_distributions()
+    used = {canonicalize_name(own) for name in imported for own in known.get(name, ())}
+    asked = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
+    assert asked - NOT_IMPORTED == used - {"multilock"}

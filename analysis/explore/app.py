@@ -1,12 +1,16 @@
 """The page, served to this machine only: sliders on one side, what follows on the other."""
 
 import argparse
+import contextlib
+import logging
+import sys
 from collections.abc import Iterable
 from typing import Any
 
 import dash
 import plotly.graph_objects as go
 from dash import Input, Output, State, dcc, html
+from werkzeug.serving import make_server
 
 from analysis.explore.pictures import answers, curve, drawing, weights
 from analysis.explore.state import Playing, as_configuration, as_python, as_query, from_query
@@ -160,8 +164,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="make explore", description=__doc__)
     parser.add_argument("--port", type=int, default=8050)
     arguments = parser.parse_args()
-    print(f"Open http://{LOOPBACK}:{arguments.port} (stop with Ctrl+C)")
-    make_app().run(host=LOOPBACK, port=arguments.port, debug=False)
+    logging.getLogger("werkzeug").setLevel(logging.ERROR)  # not a line for each request
+    try:
+        server = make_server(LOOPBACK, arguments.port, make_app().server, threaded=True)
+    except SystemExit:  # it has said why
+        sys.exit(f"port {arguments.port} is taken; choose another with --port")
+    print(f"Open http://{LOOPBACK}:{arguments.port} (stop with Ctrl+C)", flush=True)
+    with contextlib.suppress(KeyboardInterrupt):
+        server.serve_forever()
 
 
 if __name__ == "__main__":

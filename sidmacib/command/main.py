@@ -135,7 +135,11 @@ def cases(config: Path, results: str | None, form: str) -> None:
     if not Path("workflow", "state.py").is_file():
         raise click.ClickException("no workflow here; run this in the folder of the project")
     sys.path.insert(0, str(Path.cwd()))
-    state = importlib.import_module("workflow.state")
+    try:
+        state = importlib.import_module("workflow.state")
+    except ModuleNotFoundError as error:
+        words = f"{error.name} is not installed; make .venv/study.ready has what a study needs"
+        raise click.ClickException(words) from None
     try:
         rows = state.case_rows(config, results)
     except ValueError as error:
