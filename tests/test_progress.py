@@ -100,3 +100,17 @@ def test_a_file_gets_few_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(lines) <= 12
     assert lines[-1] == "1000 of 1000 jobs done"
     handler.close()
+
+
+def test_a_job_that_was_told_to_stop_is_no_fault(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.write_text("at work\nstopped\n")
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    assert run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0) == []
+    assert run.failed == []
+    assert run.running == {}
+
+
+def test_the_command_of_a_job_that_ended_badly_is_not_repeated() -> None:
+    text = "RuleException:\nCalledProcessError in file ..."
+    assert started().heard(record(LogEvent.ERROR, logging.ERROR, text), 0.0) == []

@@ -1,6 +1,7 @@
 """What `make` calls: a whole study, one case, the decks or the calibration."""
 
 import argparse
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -44,11 +45,23 @@ def snakemake(
     # has ended: a tenth of a core after a hundred of them. A cluster is glad of one.
     if profile is None:
         arguments.max_jobs_per_timespan = None
+    interrupted = []
+
+    def interrupt(*_: object) -> None:
+        interrupted.append(True)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, interrupt)
+    done = False
     try:
-        return bool(args_to_api(arguments, parser))
+        done = bool(args_to_api(arguments, parser))
+    except KeyboardInterrupt:
+        pass
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
         print_exception(error)
-        return False
+    if interrupted:
+        sys.exit("Stopped. The next run goes on from here.")
+    return done
 
 
 def profile_named(name: str | None) -> Path | None:

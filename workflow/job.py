@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.closure import code_digest
-from workflow.kills import KilledError, begin, end, tried_again
+from workflow.kills import STOPPED, KilledError, begin, end, tried_again
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
@@ -28,7 +28,7 @@ def end_with_parent() -> None:
     parent = os.getppid()
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
     if os.getppid() != parent:  # it has ended in the meantime
-        sys.exit("stopped")
+        sys.exit(STOPPED)
 
 
 def run_job(plan: dict[str, Any]) -> None:
@@ -73,8 +73,8 @@ def write_times(path: Path, start: float) -> None:
 
 def main() -> None:
     """Command line: the plan of the job, a file."""
-    signal.signal(signal.SIGTERM, _killed)
-    signal.signal(signal.SIGHUP, _killed)
+    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
+        signal.signal(number, _killed)
     end_with_parent()
     plan = json.loads(Path(sys.argv[1]).read_text())
     results, name = Path(plan["results"]), plan["name"]
@@ -92,7 +92,7 @@ def main() -> None:
 
 
 def _killed(*_: object) -> None:
-    raise KilledError("stopped")
+    raise KilledError(STOPPED)
 
 
 if __name__ == "__main__":

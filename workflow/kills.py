@@ -11,6 +11,9 @@ RETRIES = "MULTILOCK_RETRIES"  # in the environment: how often a job that was ki
 MOST_RETRIES = 2  # on a cluster, as in its profile
 
 
+STOPPED = "stopped"  # a job's last word, if it is told to end
+
+
 class KilledError(SystemExit):
     """The job was killed from outside, or a program of its was: it has no result to speak of."""
 

@@ -18,6 +18,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
+from workflow.kills import STOPPED
 from workflow.results.files import RECORD
 
 NAME = "snakemake_logger_plugin_multilock"
@@ -80,7 +81,9 @@ class Run:
             self.running.pop(own["jobid"], None)
             return self._ended_badly(own)
         elif record.levelno >= WARNING and event in (None, LogEvent.ERROR):
-            return [record.getMessage()] if record.msg else []
+            text = record.getMessage() if record.msg else ""
+            # The command of a job that ended badly, which has been named.
+            return [] if not text or text.startswith("RuleException") else [text]
         return []
 
     def _without_result(self, job: int) -> list[str]:
@@ -98,8 +101,11 @@ class Run:
 
     def _ended_badly(self, own: dict[str, Any]) -> list[str]:
         name, _, logs = self.told.get(own["jobid"], (own["rule_name"], [], []))
+        reason = _last_line(logs)
+        if reason == STOPPED:
+            return []
         self.failed.append(name)
-        return [f"Failed: {name}: {_last_line(logs)}; log: {', '.join(logs)}"]
+        return [f"Failed: {name}: {reason}; log: {', '.join(logs)}"]
 
 
 def _last_line(logs: list[str]) -> str:
