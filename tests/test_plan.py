@@ -14,7 +14,7 @@ from workflow.job import run_job
 from workflow.jobs import BATCH, Job, batches
 from workflow.lock import LockedError, lock
 from workflow.plan import plan_of, prepared
-from workflow.receipts import STALE, fault, read_receipt
+from workflow.receipts import STALE, fault, read_receipt, write_receipt
 from workflow.schema import Study
 
 SMALL = {
@@ -180,3 +180,29 @@ def test_a_job_without_a_result_leaves_no_receipt_and_is_tried_again(
     assert len(records) == 2
     assert json.loads(records[0])["error"].startswith("static: ")
     assert json.loads(records[1])["error"] is None
+
+
+@pytest.mark.parametrize("damage", ["", "{", '{"name": "another"}'])
+def test_a_plan_that_was_cut_or_changed_is_written_again(tmp_path: Path, damage: str) -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
+    plans = prepared(plan_of(study).jobs.values(), tmp_path)
+    whole = plans["summary"].read_text()
+    plans["summary"].write_text(damage)
+    prepared(plan_of(study).jobs.values(), tmp_path)
+    assert plans["summary"].read_text() == whole
+
+
+def test_results_that_were_moved_are_not_made_again(tmp_path: Path) -> None:
+    study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
+    (job,) = (job for job in plan_of(study).jobs.values() if job.name == "static/batch")
+    results = tmp_path / "before"
+    for name in job.outputs:
+        (results / name).parent.mkdir(parents=True, exist_ok=True)
+        (results / name).write_text("made")
+    write_receipt(results / job.receipt, job.name, job.digest(), results, job.outputs)
+    prepared([job], results)
+    results.rename(tmp_path / "after")
+    (path,) = prepared([job], tmp_path / "after").values()
+    assert str(tmp_path / "after") in path.read_text()
+    newest = (tmp_path / "after" / job.outputs[0]).stat().st_mtime
+    assert path.stat().st_mtime < newest

@@ -96,9 +96,12 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         digest = job.digest()
         path = plans[job.name] = plan_file(job, digest, results)
         reason = fault(read_receipt(results / job.receipt), job.name, digest, results)
-        if not path.is_file():
+        text = json.dumps(job.plan(digest, results), indent=1) + "\n"
+        if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(json.dumps(job.plan(digest, results), indent=1) + "\n")
+            path.write_text(text)
+            if reason is None:  # what it made is valid: it is not made again
+                os.utime(path, (0, 0))
         elif reason == STALE:
             os.utime(path)
         if reason not in (None, STALE):
@@ -108,6 +111,14 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
     index.parent.mkdir(parents=True, exist_ok=True)
     index.write_text(json.dumps({name: str(path) for name, path in plans.items()}) + "\n")
     return plans
+
+
+def _holds(path: Path, text: str) -> bool:
+    """Whether a file is there and whole: a plan that was cut or changed is written again."""
+    try:
+        return path.read_bytes() == text.encode()
+    except OSError:
+        return False
 
 
 def planned(results: Path) -> dict[str, Path]:
