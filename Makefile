@@ -64,7 +64,7 @@ test: .venv/test.ready lint
 
 test-slurm: .venv/test.ready .venv/slurm.ready
 	@sh workflow/system.sh slurm
-	$(BIN)/pytest -m slurm
+	MULTILOCK_SLURM=1 $(BIN)/pytest -m slurm
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .

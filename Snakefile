@@ -1,6 +1,5 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
-import os
 import re
 import shlex
 import sys
@@ -11,7 +10,7 @@ CHECKOUT = str(workflow.basedir)
 sys.path.insert(0, CHECKOUT)
 
 from workflow.configuration import ConfigError, load_configuration, read_study
-from workflow.kills import MOST_RETRIES, RETRIES, kills
+from workflow.kills import LAST_TRY, RETRIES, forget, was_killed
 from workflow.lock import LockedError, lock
 from workflow.plan import plan_of, planned, prepared
 
@@ -37,23 +36,37 @@ JOBS = PLAN.jobs
 # Jobs on other machines read this file too: they take the plans as they are.
 if workflow.is_main_process:
     PLANS = prepared(JOBS.values(), Path(RESULTS))
+    if not workflow.dryrun:
+        forget(Path(RESULTS))
 else:
     PLANS = planned(Path(RESULTS))
-    os.environ[RETRIES] = f"{MOST_RETRIES}"
 PLANS = {name: str(path) for name, path in PLANS.items()}
 
 
-def needs(job, kind):
-    """What a job asks of a cluster; more if it was killed before."""
-    own = JOBS[job].needs
-    attempt = 1 + kills(Path(RESULTS), job)
-    return own.megabytes(attempt) if kind == "memory" else own.minutes(attempt)
+def tried(job, attempt):
+    """Which try to ask for more for: the first unless the job was killed."""
+    return attempt if was_killed(Path(RESULTS), job) else 1
+
+
+def memory(job, attempt):
+    """MB that a job asks of a cluster."""
+    return JOBS[job].needs.megabytes(tried(job, attempt))
+
+
+def minutes(job, attempt):
+    """Time that a job asks of a cluster."""
+    return JOBS[job].needs.minutes(tried(job, attempt))
+
+
+def last_try(attempt):
+    """Whether a job that is killed is not tried again: 1 or 0, as in the job's environment."""
+    return int(workflow.is_main_process or attempt > RETRIES)
 
 
 # `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
 # of linear algebra on small matrices only wait for each other.
 RUN = (
-    f"OPENBLAS_NUM_THREADS=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
+    f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
     f"exec {shlex.quote(sys.executable)} -m workflow.job "
     "{input.plan:q} > {log:q} 2>&1"
 )

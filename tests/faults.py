@@ -301,7 +301,7 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
     process = campaign.run()
     told = campaign.finished(process)
     if process.returncode:
-        raise LostError(f"{what}: the next run did not end well: {told[-3000:]}")
+        raise LostError(f"{what}: the next run did not end well: {told[:3000]}")
     tables = campaign.tables()
     for name in sorted(expected.keys() | tables.keys()):
         if expected.get(name) != tables.get(name):

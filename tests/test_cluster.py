@@ -6,7 +6,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,7 +21,7 @@ from workflow.case import Case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
-from workflow.kills import MOST_RETRIES, RETRIES, KilledError, begin, end, kills, tried_again
+from workflow.kills import LAST_TRY, RETRIES, KilledError, begin, end, forget, last_try, was_killed
 from workflow.needs import Needs, design_needs, engine_needs, nodes_of, solved_needs
 from workflow.plan import plan_of, planned, prepared
 from workflow.results.files import RECORD, RESULT
@@ -63,32 +62,34 @@ def test_a_further_attempt_asks_for_twice_as_much() -> None:
 
 
 def test_only_a_job_that_was_killed_counts_as_killed(tmp_path: Path) -> None:
-    assert kills(tmp_path, "yade/one") == 0
+    assert not was_killed(tmp_path, "yade/one")
     begin(tmp_path, "yade/one")
     begin(tmp_path, "yade/one")  # after it was killed
-    assert kills(tmp_path, "yade/one") == 2
-    assert kills(tmp_path, "yade/other") == 0
+    assert was_killed(tmp_path, "yade/one")
+    assert not was_killed(tmp_path, "yade/other")
     end(tmp_path, "yade/one")
-    assert kills(tmp_path, "yade/one") == 0
+    assert not was_killed(tmp_path, "yade/one")
+    begin(tmp_path, "yade")  # a job may be named like a kind of jobs
+    begin(tmp_path, "yade/one")
+    forget(tmp_path)
+    assert not was_killed(tmp_path, "yade/one")
+    forget(tmp_path)
 
 
-def test_a_job_is_tried_again_on_a_cluster_only(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_it_is_the_last_try_unless_a_cluster_says_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.delenv(RETRIES, raising=False)
-    begin(tmp_path, "one")
-    assert not tried_again(tmp_path, "one")
-    monkeypatch.setenv(RETRIES, "2")
-    assert tried_again(tmp_path, "one")
-    begin(tmp_path, "one")
-    assert tried_again(tmp_path, "one")
-    begin(tmp_path, "one")  # the third and last time
-    assert not tried_again(tmp_path, "one")
+    monkeypatch.delenv(LAST_TRY, raising=False)
+    assert last_try()
+    monkeypatch.setenv(LAST_TRY, "0")
+    assert not last_try()
+    monkeypatch.setenv(LAST_TRY, "1")
+    assert last_try()
 
 
 def test_the_profile_tries_as_often_as_jobs_are_told() -> None:
     profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text())
-    assert profile["retries"] == MOST_RETRIES
+    assert profile["retries"] == RETRIES
     assert profile_named("slurm") == ROOT / "profiles/slurm"
     assert profile_named("") is None
     with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not known; it must be"):
@@ -104,11 +105,13 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
     monkeypatch.setattr(engine_step, "run_engine", killed)
     outputs = (tmp_path / RECORD, tmp_path / RESULT)
     case = case_on(mesh=0.02)
-    told = {"case": case.to_json(), "time_limit": 60, "tried_again": True}
+    told = {"case": case.to_json(), "time_limit": 60}
+    monkeypatch.setenv(LAST_TRY, "0")
     with pytest.raises(KilledError, match="killed by signal 9"):
         engine_step.run(told, (), outputs)
     assert not any(path.exists() for path in outputs)
-    assert "killed" in str(engine_step.run({**told, "tried_again": False}, (), outputs))
+    monkeypatch.setenv(LAST_TRY, "1")
+    assert "killed" in str(engine_step.run(told, (), outputs))
     assert all(path.exists() for path in outputs)
 
 
@@ -157,12 +160,11 @@ def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Sig
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "asleep\n"
-    assert kills(tmp_path, "a/job") == 1
+    assert was_killed(tmp_path, "a/job")
     process.send_signal(number)
     process.communicate(timeout=10)
-    time.sleep(0.05)
     assert process.returncode != 0
-    assert kills(tmp_path, "a/job") == 1
+    assert was_killed(tmp_path, "a/job")
 
 
 def test_both_containers_are_made_by_the_same_commands() -> None:

@@ -1,5 +1,6 @@
 """A study through SLURM: on this one machine, which is set up for it and cleaned up afterwards."""
 
+import contextlib
 import os
 import shutil
 import signal
@@ -51,6 +52,7 @@ PartitionName=local Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
 pytestmark = [
     pytest.mark.slurm,
+    pytest.mark.skipif("MULTILOCK_SLURM" not in os.environ, reason="make test-slurm sets SLURM up"),
     pytest.mark.skipif(os.geteuid() != 0, reason="SLURM is set up by root"),
     pytest.mark.skipif(shutil.which("slurmctld") is None, reason="SLURM is not installed"),
 ]
@@ -109,7 +111,8 @@ class Cluster:
                     os.kill(self.pid(daemon), signal.SIGTERM)
                 except (ProcessLookupError, ValueError):
                     continue
-        subprocess.run(["pkill", "-x", "munged"], check=False)
+        with contextlib.suppress(OSError, ValueError):
+            os.kill(int(Path("/run/munge/munged.pid").read_text()), signal.SIGTERM)
         CONFIGURATION.unlink(missing_ok=True)
 
 

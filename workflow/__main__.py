@@ -15,7 +15,9 @@ from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
 
-PROFILES = Path(__file__).parents[1] / "profiles"
+CHECKOUT = Path(__file__).parents[1]
+PROFILES = CHECKOUT / "profiles"
+STOPPED = "Stopped. The next run goes on from here."
 
 
 def snakemake(
@@ -36,7 +38,16 @@ def snakemake(
     from snakemake.cli import args_to_api, parse_args
     from snakemake.exceptions import print_exception
 
-    options = ["--logger", logger, "--configfile", str(config), "--config", f"results={results}"]
+    options = [
+        "--snakefile",
+        str(CHECKOUT / "Snakefile"),
+        "--logger",
+        logger,
+        "--configfile",
+        str(config),
+        "--config",
+        f"results={results}",
+    ]
     options.append(f"dem={{engines: [{', '.join(engines)}]}}")
     if profile is not None:
         options += ["--profile", str(profile)]
@@ -60,7 +71,7 @@ def snakemake(
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
         print_exception(error)
     if interrupted:
-        sys.exit("Stopped. The next run goes on from here.")
+        sys.exit(STOPPED)
     return done
 
 
@@ -177,6 +188,8 @@ def main() -> None:
             fault = study(arguments.config, results, profile_named(arguments.profile))
     except ConfigError as error:
         sys.exit(str(error))
+    except KeyboardInterrupt:
+        sys.exit(STOPPED)
     if fault:
         sys.exit(fault)
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.closure import code_digest
-from workflow.kills import STOPPED, KilledError, begin, end, tried_again
+from workflow.kills import STOPPED, KilledError, begin, end
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
@@ -44,8 +44,7 @@ def run_job(plan: dict[str, Any]) -> None:
     step = importlib.import_module(plan["step"])
     inputs = [results / name for name in plan["inputs"]]
     outputs = [results / name for name in plan["outputs"]]
-    told = {"tried_again": tried_again(results, plan["name"])}
-    error = step.run({**plan["arguments"], **plan["settings"], **told}, inputs, outputs)
+    error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
     if error:  # the results say so too; without a receipt the next run tries again
         print(error, file=sys.stderr)
         if not all(path.exists() for path in outputs):
@@ -58,14 +57,15 @@ def run_job(plan: dict[str, Any]) -> None:
 def write_times(path: Path, start: float) -> None:
     """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs.
 
-    And the most memory of the two together, in MB.
+    And the most memory of its own, and of the largest of its programs, in MB.
     """
     own, programs = (resource.getrusage(who) for who in (SELF, CHILDREN))
     times = {
         "wall_s": time.monotonic() - start,
         "own_cpu_s": own.ru_utime + own.ru_stime,
         "programs_cpu_s": programs.ru_utime + programs.ru_stime,
-        "memory_MB": (own.ru_maxrss + programs.ru_maxrss) / 1024.0,
+        "own_memory_MB": own.ru_maxrss / 1024.0,
+        "largest_program_MB": programs.ru_maxrss / 1024.0,
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(times) + "\n")

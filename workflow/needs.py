@@ -1,8 +1,8 @@
 """What a job asks of a cluster: memory and time, from the size of its cases.
 
 The numbers are rounded up from what jobs took in the published study and in `make locks`; the
-`.times` of a results folder have what each job took, and the report shows both. A job that ran out
-of either asks for twice as much the next time.
+`.times` of a results folder have what each job took. A job that was killed for lack of either asks
+for twice as much the next time.
 """
 
 import math
@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from workflow.case import Case
+from workflow.consistency import node_estimate
 
 MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
 START = 60.0  # s: to begin at all
@@ -20,6 +21,7 @@ SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved 
 ELASTIC = 50.0  # times that, of elastic pieces
 FEW_NODES = 200
 DESIGN_JOINT = 4.0  # s, of a joint of a design
+SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,11 @@ class Needs:
 
     memory: int = 2 * LEAST_MB
     time: float = 120.0
+
+    @property
+    def short(self) -> bool:
+        """Whether a job of its own would be mostly waiting."""
+        return self.time < SHORT
 
     def minutes(self, attempt: int = 1) -> int:
         """Time to ask for, with its margin; twice as much at each further ``attempt``."""
@@ -39,9 +46,8 @@ class Needs:
 
 
 def nodes_of(case: Case) -> float:
-    """About how many contact nodes a case has: some four faces for each lock."""
-    joint, mesh = case.joint, case.mesh
-    return 4.0 * joint.locks * (joint.a / mesh + 1.0) * (joint.b / mesh + 1.0)
+    """About how many contact nodes a case has."""
+    return node_estimate(case.joint, case.mesh, case.nodes)
 
 
 def engine_needs(case: Case, time_limit: float) -> Needs:

@@ -109,7 +109,9 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
                 (results / name).unlink(missing_ok=True)
     index = _index(results)
     index.parent.mkdir(parents=True, exist_ok=True)
-    index.write_text(json.dumps({name: str(path) for name, path in plans.items()}) + "\n")
+    draft = index.with_suffix(".draft")
+    draft.write_text(json.dumps({name: str(path) for name, path in plans.items()}) + "\n")
+    draft.replace(index)
     return plans
 
 

@@ -102,7 +102,7 @@ class Run:
     def _ended_badly(self, own: dict[str, Any]) -> list[str]:
         name, _, logs = self.told.get(own["jobid"], (own["rule_name"], [], []))
         reason = _last_line(logs)
-        if reason == STOPPED:
+        if reason in (STOPPED, ""):  # told to end, or never begun, as in a group that failed
             return []
         self.failed.append(name)
         return [f"Failed: {name}: {reason}; log: {', '.join(logs)}"]
@@ -118,7 +118,7 @@ def _last_line(logs: list[str]) -> str:
         found = [line.strip() for line in lines if line.strip()]
         if found:
             return found[-1]
-    return "it left no word"
+    return ""
 
 
 class LogHandler(LogHandlerBase):

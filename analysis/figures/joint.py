@@ -1,4 +1,4 @@
-"""The joint itself: its pieces from the side and from above, with sizes, and where V and M act."""
+"""The joint itself: its pieces from the side and from below, with sizes, and where V and M act."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,17 +16,17 @@ MM = 1e3  # of a m
 
 
 def joint(material: Material) -> Figure:
-    """A sample's joint from the side and from above."""
+    """A sample's joint from the side and from below, as stress maps show it."""
     own, push = material.study.joint(material.sample), material.study.assembly.push
     figure = Figure(figsize=(8.6, 4.6), layout="constrained")
-    side, above = figure.subplots(2, 1)
+    side, below = figure.subplots(2, 1)
     _draw(side, own, (Y, Z))
-    _draw(above, own, (Y, X))
+    _draw(below, own, (Y, X))
     width, top = MM * own.total_width, MM * (own.h + own.H)
     sign, start = (1.0, 0.0) if push is Push.PLUS_Y else (-1.0, width)
     for axes, height, words in (
         (side, top / 2.0, "V"),
-        (above, 0.3 * MM * own.a, "V at e:\nM = V e"),
+        (below, sign * 0.3 * MM * own.a, "V at e:\nM = V e"),
     ):
         axes.annotate(
             words,
@@ -41,14 +41,14 @@ def joint(material: Material) -> Figure:
         axes.set_aspect("equal")
         axes.grid(visible=False)
         axes.set_xlabel("y (mm)")
-    above.plot((0.0, width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.")
+    below.plot((0.0, width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.")
     side.set_ylabel("z (mm)")
-    above.set_ylabel("x (mm)")
+    below.set_ylabel("x (mm)")
     side.set_title("from the side", loc="left", fontsize=10)
-    above.set_title("locks from above", loc="left", fontsize=10)
+    below.set_title("locks from below", loc="left", fontsize=10)
     _size(side, (1.08 * width, MM * own.h, top), f"H = {MM * own.H:g}")
     _size(side, (1.08 * width, 0.0, MM * own.h), f"h = {MM * own.h:g}")
-    _size(above, (1.08 * width, -MM * own.a / 2.0, MM * own.a / 2.0), f"a = {MM * own.a:g}")
+    _size(below, (1.08 * width, -MM * own.a / 2.0, MM * own.a / 2.0), f"a = {MM * own.a:g}")
     style.caption(
         figure,
         f"{own.locks} locks, b = {MM * own.b:g} mm each. Blue: upper block, which is pushed; grey: "
@@ -61,7 +61,7 @@ def joint(material: Material) -> Figure:
 
 
 def _draw(axes: Axes, own: Joint, plane: tuple[int, int]) -> None:
-    """The pieces, projected on two axes; from above only the locks."""
+    """The pieces, projected on two axes; from below only the locks."""
     across, along = plane
     above, locks = set(upper_block(own)), {lock_name(n): n for n in own.numbers}
     for piece in cut_pieces(own):

@@ -1,6 +1,6 @@
 """The static model's path from no load to the peak: for maps and a joint that moves."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from workflow.models import WITNESS
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
 MOST_NODE_STATES = 400_000  # of all paths: what the page has room for
-DIGITS = 3
+DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
 
 
 def shown_cases(cases: Iterable[Case]) -> list[Case]:
@@ -44,9 +44,9 @@ def paths_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
 def path_of(case: Case) -> dict[str, Any] | None:
     """Loads, stresses and movements along the path of ``case``; None if it has no peak.
 
-    ``faces``: of each lock, where its nodes lie (x and y in m). ``steps``: the load (N), for each
-    face the shear over the cohesion at its nodes and whether they are bonded, and for each piece
-    its displacement and rotation (m, rad).
+    ``faces``: of each lock, where its nodes lie (x and y in m) and the load from which bonds fail.
+    ``steps``: the load (N), for each face the shear over the cohesion at its nodes and whether they
+    are bonded, and for each piece its displacement and rotation (m, rad).
     """
     joint = case.joint
     try:
@@ -67,9 +67,10 @@ def path_of(case: Case) -> dict[str, Any] | None:
         "faces": [
             {
                 "lock": numbers[assembly.faces[index].name],
-                "x": _rounded(assembly.nodes.position[own, 0]),
-                "y": _rounded(assembly.nodes.position[own, 1]),
+                "x": _rounded(assembly.nodes.position[own, 0], PLACES),
+                "y": _rounded(assembly.nodes.position[own, 1], PLACES),
                 "z": float(assembly.nodes.position[own[0], 2]),
+                "fails_from": _fails_from(path, own),
             }
             for index, own in zip(faces, nodes, strict=True)
         ],
@@ -109,8 +110,14 @@ def _step(
     }
 
 
-def _rounded(values: Floats) -> list[float]:
-    return [float(f"{value:.{DIGITS}g}") for value in values]
+def _fails_from(path: Sequence[Equilibrium], nodes: Integers) -> float | None:
+    """The load (N) from which on bonds at ``nodes`` have failed; None if they hold to the peak."""
+    loads = (float(point.load) for point in path if not point.state.bonded[nodes].all())
+    return next(loads, None)
+
+
+def _rounded(values: Floats, digits: int = DIGITS) -> list[float]:
+    return [float(f"{value:.{digits}g}") for value in values]
 
 
 def _spelled(ratio: float) -> str:

@@ -70,6 +70,11 @@ function drawCurves() {
   at("curve-text").textContent = `${sample}, mesh ${mesh} m. Largest V and M: ${peaks.join("; ") || "nothing chosen"}.`;
 }
 
+function fillSources() {
+  const own = unique(rules.filter((row) => row.sample === at("curve-sample").value).map((row) => row.weights_from));
+  fill(at("curve-source"), own, own[0], (model) => lookOf(model).name);
+}
+
 function startCurves() {
   const samples = DATA.samples;
   fill(at("curve-sample"), samples, samples[0]);
@@ -78,7 +83,8 @@ function startCurves() {
   fill(at("curve-variant"), unique(plain.map((row) => row.variant)), "reference");
   const reductions = unique(rules.map((row) => row.reduction));
   fill(at("curve-reduction"), reductions, reductions.includes("lower_sum") ? "lower_sum" : reductions[0], (name) => DATA.rules[name] || name);
-  fill(at("curve-source"), unique(rules.map((row) => row.weights_from)));
+  at("curve-sample").addEventListener("change", fillSources);
+  fillSources();
   boxes(at("curve-models"), models, models, drawCurves, (model) => lookOf(model).name);
   boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves, (option) => DATA.options[option].name);
   for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
@@ -133,8 +139,8 @@ function drawOrder(path, step) {
   const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
   Plotly.react("order-plot", traces, Object.assign({}, LAYOUT, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest use of what is bonded", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   const last = path.steps[path.steps.length - 1];
-  const order = path.faces.map((face, k) => [face.lock, path.steps.find((s) => s.bonded[k].includes(0))]).filter(([, s]) => s).sort((a, b) => a[1].load - b[1].load);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map(([lock, s]) => `${lock} (from ${short(s.load)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${short(last.load)} N.`;
+  const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${short(last.load)} N.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {
@@ -197,7 +203,7 @@ function drawPath() {
 function choosePath() {
   const meshes = unique(pathsOf(null).map((path) => path.mesh));
   const mesh = Number(at("path-mesh").value);
-  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : Math.min(...meshes.filter((own) => DATA.meshes.includes(own)), ...meshes.slice(0, 1)));
+  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : meshes.filter((own) => DATA.meshes.includes(own)).at(-1));
   const own = pathsOf(Number(at("path-mesh").value)).map((path) => path.eccentricity);
   fill(at("path-direction"), own, own.includes(at("path-direction").value) ? at("path-direction").value : own[0]);
   const path = chosenPath();

@@ -49,10 +49,9 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
     Accurate to 1e-9, sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
-    rounded to that. Associated friction has
-    no limit under a fixed plate, which can press as hard as it likes: put a force in its place, see
-    `sidmacib.hold_down`. ValueError otherwise; `sidmacib.errors.CapacityError` where there is no
-    largest load.
+    rounded to that. Associated friction has no limit under a fixed plate, which can press as hard
+    as it likes: put a force in its place, see `sidmacib.hold_down`. ValueError otherwise;
+    `sidmacib.errors.CapacityError` where there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(
@@ -67,16 +66,15 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     for small in SMALL:
-        met = max(
-            met, solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *ACCURACIES)
-        )
-        if largest - float(load.value) <= LOST * max(abs(largest), 1.0):
+        aim = cp.Maximize(load - small * size)
+        of_forces = solve(cp.Problem(aim, constraints), WHAT, *ACCURACIES)
+        if largest - float(load.value) <= max(LOST, met) * max(abs(largest), 1.0):
             break
     else:
         raise SolverError(f"{WHAT}: no forces of least size were found that carry the limit load")
-    digits = ACCURACIES[met]
+    digits = ACCURACIES[max(met, of_forces)]
     return LimitState(
-        _rounded(largest * programme.scale, programme.scale, digits),
+        _rounded(largest * programme.scale, programme.scale, ACCURACIES[met]),
         # Noise is rounded away; plus 0: no -0 in tables.
         programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, digits) + 0.0),
     )

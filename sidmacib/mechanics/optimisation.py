@@ -64,9 +64,9 @@ class _Answer:
 def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     """Solve; the variables of ``problem`` then hold an optimum that was checked.
 
-    ``accuracies``: of the optimum's value over itself or 1, whichever is larger; the first that
-    some solver meets is returned. Everything but an optimum raises an error that names ``what``:
-    `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
+    ``accuracies``: of the optimum's value over itself or 1, whichever is larger, the least one
+    first; the first that some solver meets is returned. Everything but an optimum raises an error
+    that names ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
     `sidmacib.errors.SolverError` where no solver came to a verdict that holds.
     """
     verdicts: list[str] = []

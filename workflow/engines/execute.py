@@ -18,6 +18,7 @@ from workflow.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.results.files import OUTPUTS
 
 TAIL_LINES = 20
+KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed
 
 
 class EngineError(RuntimeError):
@@ -71,7 +72,7 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             status = process.wait()
         finally:
             _end(process)
-    if status == -signal.SIGKILL:
+    if status in (-signal.SIGKILL, KILLED_WITHIN):
         raise EngineKilledError(_with_tail("killed by signal 9", log))
     if status < 0:
         raise EngineError(_with_tail(f"killed by signal {-status}", log))

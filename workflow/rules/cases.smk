@@ -22,11 +22,16 @@ for model, jobs in OF_A_KIND.items():
         wildcard_constraints:
             job="|".join(map(re.escape, jobs)),
         group:
-            "cases"
+            "cases" if all(job.needs.short for job in jobs.values()) else None
         threads: max(job.threads for job in jobs.values())
         resources:
-            mem_mb=lambda wildcards, model=model: needs(f"{model}/{wildcards.job}", "memory"),
-            runtime=lambda wildcards, model=model: needs(f"{model}/{wildcards.job}", "time"),
+            mem_mb=lambda wildcards, attempt, model=model: memory(
+                f"{model}/{wildcards.job}", attempt
+            ),
+            runtime=lambda wildcards, attempt, model=model: minutes(
+                f"{model}/{wildcards.job}", attempt
+            ),
+            last_try=lambda wildcards, attempt: last_try(attempt),
             abreast=1,
         message:
             f"{model}: {{wildcards.job}}"

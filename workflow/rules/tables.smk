@@ -35,10 +35,13 @@ for job in JOBS.values():
             log:
                 f"{RESULTS}/logs/{job.name}.log",
             group:
-                "tables"
+                # A group that fails loses all that it made, and this one may: it says what failed.
+                None if job.name == "complete" else "tables"
             resources:
-                mem_mb=lambda wildcards, name=job.name: needs(name, "memory"),
-                runtime=lambda wildcards, name=job.name: needs(name, "time"),
+                mem_mb=lambda wildcards, attempt, name=job.name: memory(name, attempt),
+                runtime=lambda wildcards, attempt, name=job.name: minutes(name, attempt),
+                last_try=lambda wildcards, attempt: last_try(attempt),
+                abreast=1,
             message:
                 job.message
             shell:

@@ -12,7 +12,7 @@ from workflow.case import Case
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError
 from workflow.engines.run import run_engine
-from workflow.kills import KilledError
+from workflow.kills import KilledError, last_try
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
 from workflow.results.record import ResultError, failed_record, record_of
 
@@ -36,7 +36,7 @@ def run(
         versions = {engine.name: engine.version()}
         write_record(record_of(case, assembly, loads, found, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
-        if isinstance(error, EngineKilledError) and arguments.get("tried_again"):
+        if isinstance(error, EngineKilledError) and not last_try():
             raise KilledError(f"{case.name}: {case.model}: {error}") from error
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)

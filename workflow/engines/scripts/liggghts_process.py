@@ -3,7 +3,9 @@
 import math
 import os
 import re
+import signal
 import subprocess
+import sys
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
@@ -66,7 +68,9 @@ class LiggghtsProcess:
             if line.strip() == mark:
                 return lines
             lines.append(line.rstrip())
-        raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS has ended"]))
+        print("\n".join([*lines[-20:], "LIGGGHTS has ended"]), file=sys.stderr)
+        killed = -self.process.wait() == signal.SIGKILL
+        sys.exit(128 + signal.SIGKILL if killed else 1)
 
     def run(self, steps: int) -> None:
         """Advance; what was changed since the last run is set up only where ``fresh``."""
