@@ -8,6 +8,7 @@
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
 # make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
+# make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
 # make lint    ruff, snakefmt and mypy alone
@@ -20,15 +21,16 @@ CASE ?=
 MODEL ?=
 BASE ?=
 PROFILE ?=
+FAULTS ?= 500
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE
+export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -65,6 +67,9 @@ test: .venv/test.ready lint
 test-slurm: .venv/test.ready .venv/slurm.ready
 	@sh workflow/system.sh slurm
 	MULTILOCK_SLURM=1 $(BIN)/pytest -m slurm
+
+faults: .venv/test.ready
+	@$(BIN)/python tests/faults.py --faults "$$FAULTS"
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .

@@ -28,5 +28,5 @@ def doubts(joint: Joint) -> Iterator[str]:
         checked.append(("Young's modulus", joint.elastic.young, MODULUS, "Pa"))
     for name, value, (least, most), unit in checked:
         if value and not least <= value <= most:
-            what = "little" if value < least else "much"
+            what = "small" if value < least else "large"
             yield f"{name}: {value:g} {unit} is very {what}; is it in {unit}?"

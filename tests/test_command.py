@@ -45,7 +45,7 @@ def test_a_joint_that_no_model_takes_ends_with_an_error() -> None:
     found = run("capacity", "-n", "9", "-H", "60", "-m", "law", "-m", "safe")
     assert found.exit_code == 1
     assert "H / b: 1200 is not possible" in found.output
-    assert "H: 60 m is very much; is it in m?" in found.stderr
+    assert "H: 60 m is very large; is it in m?" in found.stderr
 
 
 def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:

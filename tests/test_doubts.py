@@ -20,13 +20,13 @@ def test_the_published_joint_raises_no_doubt() -> None:
 @pytest.mark.parametrize(
     ("joint", "words"),
     [
-        (Joint(5, H=60.0), "H: 60 m is very much; is it in m?"),
-        (Joint(5, elastic=Elastic(10.0)), "Young's modulus: 10 Pa is very little; is it in Pa?"),
+        (Joint(5, H=60.0), "H: 60 m is very large; is it in m?"),
+        (Joint(5, elastic=Elastic(10.0)), "Young's modulus: 10 Pa is very small; is it in Pa?"),
         (
             Joint(5, inner=replace(Joint(5).inner, cohesion=0.08)),
-            "cohesion: 0.08 Pa is very little; is it in Pa?",
+            "cohesion: 0.08 Pa is very small; is it in Pa?",
         ),
-        (Joint(5, density=1.4), "density: 1.4 kg/m3 is very little; is it in kg/m3?"),
+        (Joint(5, density=1.4), "density: 1.4 kg/m3 is very small; is it in kg/m3?"),
     ],
 )
 def test_another_unit_is_doubted(joint: Joint, words: str) -> None:
@@ -48,4 +48,4 @@ def test_a_study_says_which_sample_is_doubted() -> None:
             "models": ["static"],
         }
     )
-    assert notes(study) == ["mine: cohesion: 0.08 Pa is very little; is it in Pa?"]
+    assert notes(study) == ["mine: cohesion: 0.08 Pa is very small; is it in Pa?"]
