@@ -13,7 +13,7 @@ import pytest
 from analysis.designs.assumed_sizes import assumed_sizes_table
 from analysis.designs.bonds import bonds_table
 from analysis.designs.characteristic import characteristic_table
-from analysis.designs.errors import law_table, option_loads, rules_table
+from analysis.designs.errors import law_table, rules_table, unit_loads
 from analysis.designs.freedoms import freedoms_table, minimax
 from analysis.designs.interaction import curve, interaction_table
 from analysis.designs.points import points_of
@@ -161,7 +161,7 @@ def test_limit_analysis_is_above_the_brittle_peak_of_smooth_joints(points: pd.Da
 def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) -> None:
     joint = Joint(9)
     model = Sidmacib(joint, OPTIONS[option], active(joint, 4), friction=False)
-    loads = option_loads(RATIOS)[option]
+    loads = unit_loads(OPTIONS[option], RATIOS)
     for ratio, load in zip(RATIOS, loads, strict=True):
         expected = capacity(model, Direction(ratio)).load
         assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)

@@ -106,42 +106,62 @@ def unit_loads(option: ContactOption, ratios: Sequence[float]) -> Floats:
     return np.array([point.load for point in points]) / (joint.locks * joint.T0)
 
 
-def option_loads(ratios: Sequence[float]) -> dict[str, Floats]:
-    """`unit_loads` of each of the paper's options."""
-    return {name: unit_loads(option, ratios) for name, option in OPTIONS.items()}
-
-
 def brittle_odd_joints(points: pd.DataFrame) -> pd.DataFrame:
     """What the paper's rules are about: odd joints under a plate, whose bonds are brittle."""
     chosen = points["plate"] & points["peak"].gt(0.0) & points["locks"].mod(2).eq(1)
     return points[chosen & points["failure"].eq("brittle")]
 
 
-def rules_table(points: pd.DataFrame) -> pd.DataFrame:
-    """The paper's rules against the brittle peak: odd joints under a plate, by number of locks."""
-    own = brittle_odd_joints(points)
-    ratios = sorted(set(own["eccentricity_over_a"]))
-    place = own["eccentricity_over_a"].map({ratio: k for k, ratio in enumerate(ratios)}).to_numpy()
+def counted_locks(own: pd.DataFrame) -> dict[str, Floats]:
+    """How many locks count after each of the paper's rules, at each of these points, (N,).
+
+    Weights are those of the same joint in pure shear.
+    """
     pure = own[own["eccentricity_over_a"].eq(0.0)].set_index(["design", "number"])
     key = pd.MultiIndex.from_frame(own[["design", "number"]])
     weights = pure[["weight_sum", "lower_weight_sum"]].reindex(key).to_numpy()
-    counted = {
-        "none": own["locks"].to_numpy(dtype=float),
-        "half": (own["locks"].to_numpy(dtype=float) - 1.0) / 2.0,
+    locks = own["locks"].to_numpy(dtype=float)
+    return {
+        "none": locks,
+        "half": (locks - 1.0) / 2.0,
         "floor_of_sum": np.floor(weights[:, 0]),
         "lower_sum": weights[:, 1],
     }
-    rows = []
-    for (option, loads), (rule, locks) in product(option_loads(ratios).items(), counted.items()):
-        error = pd.Series(locks * loads[place] / own["peak"].to_numpy() - 1.0, index=own.index)
-        for body, (least, most) in product(sorted(set(own["upper_body"])), GROUPS):
-            chosen = own["upper_body"].eq(body) & own["locks"].between(least, most)
-            found = error[chosen].dropna()
-            if len(found):
-                where = {"upper_body": body, "locks": f"{least} to {most}"}
-                told = {**spread(found), "unsafe_share": float((found > 0.0).mean())}
-                rows.append({"rule": rule, "option": option, **where, **told})
+
+
+def rule_errors(own: pd.DataFrame, option: str) -> dict[str, "pd.Series[float]"]:
+    """What each rule promises with an ``option`` over the brittle peak, less one, by point."""
+    ratios = sorted(set(own["eccentricity_over_a"]))
+    loads = unit_loads(OPTIONS[option], ratios)
+    place = own["eccentricity_over_a"].map({ratio: k for k, ratio in enumerate(ratios)}).to_numpy()
+    over = loads[place] / own["peak"].to_numpy()
+    return {
+        rule: pd.Series(locks * over - 1.0, index=own.index)
+        for rule, locks in counted_locks(own).items()
+    }
+
+
+def rules_table(points: pd.DataFrame) -> pd.DataFrame:
+    """The paper's rules against the brittle peak: odd joints under a plate, by number of locks."""
+    own = brittle_odd_joints(points)
+    rows: list[dict[str, Any]] = []
+    for option in OPTIONS:
+        for rule, error in rule_errors(own, option).items():
+            rows += _by_locks(own, error, {"rule": rule, "option": option})
     return pd.DataFrame(rows, columns=list(RULE_ERRORS.columns))
+
+
+def _by_locks(
+    own: pd.DataFrame, error: "pd.Series[float]", names: Mapping[str, str]
+) -> Iterator[dict[str, Any]]:
+    """Spread of a rule's error for each upper body and group of numbers of locks."""
+    for body, (least, most) in product(sorted(set(own["upper_body"])), GROUPS):
+        chosen = own["upper_body"].eq(body) & own["locks"].between(least, most)
+        found = error[chosen].dropna()
+        if len(found):
+            where = {"upper_body": body, "locks": f"{least} to {most}"}
+            unsafe = float((found > 0.0).mean())
+            yield {**names, **where, **spread(found), "unsafe_share": unsafe}
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
