@@ -10,10 +10,12 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner, Result
 
+from analysis.looks import look_of
 from sidmacib.chain.rule import law, safe
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
+from sidmacib.command.output import COLOURS
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
@@ -197,3 +199,11 @@ def test_help_is_there_for_every_command(command: str) -> None:
     found = run(command, "--help")
     assert found.exit_code == 0
     assert "Usage" in found.output
+
+
+def test_pictures_have_the_colours_of_the_figures() -> None:
+    assert {name: look_of(name).colour for name in NAMES} == COLOURS
+
+
+def test_an_envelope_that_no_model_gives_ends_with_an_error() -> None:
+    assert run("envelope", "-n", "9", "-H", "60").exit_code == 1

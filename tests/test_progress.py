@@ -114,3 +114,13 @@ def test_a_job_that_was_told_to_stop_is_no_fault(tmp_path: Path) -> None:
 def test_the_command_of_a_job_that_ended_badly_is_not_repeated() -> None:
     text = "RuleException:\nCalledProcessError in file ..."
     assert started().heard(record(LogEvent.ERROR, logging.ERROR, text), 0.0) == []
+
+
+def test_a_job_that_did_better_when_it_was_tried_again_did_not_fail(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.write_text("no luck\n")
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    assert run.failed == ["one"]
+    run.heard(end(1), 2.0)
+    assert run.failed == []

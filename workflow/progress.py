@@ -75,6 +75,9 @@ class Run:
             self.running[own["jobid"]] = str(name)
         elif event == LogEvent.JOB_FINISHED:
             self.done += 1
+            name = self.told.get(own["job_id"], ("", [], []))[0]
+            if name in self.failed:  # and was tried again
+                self.failed.remove(name)
             self.running.pop(own["job_id"], None)
             return self._without_result(own["job_id"])
         elif event == LogEvent.JOB_ERROR:

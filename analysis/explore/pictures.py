@@ -138,7 +138,7 @@ def curve(state: Playing, told: Answers) -> go.Figure:
 
 
 def weights(told: Answers) -> go.Figure:
-    """What each lock carries at the peak, over its strength."""
+    """What each lock carries over its strength, where the joint carries most or first fails."""
     figure = go.Figure()
     if told.peak is not None:
         for block, colour in (("upper", BLUE), ("lower", GREY)):
@@ -152,7 +152,7 @@ def weights(told: Answers) -> go.Figure:
         figure.update_xaxes(
             categoryorder="array", categoryarray=[f"{e.lock}" for e in told.peak.shares]
         )
-    figure = _laid_out(figure, "lock", "weight at the peak")
+    figure = _laid_out(figure, "lock", "weight")
     figure.update_yaxes(range=[0, 1.05])
     return figure
 

@@ -13,6 +13,7 @@ from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import Material
 from analysis.looks import look_of
 from workflow.models import Obtained, obtained_by
+from workflow.schema import Study
 
 
 def models(material: Material) -> Figure:
@@ -45,10 +46,17 @@ def models(material: Material) -> Figure:
         "limit analysis redistributes freely, has no friction here and does not move: its weights "
         "are one state of many. Weight: shear on a lock over T0. Displacement: the one that the "
         "load works on, at a quarter, half and three quarters of the first failure. Friction: "
-        f"V that reaches the lower body other than by its locks. {material.assumed_geometry}",
+        f"V that reaches the lower body other than by its locks. {_of_rules(study)}"
+        f"{material.assumed_geometry}",
         height=0.13,
     )
     return figure
+
+
+def _of_rules(study: Study) -> str:
+    """What dotted curves are, if the study has any."""
+    shown = [look_of(name).name for name in obtained_by(Obtained.LAW) if name in study.models]
+    return f"Dotted: {' and '.join(shown)}; the law tells first failures. " if shown else ""
 
 
 def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) -> None:

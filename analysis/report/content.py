@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.looks import look_of, option_colour, option_name, rule_name
+from analysis.looks import SERIES, look_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import AGREEMENT
 from sidmacib.chain.pairs import pairs_of
@@ -200,6 +200,7 @@ def content(
         "meshes": sorted(study.meshes),
         "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
         "looks": looks(),
+        "series": SERIES,
         "options": {
             name: {"name": option_name(name), "colour": option_colour(name)}
             for name in study.sidmacib.options

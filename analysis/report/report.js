@@ -1,7 +1,7 @@
 "use strict";
 // The report's controls and pictures. All data are in the page; nothing is asked of a network.
 const DATA = JSON.parse(document.getElementById("data").textContent);
-const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#8a6d00", "#000000"];
+const COLOURS = DATA.series;
 const MARKS = ["circle-open", "x", "square-open", "diamond-open", "triangle-up-open"];
 const DASHES = ["solid", "dash", "dot", "dashdot", "longdash"];
 const LAYOUT = { margin: { l: 60, r: 20, t: 20, b: 50 }, font: { size: 13 }, legend: { orientation: "h", y: -0.2 }, paper_bgcolor: "white", plot_bgcolor: "white" };

@@ -129,7 +129,7 @@ def _require_no_tipping(joint: Joint, shear: float) -> None:
         )
 
 
-@lru_cache(maxsize=16)  # the safe rule asks for what the law was asked for
+@lru_cache(maxsize=256)  # the safe rule asks for what the law was asked for
 def _first_load(joint: Joint, direction: Direction, push: Push, standing: bool = True) -> float:
     return first_failure(joint, Loading(direction, push=push), standing).load
 

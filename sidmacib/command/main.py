@@ -71,6 +71,11 @@ def capacity(
 
     own = joint_of(joint)
     rows = capacity_rows(own, ratios, models or usual_models(own), Push(push))
+    _show(rows, form)
+
+
+def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
+    """Print loads; an exit code of 1 if no model gives any."""
     click.echo(text_of(rows, form))
     if all(row["V (N)"] is None for row in rows):
         sys.exit(1)
@@ -95,7 +100,7 @@ def envelope(
     rows = capacity_rows(own, DIRECTIONS, models or ("safe", "law"), Push(push))
     if picture is not None:
         draw(rows, picture, f"{own.locks} locks")
-    click.echo(text_of(rows, form))
+    _show(rows, form)
 
 
 @main.command()

@@ -38,12 +38,15 @@ def execute(engine: Engine, folder: Path, time_limit: float) -> None:
     """
     for name in OUTPUTS:
         (folder / name).unlink(missing_ok=True)
-    for left in folder.glob("running-*"):  # by a run that was killed
-        shutil.rmtree(left)
+    for left in folder.glob("running-*"):  # by a run that was killed, and may just be ending
+        shutil.rmtree(left, ignore_errors=True)
     if missing := engine.missing():
         raise EngineError(missing)
     log = folder / "engine.log"
-    with tempfile.TemporaryDirectory(dir=folder, prefix="running-") as name:
+    scratch_folder = tempfile.TemporaryDirectory(
+        dir=folder, prefix="running-", ignore_cleanup_errors=True
+    )
+    with scratch_folder as name:
         scratch = Path(name)
         for file in (engine.script, DATA_FILE):
             shutil.copy(folder / file, scratch)
