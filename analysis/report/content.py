@@ -117,8 +117,8 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
             {
                 "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
                 "text": f"At most {100 * size:.1f} % away: {worst['computed']:.1f} N of "
-                f"{look_of(worst['model']).name} against {worst['published']:g} N, {worst['locks']} locks, mesh "
-                f"{worst['mesh_m']:g} m.",
+                f"{look_of(worst['model']).name} against {worst['published']:g} N, "
+                f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
                 "kind": "good" if size < NEAR else "note",
             }
         )
