@@ -23,6 +23,7 @@ import yaml
 from workflow.closure import ROOT
 from workflow.configuration import read_study
 from workflow.plan import plan_of
+from workflow.times import read_times
 
 REPEATS = 5
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
@@ -209,7 +210,7 @@ def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
 
 def study_figures(results: Path) -> Iterator[Figure]:
     """What the jobs of a study took when they were last run."""
-    times = [json.loads(path.read_text()) for path in sorted((results / ".times").rglob("*.json"))]
+    times = [told for _, told in read_times(results)]
     if times:
         frame = pd.DataFrame(times)
         yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))

@@ -1,6 +1,5 @@
 """What the report shows, as plain data: from tables, and a few paths of the static model."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -20,6 +19,7 @@ from workflow.case import REFERENCE
 from workflow.cases import cases_of
 from workflow.models import MODELS, Obtained
 from workflow.schema import Study
+from workflow.times import read_times
 
 PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number
@@ -179,9 +179,7 @@ def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
 def times_of(results: Path) -> list[list[Any]]:
     """Seconds of each kind of job: on the clock, of processors; how many there were."""
     found: dict[str, list[float]] = {}
-    for path in sorted((results / ".times").rglob("*.json")):
-        kind = path.relative_to(results / ".times").parts[0].removesuffix(".json")
-        told = json.loads(path.read_text())
+    for kind, told in read_times(results):
         own = found.setdefault(kind, [0.0, 0.0, 0.0])
         own[0] += 1
         own[1] += told["wall_s"]
