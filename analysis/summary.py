@@ -134,7 +134,8 @@ def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
         error = rows["mesh_error"].max()
         told = "" if pd.isna(error) else f"{100 * error:>8.2f} %"
         where = "torsion" if np.isinf(eccentricity) else f"e = {eccentricity:g} m"
-        yield f"  {sample} mesh {mesh:<6g} m, {where:<12}{cells}{told}"
+        place = f"{sample} mesh {mesh:g} m, {where}"
+        yield f"  {place:<34}{cells}{told}"
 
 
 def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
