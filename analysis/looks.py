@@ -1,7 +1,6 @@
 """How models and options are named and coloured: the same in figures, report and explorer."""
 
 from dataclasses import dataclass
-from itertools import cycle
 
 from sidmacib.contact_points import OPTIONS
 
@@ -39,7 +38,7 @@ _RULES = {
     "lower_sum": "lower locks count by their weights",
     "per_lock": "each lock counts by its weight",
 }
-_OPTIONS = dict(zip(OPTIONS, cycle((ORANGE, SKY, PURPLE, "#2f4b7c")), strict=False))
+_OPTIONS = dict(zip(OPTIONS, (ORANGE, SKY, PURPLE, "#2f4b7c"), strict=True))
 
 
 def look_of(model: str) -> Look:

@@ -13,7 +13,7 @@ from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
 from workflow.models import MODELS, WITNESS, Ability
-from workflow.receipts import STALE, fault, read_receipt
+from workflow.receipts import STALE, fault, read_receipt, write_whole
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
 
@@ -107,11 +107,8 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         if reason not in (None, STALE):
             for name in job.outputs:
                 (results / name).unlink(missing_ok=True)
-    index = _index(results)
-    index.parent.mkdir(parents=True, exist_ok=True)
-    draft = index.with_suffix(".draft")
-    draft.write_text(json.dumps({name: str(path) for name, path in plans.items()}) + "\n")
-    draft.replace(index)
+    index = {name: str(path) for name, path in plans.items()}
+    write_whole(_index(results), json.dumps(index) + "\n")
     return plans
 
 

@@ -40,9 +40,14 @@ def file_digest(path: Path) -> str:
 def write_receipt(path: Path, job: str, digest: str, results: Path, outputs: Iterable[str]) -> None:
     """Write the receipt of a job that has ended well."""
     made = {name: file_digest(results / name) for name in outputs}
+    write_whole(path, json.dumps(asdict(Receipt(job, digest, made)), indent=1) + "\n")
+
+
+def write_whole(path: Path, text: str) -> None:
+    """Write a file at once: whoever reads it finds what was there before, or all of ``text``."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(path.name + ".draft")
-    draft.write_text(json.dumps(asdict(Receipt(job, digest, made)), indent=1) + "\n")
+    draft.write_text(text)
     draft.replace(path)
 
 

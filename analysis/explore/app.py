@@ -1,7 +1,6 @@
 """The page, served to this machine only: sliders on one side, what follows on the other."""
 
 import argparse
-import contextlib
 import logging
 import sys
 from collections.abc import Iterable
@@ -9,7 +8,7 @@ from typing import Any
 
 import dash
 import plotly.graph_objects as go
-from dash import Input, Output, State, dcc, html
+from dash import Input, Output, dcc, html
 from werkzeug.serving import make_server
 
 from analysis.explore.pictures import answers, curve, drawing, weights
@@ -137,7 +136,7 @@ def make_app() -> dash.Dash:
     app.layout = layout(Playing())
     names = list(SLIDERS)
 
-    def begin(search: str, *values: Any) -> list[float]:
+    def begin(search: str) -> list[float]:
         state = from_query(search or "")
         return [float(getattr(state, name)) for name in SLIDERS]
 
@@ -151,11 +150,7 @@ def make_app() -> dash.Dash:
         [Input(name, "value") for name in names],
     )(shown)
     app.callback(Output("curve", "figure"), Input("values", "data"))(drawn)
-    app.callback(
-        [Output(name, "value") for name in names],
-        Input("place", "search"),
-        [State(name, "value") for name in names],
-    )(begin)
+    app.callback([Output(name, "value") for name in names], Input("place", "search"))(begin)
     return app
 
 
@@ -170,8 +165,7 @@ def main() -> None:
     except SystemExit:  # it has said why
         sys.exit(f"port {arguments.port} is taken; choose another with --port")
     print(f"Open http://{LOOPBACK}:{arguments.port} (stop with Ctrl+C)", flush=True)
-    with contextlib.suppress(KeyboardInterrupt):
-        server.serve_forever()
+    server.serve_forever()  # until Ctrl+C
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ import plotly.graph_objects as go
 
 from analysis.explore.state import Playing
 from analysis.looks import BLUE, GREY, look_of
+from analysis.outlines import MM, outlines
 from sidmacib.chain.failure import first_failure
 from sidmacib.chain.rule import RULES, LawCapacity
 from sidmacib.errors import CapacityError
@@ -64,14 +65,10 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     except (CapacityError, ValueError):
         return None
     shares = tuple(
-        Share(lock, _block(joint, lock), math.hypot(x, y) / joint.T0)
+        Share(lock, "upper" if joint.is_upper(lock) else "lower", math.hypot(x, y) / joint.T0)
         for lock, x, y in zip(joint.numbers, state.force_x, state.force_y, strict=True)
     )
     return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
-
-
-def _block(joint: Joint, lock: int) -> str:
-    return "upper" if joint.is_upper(lock) else "lower"
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
@@ -81,7 +78,7 @@ def _peak(joint: Joint, direction: Direction) -> Peak | None:
         return None
     load = float(solution.peak.load)
     shares = tuple(
-        Share(each.lock, _block(joint, each.lock), each.weight)
+        Share(each.lock, each.block, each.weight)
         for each in lock_weights(joint, assembly, solution.peak.force)
     )
     return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
@@ -160,46 +157,27 @@ def weights(told: Answers) -> go.Figure:
 def drawing(state: Playing) -> go.Figure:
     """The joint from the side: upper block blue, lower block grey, locks numbered."""
     joint, figure = state.joint, go.Figure()
-    mm = 1e3
-    width, top = mm * joint.total_width, mm * (joint.h + joint.H)
-    _box(figure, 0.0, width, -mm * joint.H, 0.0, GREY, 0.5)
-    for lock in joint.numbers:
-        low, high = mm * joint.edge(lock - 1), mm * joint.edge(lock)
-        colour = BLUE if joint.is_upper(lock) else GREY
-        _box(figure, low, high, 0.0, mm * joint.h, colour, 0.9)
-        if not state.one_piece:
-            _box(figure, low, high, mm * joint.h, top, BLUE, 0.4)
-        figure.add_annotation(
-            x=(low + high) / 2, y=mm * joint.h / 2, text=str(lock), showarrow=False
+    for piece in outlines(joint):
+        (_, left, low), (_, right, high) = piece.low, piece.high
+        figure.add_shape(
+            type="rect",
+            x0=left,
+            x1=right,
+            y0=low,
+            y1=high,
+            fillcolor=BLUE if piece.upper else GREY,
+            opacity=0.9 if piece.lock is not None else (0.4 if piece.upper else 0.5),
+            line={"color": "#1c1f24", "width": 1},
         )
-    if state.one_piece:
-        _box(figure, 0.0, width, mm * joint.h, top, BLUE, 0.4)
+        if piece.lock is not None:
+            middle = {"x": (left + right) / 2, "y": (low + high) / 2}
+            figure.add_annotation(**middle, text=str(piece.lock), showarrow=False)
+    width, top, bottom = MM * joint.total_width, MM * (joint.h + joint.H), -MM * joint.H
     figure.add_annotation(x=0, y=top / 2, ax=-60, ay=0, text="V", showarrow=True, arrowwidth=2)
     figure = _laid_out(figure, "y (mm)", "z (mm)")
     figure.update_xaxes(range=[-0.15 * width, 1.05 * width])
-    figure.update_yaxes(scaleanchor="x", range=[-mm * joint.H, 1.1 * top])
+    figure.update_yaxes(scaleanchor="x", range=[bottom, 1.1 * top])
     return figure
-
-
-def _box(
-    figure: go.Figure,
-    left: float,
-    right: float,
-    low: float,
-    high: float,
-    colour: str,
-    opacity: float,
-) -> None:
-    figure.add_shape(
-        type="rect",
-        x0=left,
-        x1=right,
-        y0=low,
-        y1=high,
-        fillcolor=colour,
-        opacity=opacity,
-        line={"color": "#1c1f24", "width": 1},
-    )
 
 
 def _laid_out(figure: go.Figure, x: str, y: str) -> go.Figure:

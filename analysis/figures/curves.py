@@ -167,7 +167,7 @@ def model_curve(
 
 def rule_curve(axis: Axes, material: Material, rule: str, sample: str, mesh: float) -> None:
     """The V-M curve of the law or the safe rule, if the study asks for it."""
-    curve = material.curve(rule, sample, mesh).dropna(subset=["load_N"])
+    curve = material.curve(rule, sample, mesh)
     if len(curve):
         look = look_of(rule)
         axis.plot(

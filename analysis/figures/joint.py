@@ -7,12 +7,11 @@ from matplotlib.patches import Rectangle
 from analysis.figures import style
 from analysis.figures.material import Material
 from analysis.looks import BLACK, BLUE, GREY
+from analysis.outlines import MM, outlines
 from sidmacib.joint import Joint
 from sidmacib.loading import Push
-from sidmacib.pieces import cut_pieces, lock_name, upper_block
 
 X, Y, Z = range(3)
-MM = 1e3  # of a m
 
 
 def joint(material: Material) -> Figure:
@@ -63,22 +62,18 @@ def joint(material: Material) -> Figure:
 def _draw(axes: Axes, own: Joint, plane: tuple[int, int]) -> None:
     """The pieces, projected on two axes; from below only the locks."""
     across, along = plane
-    above, locks = set(upper_block(own)), {lock_name(n): n for n in own.numbers}
-    for piece in cut_pieces(own):
-        if piece.name == "plate" or (along == X and piece.name not in locks):
+    for piece in outlines(own):
+        if along == X and piece.lock is None:
             continue
-        low, high = piece.low, piece.high
-        size = (MM * (high[across] - low[across]), MM * (high[along] - low[along]))
-        lock = locks.get(piece.name)
-        corner = (MM * low[across], MM * low[along])
-        colour = BLUE if piece.name in above else GREY
-        look = {"facecolor": colour, "edgecolor": BLACK, "lw": 0.6}
-        axes.add_patch(Rectangle(corner, *size, **look, alpha=0.3 if lock is None else 0.8))
-        if lock is not None:
+        corner = piece.low[across], piece.low[along]
+        size = piece.high[across] - corner[0], piece.high[along] - corner[1]
+        look = {"facecolor": BLUE if piece.upper else GREY, "edgecolor": BLACK, "lw": 0.6}
+        axes.add_patch(Rectangle(corner, *size, **look, alpha=0.3 if piece.lock is None else 0.8))
+        if piece.lock is not None:
             axes.text(
                 corner[0] + size[0] / 2,
                 corner[1] + size[1] / 2,
-                f"{lock}",
+                f"{piece.lock}",
                 ha="center",
                 va="center",
                 fontsize=8,

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -22,22 +23,28 @@ def _young(giga: float) -> str:
     return "rigid" if math.isinf(giga) else f"{giga:g}"
 
 
-def loads(results: Path) -> str:
-    """Locks that work in pure shear, and how much less than (n - 1) / 2 this is."""
-    table = _finest(results)
-    own = table[table["eccentricity_m"].eq(0.0)]
+def _by_locks(own: pd.DataFrame, cell: Callable[[Any], str], ratio: bool = False) -> str:
+    """A table with a row for each body and stiffness, a column for each number of locks."""
     counts = sorted(set(own["locks"]))
     rows = []
     for (upper, giga), part in own.groupby(["upper_body", "giga"], sort=False):
-        found = part.set_index("locks")
-        ratio = found["stiffness_ratio"].iloc[0]
-        cells = []
-        for count in counts:
-            load = float(found.loc[count, "load_over_T0"])
-            cells.append(f"{load:.2f} ({percent(load / ((count - 1) / 2) - 1.0, 0)})")
-        told = "∞" if math.isinf(giga) else f"{ratio:g}"
-        rows.append([_young(giga), told, body(str(upper)), *cells])
-    return markdown(["E (GPa)", "E / (Kn·b)", "body", *(f"n = {n}" for n in counts)], rows)
+        found = {row.locks: row for row in part.itertuples()}
+        told = "∞" if math.isinf(giga) else f"{part['stiffness_ratio'].iloc[0]:g}"
+        cells = [cell(found[count]) for count in counts]
+        rows.append([_young(giga), *([told] * ratio), body(str(upper)), *cells])
+    head = ["E (GPa)", *(["E / (Kn·b)"] * ratio), "body", *(f"n = {n}" for n in counts)]
+    return markdown(head, rows)
+
+
+def loads(results: Path) -> str:
+    """Locks that work in pure shear, and how much less than (n - 1) / 2 this is."""
+
+    def cell(row: Any) -> str:
+        half = (row.locks - 1) / 2
+        return f"{row.load_over_T0:.2f} ({percent(row.load_over_T0 / half - 1.0, 0)})"
+
+    table = _finest(results)
+    return _by_locks(table[table["eccentricity_m"].eq(0.0)], cell, ratio=True)
 
 
 def mesh_errors(results: Path) -> str:
@@ -53,18 +60,12 @@ def mesh_errors(results: Path) -> str:
 
 def unsafe(results: Path) -> str:
     """The option that fits best, and how unsafe (n - 1) / 2 is with it at most."""
+
+    def cell(row: Any) -> str:
+        return f"{row.option.removeprefix('option')}: {size(row.largest_unsafe_error, 0)}"
+
     own = _finest(results).drop_duplicates(["upper_body", "giga", "locks"])
-    counts = sorted(set(own["locks"]))
-    rows = []
-    for (upper, giga), part in own.groupby(["upper_body", "giga"], sort=False):
-        found = part.set_index("locks")
-        cells = [
-            f"{str(found.loc[n, 'option']).removeprefix('option')}: "
-            f"{size(float(found.loc[n, 'largest_unsafe_error']), 0)}"
-            for n in counts
-        ]
-        rows.append([_young(giga), body(str(upper)), *cells])
-    return markdown(["E (GPa)", "body", *(f"n = {n}" for n in counts)], rows)
+    return _by_locks(own, cell)
 
 
 BLOCKS: dict[str, Callable[[Path], str]] = {

@@ -16,7 +16,12 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 def percent(value: float, digits: int = 1) -> str:
     """A part in percent, with its sign."""
-    return f"{100.0 * value:+.{digits}f} %".replace("-", "−")
+    return signed(f"{100.0 * value:+.{digits}f} %")
+
+
+def signed(text: str) -> str:
+    """A number with the sign that print has."""
+    return text.replace("-", "−")
 
 
 def size(value: float, digits: int = 1) -> str:

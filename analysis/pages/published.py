@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.beside import Beside, beside, difference, name_of
 from analysis.looks import look_of
-from analysis.pages.markdown import direction, markdown, percent, size, table_in
+from analysis.pages.markdown import direction, markdown, percent, signed, size, table_in
 from analysis.summary import leading_models
 from sidmacib.joint import Direction
 from workflow.models import WITNESS
@@ -48,7 +48,7 @@ def _lines(parts: Iterable[Beside], quantities: Sequence[str]) -> list[list[str]
                     row += (
                         [NONE] * 2
                         if own is None
-                        else [f"{own.computed:.5g}", _signed(difference(own))]
+                        else [f"{own.computed:.5g}", signed(difference(own))]
                     )
                 rows.append(row)
     return rows
@@ -82,10 +82,6 @@ def weights(results: Path) -> str:
     mesh = _mesh(parts)
     rows = [row for row in _lines(parts, ("weight_",)) if row[2] == mesh]
     return markdown([*HEAD, *_heads(parts[0])], rows)
-
-
-def _signed(text: str) -> str:
-    return text.replace("-", "−")
 
 
 def _mesh(parts: Iterable[Beside]) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 
 from analysis.looks import SERIES, look_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.summary import AGREEMENT
+from analysis.summary import AGREEMENT, leading_models
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
@@ -72,7 +72,7 @@ def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, 
         *_failed(tables["cases"]),
         *_published(tables["validation"]),
         *_agreement(tables["cases"]),
-        *_safe_rule(tables["capacity"]),
+        *_safe_rule(tables["capacity"], leading_models(tables["fit"])),
         *_mesh(tables["capacity"], study),
         {
             "title": "What is assumed",
@@ -139,12 +139,10 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
     ]
 
 
-def _safe_rule(capacity: pd.DataFrame) -> list[dict[str, str]]:
+def _safe_rule(capacity: pd.DataFrame, leading: Mapping[str, str]) -> list[dict[str, str]]:
     """Revised SiDMACIB against the peaks of each sample's leading model, rule by rule."""
     rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
     rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
-    leading = rule.dropna(subset=["weights_from"]).drop_duplicates("sample")
-    leading = leading.set_index("sample")["weights_from"]
     own = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
     peaks = capacity[capacity["variant"].eq(REFERENCE)].set_index(["model", "case"])["load_N"]
     if own.empty or peaks.empty:
@@ -157,7 +155,7 @@ def _safe_rule(capacity: pd.DataFrame) -> list[dict[str, str]]:
         worst = part.loc[part["over"].idxmax()]
         words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
         told.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
-    models = ", ".join(look_of(name).name for name in dict.fromkeys(leading))
+    models = ", ".join(look_of(name).name for name in dict.fromkeys(leading.values()))
     return [
         {
             "title": "Which rule is safe",
