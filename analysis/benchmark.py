@@ -23,9 +23,11 @@ import yaml
 from workflow.closure import ROOT
 from workflow.configuration import read_study
 from workflow.plan import plan_of
+from workflow.results.files import RESULT
 from workflow.times import read_times
 
 REPEATS = 5
+UNGUIDED = "unguided"  # the study's variant
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]
 SWEEP = {  # 10,000 cases of the static model
@@ -217,6 +219,26 @@ def study_figures(results: Path) -> Iterator[Figure]:
         yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
 
 
+def step_figures(results: Path) -> Iterator[Figure]:
+    """Time steps of the engines, mean of the cases of the study that were searched both ways."""
+    for engine in ("yade", "liggghts"):
+        folder = results / "cases" / engine
+        steps = {path.parent.name: told(path) for path in sorted(folder.glob(f"*/{RESULT}"))}
+        both = [name for name in steps if f"{name}-{UNGUIDED}" in steps]
+        for what, names in (
+            ("guided", both),
+            ("unguided", [f"{name}-{UNGUIDED}" for name in both]),
+        ):
+            if names:
+                mean = sum(steps[name] for name in names) / len(names)
+                yield Figure(f"{engine}: a case, {what}", "time steps", mean)
+
+
+def told(result: Path) -> int:
+    """How many time steps an engine's result took."""
+    return int(json.loads(result.read_text())["time_steps"])
+
+
 def main() -> None:
     """Command line: perhaps another checkout, and the results of a study that was run."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -231,6 +253,7 @@ def main() -> None:
             *process_figures(arguments.base, folder),
             *workflow_figures(folder),
             *study_figures(arguments.results),
+            *step_figures(arguments.results),
         ]
     table = pd.DataFrame(figures)
     table["ratio"] = table["value"] / table["base"].astype(float)

@@ -162,7 +162,8 @@ def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
     rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
     forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
     assert forces and max(forces) < rigid
-    assert [line.split()[1] for line in lines[-3:]] == ["load_before", "load_rise", "load_start"]
+    names = ["load_before", "load_rise", "load_start", "load_ramp"]
+    assert [line.split()[1] for line in lines[-4:]] == names
 
 
 def test_springs_are_as_stiff_as_their_nodes(three: scripts.Assembly) -> None:

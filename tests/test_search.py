@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.engines.scripts.assembly import Search
+from workflow.engines.scripts.assembly import Guide, Search
 from workflow.engines.scripts.increments import (
     STEPS,
     displacements_towards,
@@ -19,7 +19,7 @@ from workflow.engines.scripts.records import BONDS, MECHANISM, NodeForce, Outcom
 FIRST = 12.0  # N, the first increment
 
 
-def search(tolerance: float = 1e-3) -> Search:
+def search(tolerance: float = 1e-3, guide: Guide | None = None) -> Search:
     return Search(
         time_step_s=1e-6,
         period_steps=20.0,
@@ -29,6 +29,7 @@ def search(tolerance: float = 1e-3) -> Search:
         collapse_m_per_N=1e-6,
         first_increment_N=FIRST,
         tolerance=tolerance,
+        guide=guide,
     )
 
 
@@ -47,9 +48,11 @@ class Breaking:
         self.strengths, self.needed, self.breakable = sorted(strengths), needed, breakable
         self.slides_at, self.drifts_at, self.flat_up_to = slides_at, drifts_at, flat_up_to
         self.count, self.kept, self.permanent, self.load = 0, 0, 0.0, 0.0
+        self.attempts = 0
 
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
         self.permanent, self.load = permanent[1], end
+        self.attempts += 1
         self.count = max(self.count, sum(strength < end for strength in self.strengths))
         if self.count >= self.needed or end > self.slides_at:
             return Outcome.COLLAPSE
@@ -96,6 +99,45 @@ def test_increments_find_the_first_failure_and_the_peak_after_it(
     assert peak.load <= ratio * first <= peak.failed_load
     assert peak.first_failure_load == pytest.approx(first, rel=1.1e-3, abs=1.1e-3 * FIRST)
     assert peak.mode == BONDS
+
+
+GUIDED = st.builds(Guide, st.one_of(st.none(), LOAD), LOAD)
+
+
+@given(LOAD, st.floats(1.01, 3.0), GUIDED)
+def test_what_increments_find_does_not_depend_on_the_guide(
+    first: float, ratio: float, guide: Guide
+) -> None:
+    peak = peak_by_increments(Breaking([first, ratio * first], 2), search(guide=guide))
+    assert peak.load <= ratio * first <= peak.failed_load <= peak.load * (1 + 1e-3)
+    assert peak.first_failure_load == pytest.approx(first, rel=1.1e-3, abs=1.1e-3 * FIRST)
+
+
+@given(LOAD, st.floats(1.01, 3.0), st.floats(0.995, 1.009))
+def test_a_guide_that_is_right_saves_most_attempts(first: float, ratio: float, off: float) -> None:
+    guided = Breaking([first, ratio * first], 2)
+    peak_by_increments(guided, search(guide=Guide(off * first, off * ratio * first)))
+    assert guided.attempts <= 32
+
+
+def test_the_last_failure_is_tried_from_nearby() -> None:
+    """One that was found in a long stride may be due to the stride."""
+
+    class Swinging(Breaking):
+        def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+            outcome = super().raised(start, end + 0.05 * (end - start), permanent)
+            self.load = end
+            return outcome
+
+    peak = peak_by_increments(Swinging([100.0], 1), search(guide=Guide(100.0, 100.0)))
+    assert 99.8 <= peak.load <= 100.0 <= 1.001 * peak.failed_load
+
+
+def test_with_a_guide_a_part_of_the_load_takes_the_root_of_its_share() -> None:
+    guided = search(guide=Guide(None, 100.0))
+    assert [guided.ramp(rise, whole) for rise, whole in ((90.0, 90.0), (25.0, 90.0))] == [95, 50]
+    assert guided.ramp(0.1, 90.0) == guided.ramp(0.0, 0.0) == 10
+    assert search().ramp(0.1, 90.0) == 100
 
 
 def test_a_bond_that_fails_under_next_to_no_load_does_not_end_the_search() -> None:
@@ -149,17 +191,27 @@ def test_a_load_is_gone_to_in_steps_with_all_permanent_loads() -> None:
     assert len(displacements_towards(Breaking([100.0], 1), 101.0)) == STEPS - 1
 
 
+def test_the_peak_is_expected_as_much_above_the_first_failure_as_the_guide_has_it() -> None:
+    assert Guide(100.0, 120.0).peak_after(50.0) == pytest.approx(60.0)
+    assert Guide(None, 120.0).first_event_N == 120.0
+
+
 # --- from failure to failure ---------------------------------------------------------------------
 class Cut:
-    """Bonds that share a load by stiffness: equal shares of it, over strengths (N)."""
+    """Bonds that share a load by stiffness: equal shares of it, over strengths (N).
+
+    ``hurries``: it does not wait for an equilibrium where more bonds must fail.
+    """
 
     def __init__(
         self,
         strengths: Sequence[float],
         slides_at: float = math.inf,
         drifts_at: float = math.inf,
+        hurries: bool = False,
     ) -> None:
         self.strengths, self.slides_at, self.drifts_at = strengths, slides_at, drifts_at
+        self.hurries = hurries
         self.load, self.events = 0.0, [(0.0, tuple(range(len(strengths))))]
         self.stages: list[str] = []
 
@@ -180,7 +232,9 @@ class Cut:
     def cut(self, nodes: Iterable[int]) -> Outcome:
         gone = set(nodes)
         self.events.append((self.load, tuple(b for b in self.bonds if b not in gone)))
-        return self._outcome()
+        outcome = self._outcome()
+        more = outcome is Outcome.EQUILIBRIUM and max(self.utilisation().values()) > 1.0
+        return Outcome.OVERSTRESSED if self.hurries and more else outcome
 
     def back(self) -> None:
         self.events.pop()
@@ -209,6 +263,22 @@ def test_failures_find_the_peak_of_bonds_in_parallel(strengths: list[float]) -> 
     assert peak.load < peak.failed_load <= peak.load * 1.0011
     assert peak.first_failure_load == pytest.approx(len(ordered) * ordered[0], rel=1.1e-3)
     assert peak.mode == BONDS
+
+
+@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6), GUIDED)
+def test_what_failures_find_does_not_depend_on_the_guide(
+    strengths: list[float], guide: Guide
+) -> None:
+    plain = peak_by_failures(Cut(strengths), search())
+    guided = peak_by_failures(Cut(strengths), search(guide=guide))
+    assert guided.load == pytest.approx(plain.load, rel=2e-3)
+    assert guided.first_failure_load == pytest.approx(plain.first_failure_load, rel=2e-3)
+
+
+@given(st.lists(st.floats(1.0, 1e4), min_size=1, max_size=6))
+def test_a_cascade_goes_on_where_nobody_waits_for_its_equilibria(strengths: list[float]) -> None:
+    patient = peak_by_failures(Cut(strengths), search())
+    assert peak_by_failures(Cut(strengths, hurries=True), search()).load == patient.load
 
 
 def test_failures_that_do_not_come_are_a_mechanism_or_no_answer() -> None:

@@ -147,7 +147,7 @@ ENGINES = {
             first_failure_only=True,
             ignores=(
                 *("ramp_periods", "hold_periods", "unbalanced_ratio", "collapse_ratio"),
-                *("damping", "time_step_ratio"),
+                *("damping", "time_step_ratio", "guided"),
             ),
         ),
     )

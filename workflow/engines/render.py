@@ -13,10 +13,13 @@ from typing import Any
 import jinja2
 import jinja2.meta
 
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads
+from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
 from workflow.engines import Engine
 from workflow.engines.numerics import Numerics
+from workflow.engines.scripts.assembly import Guide
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent / "scripts"
@@ -62,7 +65,7 @@ def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics,
 
 def _rigid_pieces_in_time(
     assembly: Assembly, loads: Loads, numerics: Numerics
-) -> dict[str, float | int]:
+) -> dict[str, float | int | Guide | None]:
     """What rigid pieces need that move in time on contact spheres."""
     frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
@@ -76,7 +79,20 @@ def _rigid_pieces_in_time(
         "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
         "damping": numerics.damping,
         "unbalanced_ratio": numerics.unbalanced_ratio,
+        "guide": guide(assembly, loads) if numerics.guided else None,
     }
+
+
+def guide(assembly: Assembly, loads: Loads) -> Guide | None:
+    """Where the static model expects failure, roughly; None where it expects nothing."""
+    if assembly.failure is not Failure.BRITTLE:
+        return None
+    try:
+        found = static_peak(assembly, loads)
+    except CapacityError:
+        return None
+    first, peak = found.first_failure_load, found.peak.load
+    return Guide(None if first is None else _roughly(first), _roughly(peak)) if peak > 0.0 else None
 
 
 def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
@@ -188,6 +204,11 @@ def told_law(material: FaceMaterial) -> dict[str, float]:
     """What engines know of a material: none of them has bonds that fade."""
     fading = ("residual", "fracture_energy")
     return {key: value for key, value in asdict(material).items() if key not in fading}
+
+
+def _roughly(value: float) -> float:
+    """``value`` with the digits that matter to a search."""
+    return float(f"{value:.4g}")
 
 
 def _rounded(value: float) -> float:

@@ -6,11 +6,12 @@ from pydantic import BeforeValidator
 
 from workflow.engines.numerics import Numerics
 from workflow.schema.section import changes_to, section_of
-from workflow.schema.values import Number, Share
+from workflow.schema.values import Number, Share, Switch
 
 _KEYS: Any = section_of(
     Numerics(),
     tolerance=Annotated[float, BeforeValidator(Number(at_least=1e-5, at_most=0.0025))],
+    guided=Switch,
     first_increment=Annotated[float, BeforeValidator(Number(above=0, at_most=1))],
     ramp_periods=Annotated[float, BeforeValidator(Number(at_least=1, at_most=1000))],
     hold_periods=Annotated[float, BeforeValidator(Number(at_least=1, at_most=100_000))],

@@ -109,6 +109,16 @@ Positive = Annotated[float, BeforeValidator(Number(above=0))]
 Share = Annotated[float, BeforeValidator(Number(above=0, below=1))]
 
 
+def switch(value: Any) -> bool:
+    """``value`` if it is true or false; ValueError if it is neither."""
+    if not isinstance(value, bool):
+        raise ValueError(f"{shown(value)} is not allowed; it must be true or false")
+    return value
+
+
+Switch = Annotated[bool, BeforeValidator(switch)]
+
+
 def eccentricity(value: Any) -> float:
     """The ratio e / a as a number; "torsion" is infinity."""
     if isinstance(value, str | float) and value in ("torsion", math.inf):

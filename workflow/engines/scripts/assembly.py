@@ -10,6 +10,7 @@ from typing import Any
 Vector = Sequence[float]
 
 LEAST_TENSION = 1e-6  # over the cohesion
+LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 
 @dataclass(frozen=True)
@@ -135,14 +136,34 @@ class Assembly:
 
 
 @dataclass(frozen=True)
+class Guide:
+    """Where another model expects failure, in N: of the first node (None: of none), and the peak.
+
+    It tells where to look first. What stands and what fails is found out all the same.
+    """
+
+    first_failure_N: float | None
+    peak_N: float
+
+    @property
+    def first_event_N(self) -> float:
+        """The load (N) at which the first of the two is expected."""
+        return self.peak_N if self.first_failure_N is None else self.first_failure_N
+
+    def peak_after(self, first_failure: float) -> float:
+        """The peak (N) to be expected where the first node has failed at that load (N)."""
+        return self.peak_N / self.first_event_N * first_failure
+
+
+@dataclass(frozen=True)
 class Search:
     """How the peak is searched.
 
-    ``ramp_steps``, ``hold_steps``: time steps of a load increment and of the longest wait for
-    equilibrium after it; ``period_steps``: of the assembly's longest natural period.
-    ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
+    ``ramp_steps``: time steps in which the whole load is raised; ``hold_steps``: of the longest
+    wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
+    period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
     ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
-    last increment over the peak.
+    last increment over the peak. ``guide``: where to look first, if anything tells.
     """
 
     time_step_s: float
@@ -153,6 +174,19 @@ class Search:
     collapse_m_per_N: float
     first_increment_N: float
     tolerance: float
+    guide: Guide | None = None
+
+    def ramp(self, rise: float, whole: float) -> int:
+        """Time steps in which a load is raised by ``rise``, to ``whole`` (N).
+
+        What a smooth rise overshoots by goes with its height and the inverse square of its
+        duration: with a guide, a part of the load takes the root of its share, and a tenth at
+        least. Without one, every part takes as long as the whole.
+        """
+        if self.guide is None:
+            return self.ramp_steps
+        share = max(0.0, rise) / max(rise, whole, self.guide.first_event_N)
+        return max(1, math.ceil(max(LEAST_RAMP, math.sqrt(share)) * self.ramp_steps))
 
     def collapsed(self, displacement: float, load: float) -> bool:
         """Whether a displacement (m) is too large for a load (N); exits if it is no number."""

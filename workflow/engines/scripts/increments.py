@@ -1,12 +1,18 @@
 """Search for the peak of a model that breaks by itself: by ever smaller increments of the load."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
-from .assembly import Search
+from .assembly import Guide, Search
+from .guess import AT_ONCE, QUARTERS
 from .records import NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
+STOPS = (*QUARTERS, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
+BEYOND = 0.01  # of such a load: further on, nothing is expected any more
+STRIDE = 2.0  # over the tolerance, the increment near a load at which something is expected
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
 STEPS = 10  # to a load that is known
@@ -39,52 +45,99 @@ class Model(Protocol):
         """Return to the state that was kept last."""
 
 
+@dataclass
+class Bracket:
+    """Between which loads (N) the next event is: the first failure of a node, then the peak.
+
+    ``load`` is carried; ``event`` was not, or broke the first node, when it was last tried.
+    ``expected``: where the event should be; 0: nothing is. ``increment``: the next one.
+    """
+
+    load: float
+    event: float
+    expected: float
+    increment: float
+    tolerance: float
+
+    def next_load(self) -> float:
+        """The load to go to.
+
+        Stop by stop to an expected event, from the last stop on by increments; half the way to a
+        load that failed, and to that once more from nearby, and so slowly.
+        """
+        if self.event <= self.load * (1.0 + self.tolerance):
+            return self.event
+        if self.event < math.inf:
+            return (self.load + self.event) / 2
+        for share in STOPS:
+            if self.load < share * self.expected * (1.0 - STRIDE * self.tolerance):
+                return share * self.expected
+        return self.load + self.increment
+
+    def carries(self, load: float) -> None:
+        """Note that ``load`` is carried, and the increment to go on by."""
+        if load <= self.expected * (1.0 + BEYOND):
+            self.increment = STRIDE * self.tolerance * load
+        elif load >= self.event:
+            self.increment = load - self.load
+        elif self.event == math.inf:
+            self.increment *= GROWTH
+        self.event = self.event if load < self.event else math.inf
+        self.load = load
+
+    def towards_the_peak(self, guide: Guide | None) -> "Bracket":
+        """Where the peak is looked for, once the first node has failed."""
+        expected = guide.peak_after(self.load) if guide else 0.0
+        increment = STRIDE * self.tolerance * self.load
+        return Bracket(self.load, math.inf, expected, increment, self.tolerance)
+
+
 def peak_by_increments(model: Model, search: Search) -> Peak:
     """The largest load that ``model`` carries.
 
-    The increment grows until the assembly fails. From then on every failure is taken back to the
-    last equilibrium and halves the increment, so that the last one, which decides, is small and
-    slow. The first node that fails is looked for in the same way, before the load goes on. Exits
-    with a reason where the last failure is none: no bond breaks, and the pieces neither move off
-    nor come to rest.
+    With a guide, the load goes in few steps to most of the first failure that is expected, and then
+    on by small increments. Without, the increment grows until the assembly fails. From then on
+    every failure is taken back to the last equilibrium and halves the increment, so that the last
+    one, which decides, is small and slow, whatever was expected. The first node that fails is
+    looked for in the same way, before the load goes on. Exits with a reason where the last failure
+    is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
         raise SystemExit("the assembly does not stand under its permanent loads")
-    load, increment, growth = 0.0, search.first_increment_N, GROWTH
+    least, guide = search.first_increment_N, search.guide
+    expected = guide.first_event_N if guide else 0.0
+    bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)
     first_failure = 0.0 if model.breakable and model.broken() else None
     while True:
         model.keep()
         nodes, broken = model.node_forces(), model.broken()
         while True:
-            outcome = model.raised(load, load + increment, (1.0, 1.0))
+            start, load = bracket.load, bracket.next_load()
+            outcome = model.raised(start, load, (1.0, 1.0))
             standing = outcome is Outcome.EQUILIBRIUM
             breaks = model.breakable and model.broken() > broken
             first = standing and breaks and first_failure is None
             # The first node may fail at a load that is next to none.
-            least = max(load, search.first_increment_N) if first else load
-            near = increment <= search.tolerance * least
-            if first and near:
-                first_failure = load + increment
+            near = load - start <= search.tolerance * (max(start, least) if first else start)
             if standing and (near or not first):
                 break
-            print(f"{load + increment:12.4f} N {'breaks' if first else 'fails'}", flush=True)
+            print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:
-                mode = failure_mode(outcome, breaks, load + increment)
+                mode = failure_mode(outcome, breaks, load)
                 if first_failure is None and breaks:
-                    first_failure = load
-                return Peak(load, load + increment, first_failure, mode, nodes)
-            if increment < LEAST_INCREMENT * search.first_increment_N:
+                    first_failure = start
+                return Peak(start, load, first_failure, mode, nodes)
+            if load - start < LEAST_INCREMENT * least:
                 raise SystemExit("the assembly carries no load in this direction")
-            increment, growth = increment / 2, 1.0
+            bracket.event = load
             model.go_back()
-        if first:
-            growth = GROWTH  # the first failure is found: on to the peak
-        load += increment
+        bracket.carries(load)
+        if first:  # the first failure is found: on to the peak
+            first_failure, bracket = load, bracket.towards_the_peak(guide)
         model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
-        if load > LARGEST_LOAD * search.first_increment_N:
+        if load > LARGEST_LOAD * least:
             raise SystemExit("the load grows without a peak")
-        increment *= growth
 
 
 def displacements_towards(model: Model, load: float) -> list[float]:

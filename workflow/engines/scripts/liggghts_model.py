@@ -8,9 +8,11 @@ from .assembly import Vector, dot, length, plus, utilisation
 from .flatness import STILL, Motion, check_flat
 from .liggghts_deck import Deck
 from .liggghts_process import LiggghtsProcess
+from .next_failure import most_used
 from .records import History, NodeForce, Outcome
 
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
+SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
 PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 
@@ -55,7 +57,7 @@ class LiggghtsModel:
     def __init__(self, deck: Deck, ranks: int, history: History) -> None:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
         self.ranks, self.history = ranks, history
-        self.slice = max(1, round(5 * self.search.period_steps))  # steps between two looks at it
+        self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
         self.events: list[Event] = []
         self.place_variables = deck.place_variables
         self.force_variables = deck.force_variables
@@ -102,19 +104,25 @@ class LiggghtsModel:
         return self._cut(event.nodes) if event.load is None else self._raise(event.load)
 
     def _raise(self, load: float) -> Outcome:
-        start, rise, ramp = self.engine.steps, load - self.load, self.search.ramp_steps
-        self._set_load(self.load, rise, start)
+        ramp = self.search.ramp(load - self.load, load)
+        self._set_load(self.load, load - self.load, ramp)
         for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
             self._run(steps)
             if self._gives_way(load):
                 return Outcome.COLLAPSE
         self.load = load
-        self._set_load(load, 0.0, start)
+        self._set_load(load, 0.0, ramp)
         return self._waits(PATIENCE)
 
-    def _set_load(self, load: float, rise: float, start: int) -> None:
-        """Have the load (N) rise smoothly from ``load`` by ``rise``, from step ``start`` on."""
-        values = {"load_before": load, "load_rise": rise, "load_start": start}
+    def _set_load(self, load: float, rise: float, ramp: int) -> None:
+        """Have the load (N) rise smoothly from ``load`` by ``rise``, in ``ramp`` steps from now."""
+        start = self.engine.steps
+        values = {
+            "load_before": load,
+            "load_rise": rise,
+            "load_start": start,
+            "load_ramp": float(ramp),
+        }
         self.engine.tell(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
     def _cut(self, nodes: Iterable[int]) -> Outcome:
@@ -129,15 +137,23 @@ class LiggghtsModel:
             ]
         self.engine.tell(*commands)
         self.engine.fresh = True
-        return self._waits(1)
+        return self._waits(1, SWING)
 
-    def _waits(self, patience: int) -> Outcome:
+    def _waits(self, patience: int, swing: float = math.inf) -> Outcome:
+        """Wait for what becomes of the assembly.
+
+        No longer than until a bond is overstressed by more than it may swing back by: ``swing``
+        times the unbalanced ratio.
+        """
         for _ in range(patience * math.ceil(self.search.hold_steps / self.slice)):
             self._run(self.slice)
             if self._gives_way(self.load):
                 return Outcome.COLLAPSE
-            if self.unbalanced_ratio(self.load) < self.search.unbalanced_ratio:
+            unbalanced = self.unbalanced_ratio(self.load)
+            if unbalanced < self.search.unbalanced_ratio:
                 return Outcome.EQUILIBRIUM
+            if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
+                return Outcome.OVERSTRESSED
         return Outcome.UNSETTLED
 
     def _run(self, steps: int) -> None:

@@ -30,7 +30,10 @@ def command(ranks: int) -> tuple[str, ...]:
 
 
 def own_folder() -> dict[str, str]:
-    """Have MPI keep its files here, not in the system's folders, where those of the dead stay."""
+    """Have MPI keep its files here, not in the system's folders.
+
+    There those of the dead stay, and of two that start and end at once one may fail.
+    """
     return {
         name: str(Path.cwd())
         for name in ("OMPI_MCA_btl_vader_backing_directory", "OMPI_MCA_orte_tmpdir_base")
@@ -48,7 +51,7 @@ class LiggghtsProcess:
             stderr=subprocess.STDOUT,
             text=True,
             errors="replace",  # of its error messages some are not text
-            env={**os.environ, **MPI, **(ALONE if ranks == 1 else own_folder())},
+            env={**os.environ, **MPI, **own_folder(), **(ALONE if ranks == 1 else {})},
         )
         self.marks = count()
         self.steps, self.fresh = 0, True

@@ -5,11 +5,14 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
+from .guess import AT_ONCE, QUARTERS, failure_ahead
 from .records import BONDS, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
+NEAR = 0.01  # of a load: what is as near to it is reached in one go
+AFTER = 0.05  # of the load, the first increment after a failure: the next one may be near
 TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
 
 
@@ -22,7 +25,7 @@ class Model(Protocol):
         """Raise the load (N) and wait for what becomes of it."""
 
     def cut(self, nodes: Iterable[int]) -> Outcome:
-        """Cut the bonds of nodes and wait for what becomes of it."""
+        """Cut the bonds of nodes and wait for what becomes of it, or until others must fail."""
 
     def back(self) -> None:
         """Undo the last event."""
@@ -37,19 +40,16 @@ class Model(Protocol):
         """End with a reason where its contacts no longer stand for flat faces."""
 
 
-def next_load(before: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
+def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
     """The load to go to (N): no further than to just below the next failure, if that can be told.
 
-    ``before``: loads and largest utilisations of the last equilibria; all but linear.
+    ``used``: loads and largest utilisations of the last equilibria; all but linear.
     """
-    load, used = before[-1]
-    furthest = load + increment
-    if len(before) > 1 and load > before[-2][0] and before[-2][1] < used < math.inf:
-        slope = (used - before[-2][1]) / (load - before[-2][0])
-        failure = load + (1.0 - tolerance / 2 - used) / slope
-        # Near a failure all the way to it, otherwise most of it.
-        share = 1.0 if failure - load < 3 * tolerance * failure else 0.9
-        furthest = min(furthest, load + share * (failure - load))
+    load = used[-1][0]
+    failure = (1.0 - tolerance / 2) * failure_ahead(used, math.inf)
+    # Near a failure all the way to it, otherwise most of it.
+    share = 1.0 if failure - load < NEAR * failure else AT_ONCE
+    furthest = min(load + increment, load + share * (failure - load))
     return max(furthest, load * (1.0 + tolerance / 4))
 
 
@@ -67,14 +67,17 @@ def most_used(used: dict[int, float]) -> float:
 def peak_by_failures(model: Model, search: Search) -> Peak:
     """The largest load that ``model`` carries.
 
-    The load rises to just below the failure of the next bond. That bond is cut, at this load, and
-    all that fail in turn; where no equilibrium follows is the peak. A load that fails with no bond
-    at its limit is taken back and halves the increment.
+    The load rises to just below the failure of the next bond, with a guide by quarters. That bond
+    is cut, at this load, and all that fail in turn; where no equilibrium follows is the peak. A
+    load that fails with no bond at its limit is taken back and halves the increment.
     """
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
         raise SystemExit("the assembly does not stand under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
-    increment, first_failure = first, None
+    increment, growth = first, GROWTH
+    if search.guide:  # by quarters of what is expected
+        increment, growth = search.guide.first_event_N * QUARTERS[0], 1.0
+    first_failure = None
     before: list[tuple[float, float]] = []
     used = model.utilisation()
     while True:
@@ -85,16 +88,11 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         model.check_flat(nodes)
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
-            while most >= 1.0 - tolerance:
-                cut = failing(used)
-                print(f"{peak:12.4f} N cuts {len(cut)} springs", flush=True)
-                outcome = model.cut(cut)
-                if outcome is not Outcome.EQUILIBRIUM:
-                    model.record(peak, outcome.value)
-                    return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
-                used = model.utilisation()
-                most = most_used(used)
-            before, increment = [], first / 4  # the next failure may be near
+            outcome, used = _cascade(model, used, tolerance)
+            if outcome is not Outcome.EQUILIBRIUM:
+                model.record(peak, outcome.value)
+                return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
+            before, increment, growth = [], max(first / 4, AFTER * peak), GROWTH
             continue
         load = next_load(before, increment, tolerance)
         while True:
@@ -106,7 +104,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             if standing and (over <= 1.0 + tolerance or near):
                 break  # what is overstressed from one load to the next is cut there
             print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
-            model.record(load, "overstressed" if standing else outcome.value)
+            model.record(load, Outcome.OVERSTRESSED.value if standing else outcome.value)
             if near:
                 mode = failure_mode(outcome, False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
@@ -120,4 +118,19 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * first:
             raise SystemExit("the load grows without a peak")
-        increment *= GROWTH
+        increment *= growth
+
+
+def _cascade(
+    model: Model, used: dict[int, float], tolerance: float
+) -> tuple[Outcome, dict[int, float]]:
+    """Cut the bonds at their strength, and all that fail in turn; utilisations of the others."""
+    outcome = Outcome.EQUILIBRIUM
+    while most_used(used) >= 1.0 - tolerance:
+        cut = failing(used)
+        print(f"{model.load:12.4f} N cuts {len(cut)} springs", flush=True)
+        outcome = model.cut(cut)
+        if outcome not in (Outcome.EQUILIBRIUM, Outcome.OVERSTRESSED):
+            break
+        used = model.utilisation()
+    return outcome, used

@@ -21,6 +21,7 @@ class Outcome(Enum):
 
     EQUILIBRIUM = "equilibrium"
     COLLAPSE = "collapse"  # it moved too far for this load
+    OVERSTRESSED = "overstressed"  # bonds will fail, so that nobody waited for an equilibrium
     UNSETTLED = "no equilibrium"  # it neither came to rest nor moved far
 
 

@@ -200,7 +200,8 @@ class YadeModel:
         While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
         """
         self.history.attempts += 1
-        before, ramp = self.broken(), self.search.ramp_steps
+        rise = end - start + (permanent[1] - permanent[0]) * self.assembly.permanent_N
+        before, ramp = self.broken(), self.search.ramp(rise, end)
         for step in range(SLICE, ramp + SLICE, SLICE):
             share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
             load = start + share * (end - start)

@@ -1,0 +1,22 @@
+"""Where the next bond will fail, told from how much of their strength bonds use."""
+
+import math
+from collections.abc import Sequence
+
+AT_ONCE = 0.9  # of the way to a load at which something is expected: so far in one go
+APART = 0.05  # of the load, between equilibria that tell a slope
+QUARTERS = (0.25, 0.5, 0.75)  # of such a load: stops at which displacements are compared
+
+
+def failure_ahead(used: Sequence[tuple[float, float]], otherwise: float) -> float:
+    """The load (N) at which the most used bond will reach its strength, if all stays linear.
+
+    ``used``: loads (N) and largest utilisations of the last equilibria; ``otherwise`` where they
+    tell nothing. The slope is taken over some distance, as every equilibrium is still a bit off.
+    """
+    load, most = used[-1]
+    far = [(0.0, 0.0), *(point for point in used[:-1] if point[0] <= (1.0 - APART) * load)]
+    before, less = far[-1]
+    if not (load > before and less < most < math.inf):
+        return otherwise
+    return load + (1.0 - most) * (load - before) / (most - less)
