@@ -19,8 +19,8 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,6 +36,9 @@ STUDY = {
     "sidmacib": {"reductions": ["none", "half"]},
 }
 LONGEST = 300.0  # s, of a run
+RUN = (sys.executable, "-m", "workflow", "study")
+# Root without the right to write where nobody may.
+AS_ANYBODY = ("setpriv", "--bounding-set=-dac_override,-dac_read_search")
 LISTENING = "0A"  # in /proc/net/tcp
 # What an engine's script may be run by in place of Python (YADE_PYTHON): none of it gives a result.
 BAD_ENGINES = {
@@ -67,8 +70,13 @@ class Campaign:
         """Of the study that is disturbed."""
         return self.folder / "results"
 
-    def run(self, limit: int | None = None, **environment: str) -> subprocess.Popen[str]:
-        """Begin the study; ``limit``: bytes that a file may have, as on a disk that is full."""
+    def run(
+        self, limit: int | None = None, prefix: Sequence[str] = (), **environment: str
+    ) -> subprocess.Popen[str]:
+        """Begin the study, perhaps by another command, ``prefix``.
+
+        ``limit``: bytes that a file may have, as on a disk that is full.
+        """
 
         def full() -> None:
             if limit is not None:
@@ -79,7 +87,7 @@ class Campaign:
         config = STUDY | ({"dem": {"engines": ["yade"], "time_limit": 3}} if environment else {})
         study.write_text(yaml.safe_dump(config))
         return subprocess.Popen(
-            [sys.executable, "-m", "workflow", "study", str(study), f"--results={self.results}"],
+            [*prefix, *RUN, str(study), f"--results={self.results}"],
             cwd=ROOT,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -198,19 +206,41 @@ def killed(campaign: Campaign) -> None:
     """A process of a run that is killed, at any moment: the whole run, or a job, or an engine."""
     shutil.rmtree(campaign.results / "cases")
     shutil.rmtree(campaign.results / "tables")
-    process = campaign.run()
-    for _ in range(3):
-        time.sleep(campaign.random.uniform(0.2, 3.0))
-        family = descendants(process.pid)
-        if process.poll() is not None or not family:
-            break
-        victim = campaign.random.choice([process.pid, *family, *family])
-        try:
-            os.kill(victim, signal.SIGKILL)
-        except ProcessLookupError:
-            continue
-        campaign.count("killed")
-    campaign.finished(process)
+    for _ in range(4):
+        process = campaign.run()
+        time.sleep(campaign.random.uniform(0.2, 8.0))
+        if process.poll() is None:
+            family = descendants(process.pid)
+            with suppress(ProcessLookupError):
+                os.kill(campaign.random.choice([process.pid, *family, *family]), signal.SIGKILL)
+                campaign.count("killed")
+        campaign.finished(process)
+
+
+def read_only(campaign: Campaign) -> None:
+    """Results that whoever runs the study may not write: one line says so, all stays as it is."""
+    before = {path: path.read_bytes() for path in campaign.files()}
+    (campaign.results / "tables/cases.csv").unlink()
+    with not_writable(campaign.results):
+        process = campaign.run(prefix=AS_ANYBODY if os.getuid() == 0 else ())
+        told = campaign.finished(process).splitlines()
+    wrong = [path for path in before if path.name != "cases.csv" and not path.exists()]
+    if wrong or not process.returncode or len(told) > 2 or "cannot be written" not in told[-1]:
+        raise LostError(f"read-only results: code {process.returncode}, {wrong}, {told}")
+    campaign.count("read-only folder")
+
+
+@contextmanager
+def not_writable(folder: Path) -> Iterator[None]:
+    """A folder that may be read only."""
+    modes = {path: path.stat().st_mode for path in [folder, *folder.rglob("*")]}
+    try:
+        for path, mode in modes.items():
+            path.chmod(mode & ~0o222)
+        yield
+    finally:
+        for path, mode in modes.items():
+            path.chmod(mode)
 
 
 def bad_engine(campaign: Campaign) -> None:
@@ -228,7 +258,7 @@ def bad_engine(campaign: Campaign) -> None:
 
 FAULTS: tuple[Callable[[Campaign], None], ...] = (
     *(deleted, truncated, garbled, foreign, stale, clock),
-    *(blocked, full_disk, two_runs, killed, bad_engine),
+    *(blocked, full_disk, read_only, two_runs, killed, bad_engine),
 )
 
 
