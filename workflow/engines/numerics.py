@@ -24,6 +24,6 @@ class Numerics:
     hold_periods: float = 400.0
     unbalanced_ratio: float = 1e-4
     collapse_ratio: float = 200.0
-    damping: float = 0.6
+    damping: float = 0.4
     time_step_ratio: float = 0.4
     ranks: int = 1

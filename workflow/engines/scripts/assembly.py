@@ -180,13 +180,14 @@ class Search:
         """Time steps in which a load is raised by ``rise``, to ``whole`` (N).
 
         What a smooth rise overshoots by goes with its height and the inverse square of its
-        duration: with a guide, a part of the load takes the root of its share, and a tenth at
-        least. Without one, every part takes as long as the whole.
+        duration: with a guide, half the load takes as long as the whole, a smaller part the root of
+        its share in that, and a tenth at least. Without one, every part takes as long.
         """
         if self.guide is None:
             return self.ramp_steps
-        share = max(0.0, rise) / max(rise, whole, self.guide.first_event_N)
-        return max(1, math.ceil(max(LEAST_RAMP, math.sqrt(share)) * self.ramp_steps))
+        share = 2.0 * max(0.0, rise) / max(rise, whole, self.guide.first_event_N)
+        part = min(1.0, max(LEAST_RAMP, math.sqrt(share)))
+        return max(1, math.ceil(part * self.ramp_steps))
 
     def collapsed(self, displacement: float, load: float) -> bool:
         """Whether a displacement (m) is too large for a load (N); exits if it is no number."""

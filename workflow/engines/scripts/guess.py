@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 AT_ONCE = 0.9  # of the way to a load at which something is expected: so far in one go
 APART = 0.05  # of the load, between equilibria that tell a slope
-QUARTERS = (0.25, 0.5, 0.75)  # of such a load: stops at which displacements are compared
+HALF = 0.5  # of such a load: a stop on the way, as displacements do not grow quite in proportion
 
 
 def failure_ahead(used: Sequence[tuple[float, float]], otherwise: float) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
-from .guess import AT_ONCE, QUARTERS, failure_ahead
+from .guess import AT_ONCE, HALF, failure_ahead
 from .records import BONDS, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -67,16 +67,16 @@ def most_used(used: dict[int, float]) -> float:
 def peak_by_failures(model: Model, search: Search) -> Peak:
     """The largest load that ``model`` carries.
 
-    The load rises to just below the failure of the next bond, with a guide by quarters. That bond
-    is cut, at this load, and all that fail in turn; where no equilibrium follows is the peak. A
-    load that fails with no bond at its limit is taken back and halves the increment.
+    The load rises to just below the failure of the next bond, with a guide by halves of the first
+    one. That bond is cut, at this load, and all that fail in turn; where no equilibrium follows is
+    the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
         raise SystemExit("the assembly does not stand under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     increment, growth = first, GROWTH
-    if search.guide:  # by quarters of what is expected
-        increment, growth = search.guide.first_event_N * QUARTERS[0], 1.0
+    if search.guide:
+        increment, growth = HALF * search.guide.first_event_N, 1.0
     first_failure = None
     before: list[tuple[float, float]] = []
     used = model.utilisation()
