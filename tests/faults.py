@@ -3,8 +3,8 @@
     make faults FAULTS=500
 
 A small study is run undisturbed. Then, round by round, faults of one kind are put into its results
-or a run of it, and the next run must end well, with the same tables byte for byte; no process of it
-and no listening socket may be left. Faults are counted by kind in build/faults.csv.
+or a run of it, and the next run must end well, with the same tables byte for byte; no process of it,
+no listening socket and no file of an engine may be left. Faults are counted by kind in build/faults.csv.
 """
 
 import argparse
@@ -294,6 +294,12 @@ def processes_in(folder: Path) -> list[str]:
     return found
 
 
+def engines_files() -> set[str]:
+    """What engines keep in the folder for temporary files."""
+    names = (path.name for path in Path("/tmp").iterdir())  # noqa: S108 - whatever TMPDIR says
+    return {name for name in names if name.startswith(("yade-", "ompi.", "openmpi-"))}
+
+
 def listening() -> set[str]:
     """Ports of this machine on which somebody listens."""
     found = set()
@@ -323,7 +329,7 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
 
     Raises `LostError`.
     """
-    expected, ports = campaign.tables(), listening()
+    expected, ports, kept = campaign.tables(), listening(), engines_files()
     what = f"{fault.__name__}, round after {sum(campaign.counts.values())} faults"
     fault(campaign)
     process = campaign.run()
@@ -339,6 +345,8 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
         raise LostError(f"{what}: processes are left: {left}")
     if more := listening() - ports:
         raise LostError(f"{what}: somebody listens on {more}")
+    if more := engines_files() - kept:
+        raise LostError(f"{what}: files are left: {more}")
 
 
 def main() -> None:

@@ -1,7 +1,9 @@
 """Jobs, their receipts, and what has to be done again."""
 
 import json
+import os
 import shutil
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -190,6 +192,16 @@ def test_a_plan_that_was_cut_or_changed_is_written_again(tmp_path: Path, damage:
     plans["summary"].write_text(damage)
     prepared(plan_of(study).jobs.values(), tmp_path)
     assert plans["summary"].read_text() == whole
+
+
+def test_times_in_the_future_become_now_for_results_and_plans(done: Job, tmp_path: Path) -> None:
+    """Or else Snakemake finds everything that is made from them older than they are."""
+    (plan,) = prepared([done], tmp_path).values()
+    record, later = tmp_path / done.outputs[0], time.time() + 1e8
+    for path in (plan, record):
+        os.utime(path, (later, later))
+    prepared([done], tmp_path)
+    assert record.stat().st_mtime == plan.stat().st_mtime < time.time()
 
 
 def test_results_that_were_moved_are_not_made_again(tmp_path: Path) -> None:

@@ -2,7 +2,9 @@
 
 import json
 import os
+import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +18,8 @@ from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt, write_whole
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
+
+CLOCKS_APART = 5.0  # s, at most, of the machines of a cluster
 
 
 @dataclass(frozen=True)
@@ -90,8 +94,11 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
 
     Results that are not what their job made are removed. If they were made from something else, the
     plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
+    Times in the future, of a clock that has jumped, become now: what is made from such a file would
+    seem older than it for ever.
     """
     plans: dict[str, Path] = {}
+    now = time.time()
     for job in jobs:
         digest = job.digest()
         path = plans[job.name] = plan_file(job, digest, results)
@@ -107,9 +114,18 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         if reason not in (None, STALE):
             for name in job.outputs:
                 (results / name).unlink(missing_ok=True)
+        for made in (path, *(results / name for name in job.outputs)):
+            _date_back(made, now)
     index = {name: str(path) for name, path in plans.items()}
     write_whole(_index(results), json.dumps(index) + "\n")
     return plans
+
+
+def _date_back(path: Path, now: float) -> None:
+    """Set a file's time to ``now`` (s) if it is later."""
+    with suppress(FileNotFoundError):
+        if path.stat().st_mtime > now + CLOCKS_APART:
+            os.utime(path, (now, now))
 
 
 def _holds(path: Path, text: str) -> bool:

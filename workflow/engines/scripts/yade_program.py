@@ -4,6 +4,7 @@
 In YADE's own launcher, where it has been imported already, it is taken as it is.
 """
 
+import contextlib
 import os
 import sys
 from importlib import import_module
@@ -40,3 +41,8 @@ create_interaction: Any = import_module("yade._utils").createInteraction
 
 O: Any = wrapper.Omega()  # noqa: E741 (YADE's name for the simulation)
 VERSION: str = import_module("yade.config").version
+
+# States are kept in memory: the folder that YADE has made in /tmp, whatever TMPDIR says, stays empty,
+# and for ever.
+with contextlib.suppress(OSError):
+    Path(O.tmpFilename()).parent.rmdir()
