@@ -3,8 +3,9 @@
     make faults FAULTS=500
 
 A small study is run undisturbed. Then, round by round, faults of one kind are put into its results
-or a run of it, and the next run must end well, with the same tables byte for byte; no process of it,
-no listening socket and no file of an engine may be left. Faults are counted by kind in build/faults.csv.
+or a run of it, and the next run must end well, with the same tables byte for byte; no process of
+it, no listening socket and no file of an engine may be left. Faults are counted by kind in
+build/faults.csv.
 """
 
 import argparse
@@ -296,7 +297,7 @@ def processes_in(folder: Path) -> list[str]:
 
 def engines_files() -> set[str]:
     """What engines keep in the folder for temporary files."""
-    names = (path.name for path in Path("/tmp").iterdir())  # noqa: S108 - whatever TMPDIR says
+    names = (path.name for path in Path("/tmp").iterdir())
     return {name for name in names if name.startswith(("yade-", "ompi.", "openmpi-"))}
 
 

@@ -42,7 +42,6 @@ create_interaction: Any = import_module("yade._utils").createInteraction
 O: Any = wrapper.Omega()  # noqa: E741 (YADE's name for the simulation)
 VERSION: str = import_module("yade.config").version
 
-# States are kept in memory: the folder that YADE has made in /tmp, whatever TMPDIR says, stays empty,
-# and for ever.
+# States are kept in memory: the folder that YADE has made in /tmp stays empty, and for ever.
 with contextlib.suppress(OSError):
     Path(O.tmpFilename()).parent.rmdir()
