@@ -9,6 +9,7 @@
 # make test    lint and all tests, real runs of the engines included
 # make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
+# make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
 # make lint    ruff, snakefmt and mypy alone
@@ -22,15 +23,16 @@ MODEL ?=
 BASE ?=
 PROFILE ?=
 FAULTS ?= 500
+FUZZ ?= 100000
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS
+export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -70,6 +72,9 @@ test-slurm: .venv/test.ready .venv/slurm.ready
 
 faults: .venv/test.ready
 	@$(BIN)/python tests/faults.py --faults "$$FAULTS"
+
+fuzz: .venv/test.ready
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .

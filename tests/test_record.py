@@ -2,6 +2,7 @@
 
 import json
 import math
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
+from sidmacib.weights import lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome, State
 from workflow.results.files import (
@@ -161,6 +163,18 @@ def test_stresses_and_forces_are_the_same_thing() -> None:
     assert stress_to_force(assembly.nodes, frames, stress) == pytest.approx(force)
 
 
+@pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.04, False), (1.2, True)])
+def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refused: bool) -> None:
+    case = case_of(0.5)
+    assembly, found = parts(case)
+    peak = found.path[-1]
+    assert peak.force is not None
+    wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
+    loads = lateral_load(case.joint, assembly, case.loading)
+    with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
+        record_of(case, assembly, loads, wrong, {})
+
+
 def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
     case = case_of()
     assembly = assemble(case.joint, case.mesh, case.nodes)
@@ -169,10 +183,7 @@ def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
     stress = np.zeros((len(area), 4))
     stress[:, 2] = np.linspace(-1.0, 1.0, len(area)) * case.joint.inner.cohesion
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
-    loads = lateral_load(case.joint, assembly, case.loading)
-    outcome = Outcome((State(100.0, None, force, np.ones(len(area), bool)),), 100.0)
-    record = record_of(case, assembly, loads, outcome, {})
-    for each in record.weights:
+    for each in lock_weights(case.joint, assembly, force):
         name = next(f.name for f in assembly.faces if _is_inner_of(f.name, each.lock))
         own = [assembly.faces[n].name == name for n in assembly.nodes.face]
         resultant = float(np.sum(stress[own, 2] * area[own]))

@@ -23,6 +23,7 @@ NODE_COLUMNS = (
 )
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
+MOST_TOLD = 100  # letters, of what is wrong with a file
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
 
 
@@ -51,8 +52,8 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         return peak, failed, None if first is None else float(first), mode
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
-        raise ResultError(f"{path.name}: unreadable: {error}") from None
+    except (ValueError, OverflowError, TypeError, KeyError, AttributeError) as error:
+        raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_TOLD]}") from None
 
 
 def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:

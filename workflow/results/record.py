@@ -20,6 +20,7 @@ from workflow.case import Case
 from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
+MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
@@ -105,7 +106,9 @@ def record_of(
             _rounded_weight(each, case.joint.T0)
             for each in lock_weights(case.joint, assembly, peak.force)
         )
-        balance = _clean(unbalanced_share(assembly, loads, peak.load, peak.force), 1e-12)
+        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
+        _check_balance(balance, peak.load, loads)
+        balance = _clean(balance, 1e-12)
     load = _significant(peak.load)
     first = outcome.first_failure_load
     return CaseRecord(
@@ -166,6 +169,16 @@ def _check_loads(outcome: Outcome) -> None:
                 f"displacement {state.displacement:g} m at {state.load:g} N is not possible; "
                 "it must be finite"
             )
+
+
+def _check_balance(share: float, load: float, loads: Loads) -> None:
+    """Raise `ResultError` where stresses do not balance the loads; ``share``: of ``load`` (N)."""
+    always = float(np.linalg.norm(loads.permanent[:, :3], axis=1).sum())
+    if not share <= MOST_UNBALANCED * max(1.0, always / load):
+        raise ResultError(
+            f"stresses do not balance the loads: {share:.3g} times the load is left on a piece; it "
+            f"must be {MOST_UNBALANCED:g} or less"
+        )
 
 
 def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
