@@ -74,9 +74,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
         raise SystemExit("the assembly does not stand under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
-    increment, growth = first, GROWTH
-    if search.guide:
-        increment, growth = HALF * search.guide.first_event_N, 1.0
+    expected = search.guide.first_event_N if search.guide else 0.0
+    increment = HALF * expected or first
     first_failure = None
     before: list[tuple[float, float]] = []
     used = model.utilisation()
@@ -92,7 +91,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             if outcome is not Outcome.EQUILIBRIUM:
                 model.record(peak, outcome.value)
                 return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
-            before, increment, growth = [], max(first / 4, AFTER * peak), GROWTH
+            before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
             continue
         load = next_load(before, increment, tolerance)
         while True:
@@ -118,7 +117,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * first:
             raise SystemExit("the load grows without a peak")
-        increment *= growth
+        increment *= GROWTH if load >= expected else 1.0
 
 
 def _cascade(
