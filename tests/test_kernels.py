@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
+pytestmark = pytest.mark.study
+
 NEEDS = {"SkylakeX": "avx512f", "Haswell": "avx2", "Zen": "avx2", "Nehalem": "sse4_2"}
 EXACT = ("limit load", "limit forces", "capacities", "envelope")  # no BLAS on the way to these
 

@@ -22,6 +22,8 @@ from workflow.cases import cases_of
 from workflow.plan import plan_of
 from workflow.schema import Study
 
+pytestmark = pytest.mark.study
+
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
 CHROMIUM = shutil.which("chromium")

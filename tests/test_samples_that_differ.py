@@ -26,6 +26,8 @@ from workflow.results.record import CaseRecord
 from workflow.schema import Study
 from workflow.threedec import decks
 
+pytestmark = pytest.mark.study
+
 PUBLISHED = read_published()
 
 

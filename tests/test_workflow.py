@@ -19,6 +19,8 @@ from test_decks import returned
 from workflow.configuration import read_study
 from workflow.threedec import decks
 
+pytestmark = pytest.mark.study
+
 SMALL = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
