@@ -22,7 +22,7 @@ from sidmacib.contact_points import ContactOption, contact_points
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
-from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.optimisation import Family
 from sidmacib.pieces import cut_pieces, upper_block
 from sidmacib.validation import refused, require_not_negative
 
@@ -189,17 +189,18 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
     """
     programme = _programme(model)
     load, slope = cp.Variable(), cp.Parameter(2)
-    problem = cp.Problem(
-        cp.Maximize(load),
-        [*programme.constraints, load >= 0, programme.loads == slope * load],
+    family = Family(
+        cp.Problem(
+            cp.Maximize(load),
+            [*programme.constraints, load >= 0, programme.loads == slope * load],
+        )
     )
 
     def along(direction: Direction) -> Capacity:
         # V and M of 1 N of load, and a load that takes one of them or both to about their units.
         each = np.array([direction.shear, direction.torque * model.joint.a])
         unit = 1.0 / float(np.abs(each / programme.units.plane).sum())
-        slope.value = unit * each / programme.units.plane
-        solve(problem, f"e = {direction.eccentricity:g} a")
+        family.solve(unit * each / programme.units.plane, f"e = {direction.eccentricity:g} a")
         value = unit * float(cast(float, load.value))
         forces = programme.units.forces * programme.forces.value
         return Capacity(value, value * each[0], value * each[1], forces)
@@ -220,15 +221,14 @@ class SupportFunction:
     """
 
     programme: _Programme
-    normal: cp.Parameter
-    problem: cp.Problem
+    family: Family
 
     @classmethod
     def of(cls, model: Sidmacib) -> "SupportFunction":
         """Set up the programme of ``model``."""
         programme, normal = _programme(model), cp.Parameter(2)
         aim = cp.Maximize(normal @ programme.loads)
-        return cls(programme, normal, cp.Problem(aim, programme.constraints))
+        return cls(programme, Family(cp.Problem(aim, programme.constraints)))
 
     @property
     def plane(self) -> Floats:
@@ -237,7 +237,6 @@ class SupportFunction:
 
     def __call__(self, normal: Floats) -> Floats:
         """The furthest point along ``normal``."""
-        self.normal.value = normal
         V, M = normal / self.plane
-        solve(self.problem, f"outward normal (V, M) = ({V:g}, {M:g})")
+        self.family.solve(normal, f"outward normal (V, M) = ({V:g}, {M:g})")
         return np.array(self.programme.loads.value, dtype=float)

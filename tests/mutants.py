@@ -33,7 +33,7 @@ LONGEST = 400.0  # s, of all tests with one fault
 
 @dataclass(frozen=True)
 class Mutant:
-    """A fault: where it is (file, line), what it is, and the change as a diff, if it was noticed."""
+    """A fault: its file, line and kind, whether it was noticed, and the change as a diff."""
 
     module: str
     line: int

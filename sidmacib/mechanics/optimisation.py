@@ -11,12 +11,13 @@ with other settings or another solver. Programmes should be stated in units in w
 are about 1.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import cvxpy as cp
 import numpy as np
+import scipy.sparse as sp
 
 from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
@@ -43,8 +44,8 @@ _CONIC: tuple[tuple[str, dict[str, Any]], ...] = (
     (cp.CLARABEL, _INTERIOR | _CAREFUL | {"equilibrate_enable": False}),
 )
 _LINEAR: tuple[tuple[str, dict[str, Any]], ...] = (
+    (cp.HIGHS, _SIMPLEX | {"presolve": "off"}),  # it takes longer than such programmes
     (cp.HIGHS, _SIMPLEX),
-    (cp.HIGHS, _SIMPLEX | {"presolve": "off"}),
     *_CONIC[:2],
 )
 
@@ -69,12 +70,102 @@ def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     that names ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
     `sidmacib.errors.SolverError` where no solver came to a verdict that holds.
     """
+    return _solved(problem, what, accuracies, _direct(problem))
+
+
+class Family:
+    """A programme that is solved for many values of its only parameter.
+
+    What a solver is given is affine in the parameter (disciplined parametrised programming, Agrawal
+    et al. 2019), so it is made once and added up for each value, in place of being made each time.
+    """
+
+    def __init__(self, problem: cp.Problem) -> None:
+        """``problem``: with one parameter, a vector, and no constant in its aim."""
+        (self.parameter,) = problem.parameters()
+        self.problem = problem
+        self._forms: dict[str, _Form] = {}
+
+    def solve(self, value: Floats, what: str) -> None:
+        """Solve for a ``value`` of the parameter, as `solve` does."""
+        self.parameter.value = value
+
+        def form(solver: str, settings: dict[str, Any]) -> _Given:
+            if solver not in self._forms:
+                self._forms[solver] = _Form.of(self.parameter, _direct(self.problem), solver)
+                self.parameter.value = value
+            return self._forms[solver].at(value)
+
+        _solved(self.problem, what, (), form)
+
+
+# What a solver is given, what gives it, and what takes its answer back.
+_Given = tuple[dict[str, Any], Any, Any]
+_Giver = Callable[[str, dict[str, Any]], _Given]
+
+
+def _direct(problem: cp.Problem) -> _Giver:
+    """What solvers are given for ``problem`` as it is now."""
+    return lambda solver, settings: problem.get_problem_data(solver, solver_opts=dict(settings))
+
+
+@dataclass(frozen=True)
+class _Form:
+    """The standard form as a function of a parameter p: c, b and the entries of A are affine.
+
+    ``constant``, ``slopes``: of those entries, by name, (E,) and (E, p).
+    """
+
+    given: _Given
+    constant: dict[str, Floats]
+    slopes: dict[str, Floats]
+
+    @classmethod
+    def of(cls, parameter: cp.Parameter, direct: _Giver, solver: str) -> "_Form":
+        """From the standard forms at 0 and at the unit vectors."""
+        count = parameter.size
+        places = np.vstack([np.zeros(count), np.eye(count)])
+        forms = []
+        for place in places:
+            parameter.value = place
+            forms.append(direct(solver, {}))
+        given = forms[0]
+        matrices = [data["A"] for data, _, _ in forms]
+        pattern = sp.csc_array(sum(abs(matrix) for matrix in matrices))
+        pattern.sort_indices()
+        rows = pattern.indices
+        columns = np.repeat(np.arange(pattern.shape[1]), np.diff(pattern.indptr))
+        entries = {
+            "c": [data["c"] for data, _, _ in forms],
+            "b": [data["b"] for data, _, _ in forms],
+            "A": [np.asarray(matrix.toarray()[rows, columns]) for matrix in matrices],
+        }
+        constant = {name: own[0] for name, own in entries.items()}
+        slopes = {
+            name: np.column_stack([each - own[0] for each in own[1:]])
+            for name, own in entries.items()
+        }
+        data = given[0] | {"A": pattern}
+        return cls((data, *given[1:]), constant, slopes)
+
+    def at(self, value: Floats) -> _Given:
+        """What the solver is given at a ``value`` of the parameter."""
+        data, chain, inverse = self.given
+        # Not by BLAS, which rounds as the processor likes.
+        now = {n: self.constant[n] + np.sum(self.slopes[n] * value, axis=1) for n in self.constant}
+        A = data["A"]
+        matrix = sp.csc_array((now["A"], A.indices, A.indptr), shape=A.shape)
+        return {**data, "c": now["c"], "b": now["b"], "A": matrix}, chain, inverse
+
+
+def _solved(problem: cp.Problem, what: str, accuracies: tuple[float, ...], given: _Giver) -> float:
+    """Do what `solve` says, with what solvers are ``given``."""
     verdicts: list[str] = []
     found: list[tuple[float, Any, Any]] = []  # of all solvers: errors, and how to take the answer
     wanted = accuracies or (ACCURACY,)
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
         try:
-            data, chain, inverse = problem.get_problem_data(solver, solver_opts=dict(settings))
+            data, chain, inverse = given(solver, settings)
             raw = chain.solve_via_data(problem, data, solver_opts=dict(settings))
         except (cp.SolverError, ValueError) as refusal:
             verdicts.append(f"{solver}: {refusal}")
