@@ -11,7 +11,8 @@
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make docs    the pages as a site: build/docs/index.html
-# make bench   how long everything takes on this machine; BASE=folder: another checkout beside it
+# make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
+# make mutants whether the tests notice faults in the code, MUTANTS=200
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
@@ -24,15 +25,17 @@ BASE ?=
 PROFILE ?=
 FAULTS ?= 500
 FUZZ ?= 100000
+MUTANTS ?= 200
+PEERS ?=
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ
+export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz mutants lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -60,7 +63,7 @@ docs: .venv/test.ready
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	@echo "Pages: build/docs/index.html"
 
-bench: .venv/test.ready
+bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
 	@$(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
@@ -75,6 +78,9 @@ faults: .venv/test.ready
 
 fuzz: .venv/test.ready
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
+
+mutants: .venv/test.ready .venv/mutants.ready
+	@$(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
@@ -97,8 +103,8 @@ format: .venv/test.ready
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
 	@touch $@
 
-.venv/slurm.ready: requirements-slurm.txt .venv/study.ready
-	$(BIN)/pip install --quiet --require-hashes --requirement requirements-slurm.txt
+.venv/%.ready: requirements-%.txt .venv/study.ready
+	$(BIN)/pip install --quiet --require-hashes --requirement $<
 	@touch $@
 
 system:
@@ -110,7 +116,9 @@ system-test:
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
 	$(COMPILE) --extra dev --constraint requirements.txt --output-file requirements-dev.txt
-	$(COMPILE) --extra slurm --constraint requirements.txt --output-file requirements-slurm.txt
+	for extra in slurm peers mutants; do \
+		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt || exit 1; \
+	done
 
 clean:
 	rm -rf .venv .snakemake results

@@ -20,6 +20,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
+from analysis.peers import peer_times
 from workflow.closure import ROOT
 from workflow.configuration import read_study
 from workflow.plan import plan_of
@@ -139,12 +140,11 @@ def library_figures() -> Iterator[Figure]:
         yield Figure("static cases, 5 locks", "1/s", 1000 / (time.perf_counter() - start))
     yield Figure("static case, 63 locks", "s", static_seconds(63, 0.02))
     yield Figure("static case, 15 locks, mesh 0.005 m", "s", static_seconds(15, 0.005))
+    for locks in (3, 5):
+        for name, milliseconds in peer_times(sidmacib.Joint(locks)):
+            yield Figure(f"{name}, {locks} locks", "ms CPU", milliseconds)
     model = sidmacib.Sidmacib(sidmacib.Joint(5), sidmacib.OPTIONS["option4"])
-    directions = [sidmacib.Direction(0.01 * n) for n in range(200)]
-    sidmacib.capacities(model, directions[:2])
-    start = time.perf_counter()
-    sidmacib.capacities(model, directions)
-    yield Figure("SiDMACIB, one point", "ms", 1e3 * (time.perf_counter() - start) / 200)
+    sidmacib.envelope(model)
     start = time.perf_counter()
     for _ in range(10):
         sidmacib.envelope(model)
