@@ -10,6 +10,8 @@
 # make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
+# make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
+# make scaling what a large study takes, CASES=100000: time, files, memory
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
 # make mutants whether the tests notice faults in the code, MUTANTS=200
@@ -26,16 +28,18 @@ PROFILE ?=
 FAULTS ?= 500
 FUZZ ?= 100000
 MUTANTS ?= 200
+CASES ?= 100000
+PYTHONS ?=
 PEERS ?=
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS
+export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz mutants lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz mutants same scaling lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -81,6 +85,12 @@ fuzz: .venv/test.ready
 
 mutants: .venv/test.ready .venv/mutants.ready
 	@$(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
+
+same: .venv/test.ready
+	@$(BIN)/python tests/same_bytes.py $(PYTHONS)
+
+scaling: .venv/test.ready
+	@$(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .

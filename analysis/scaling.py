@@ -1,0 +1,93 @@
+"""What a large study takes: `make scaling CASES=100000`.
+
+A study of the static model with that many cases is run, and run again when there is nothing to do.
+Time on the clock and of processors, memory of the largest process, files and bytes are in
+tables/scaling.csv, beside those of a tenth and a hundredth of the cases.
+"""
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from analysis.benchmark import used
+from workflow.closure import ROOT
+from workflow.times import read_times
+
+MESHES = [round(0.02 + 0.0004 * n, 4) for n in range(25)]
+SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}
+COLUMNS = (
+    *("cases", "jobs", "wall_s", "cpu_s", "largest_process_MB"),
+    *("cases_cpu_s", "tables_cpu_s", "again_s", "files", "MB"),
+)
+
+
+def study(cases: int) -> dict[str, object]:
+    """A study of about that many cases of the static model."""
+    each = max(1, round(cases / len(MESHES) / len(SAMPLES)))
+    return {
+        "samples": SAMPLES,
+        "meshes": MESHES,
+        "eccentricities": [round(2.0 * n / each, 6) for n in range(each)],
+        "nodes": "centres",
+        "models": ["static"],
+        "dem": {"engines": []},
+        "sidmacib": {
+            "options": {"option4": {"positions": [-0.25, 0.25], "portions": [0.5, 0.5]}},
+            "reductions": ["none"],
+        },
+    }
+
+
+def row(cases: int, folder: Path) -> dict[str, float]:
+    """Run a study of about that many cases in ``folder``, twice."""
+    config = study(cases)
+    path, results = folder / "study.yaml", folder / "results"
+    path.write_text(yaml.safe_dump(config))
+    command = [sys.executable, "-m", "workflow", "study", str(path), f"--results={results}"]
+    first, again = used(command, ROOT), used(command, ROOT)
+    times = pd.DataFrame(list(_cpu(results)), columns=["kind", "cpu"]).groupby("kind")["cpu"].sum()
+    files = [each for each in results.rglob("*") if each.is_file()]
+    count = len(pd.read_parquet(results / "tables/cases.parquet"))
+    return dict(
+        zip(
+            COLUMNS,
+            (
+                *(count, len(list((results / ".receipts").rglob("*.json")))),
+                *(first.wall, first.cpu, first.memory),
+                *(times.get("static", 0.0), times.drop("static", errors="ignore").sum()),
+                *(again.wall, len(files), sum(each.stat().st_size for each in files) / 1e6),
+            ),
+            strict=True,
+        )
+    )
+
+
+def _cpu(results: Path) -> Iterator[tuple[str, float]]:
+    for kind, told in read_times(results):
+        yield kind, told["own_cpu_s"] + told["programs_cpu_s"]
+
+
+def main() -> None:
+    """Command line: how many cases, and where the table goes."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--cases", type=int, default=100_000)
+    parser.add_argument("--results", type=Path, default=ROOT / "results")
+    arguments = parser.parse_args()
+    rows = []
+    for cases in (arguments.cases // 100, arguments.cases // 10, arguments.cases):
+        with tempfile.TemporaryDirectory(prefix="multilock-scaling-") as name:
+            rows.append(row(cases, Path(name)))
+        print(", ".join(f"{key} {value:.4g}" for key, value in rows[-1].items()), flush=True)
+    path = arguments.results / "tables/scaling.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pd.DataFrame(rows).to_csv(path, index=False, float_format="%.6g")
+    print(f"Table: {path}")
+
+
+if __name__ == "__main__":
+    main()
