@@ -22,7 +22,7 @@ import yaml
 
 ROOT = Path(__file__).parents[1]
 STUDY = {
-    "samples": {"n4": {"locks": 4, "dry": {"friction": 0.1}}},
+    "samples": {"n5": {"locks": 5, "dry": {"friction": 0.1}}},
     "meshes": [0.02],
     "eccentricities": [0, 0.5, "torsion"],
     "models": ["static", "limit", "law", "safe"],
@@ -66,16 +66,19 @@ def digests(run: Run, folder: Path) -> dict[str, str]:
     study = folder / "study.yaml"
     study.write_text(yaml.safe_dump(STUDY))
     results = folder / "results"
-    subprocess.run(
+    ended = subprocess.run(
         [
             *(run.python.parent / "snakemake", "--configfile", study, "--cores", run.cores),
             *("--quiet", "all", "--config", f"results={results}"),
         ],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT), **run.environment},
-        check=True,
+        check=False,
         capture_output=True,
+        text=True,
     )
+    if ended.returncode:
+        raise SystemExit(f"{run.name}: {ended.stdout[-2000:]}{ended.stderr[-2000:]}")
     found = sorted(path for kind in KINDS for path in results.glob(kind))
     told = {path: path.read_bytes().replace(str(results).encode(), b"results") for path in found}
     return {
