@@ -1,5 +1,6 @@
 """Collect the records of all cases in tables."""
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -72,7 +73,7 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
 
 def friction_share(record: CaseRecord) -> float:
     """Share of V that reaches the lower body other than by its locks; nan in pure torsion."""
-    by_locks = abs(sum(w.shear_y_N for w in record.weights if w.block == "lower"))
+    by_locks = abs(math.fsum(w.shear_y_N for w in record.weights if w.block == "lower"))
     return 1.0 - by_locks / record.shear_N if record.shear_N else float("nan")
 
 

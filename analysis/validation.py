@@ -96,7 +96,7 @@ def _weight_rows(
         for lock in (1, 2):
             row = {"published": swapped[lock - 1], "computed": weights[lock - 1], "note": SWAPPED}
             yield {**same, "quantity": f"weight_lock{lock}_swapped", **row}
-        total = sum(weights)
+        total = math.fsum(weights)
         value = published.numbers["weight_sum"][locks]
         yield {**same, "quantity": "weight_sum", "published": value, "computed": total}
         yield {

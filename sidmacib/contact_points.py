@@ -32,7 +32,7 @@ class ContactOption:
         if not all(is_number(x) and abs(x) <= 0.5 for x in self.positions):
             raise refused("positions", self.positions, "from -0.5 to 0.5 (of a)")
         if not all(is_number(p) and p >= 0.0 for p in self.portions) or not math.isclose(
-            sum(self.portions), 1.0
+            math.fsum(self.portions), 1.0
         ):
             raise refused("portions", self.portions, "shares from 0 to 1 that add up to 1")
 

@@ -202,7 +202,7 @@ class Joint:
     def _more(self, lock: int) -> float:
         """What the locks up to number ``lock`` are wider than as many plain ones, in m."""
         wide = dict(self.different)
-        return sum((self.width(each) - self.b for each in wide if each <= lock), start=0.0)
+        return math.fsum(self.width(each) - self.b for each in wide if each <= lock)
 
     def is_upper(self, lock: int) -> bool:
         """Whether lock number ``lock`` belongs to the upper block."""

@@ -1,5 +1,6 @@
 """The lateral load on the joint's pieces."""
 
+import math
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -66,7 +67,7 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
             share = pressing * (piece.size[1] / joint.total_width)
             permanent[i, 2] -= share
             sides.append(SideLoad(i, 2, True, (0.0, 0.0, -share, 0.0, 0.0, 0.0), permanent=True))
-    weight = sum(piece.weight for piece in assembly.pieces if not piece.fixed)
+    weight = math.fsum(piece.weight for piece in assembly.pieces if not piece.fixed)
     scale = max(joint.strengths) or weight + pressing
     return Loads(permanent, variable, scale, tuple(sides))
 

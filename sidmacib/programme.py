@@ -11,6 +11,7 @@ and checks feasibility; the linear programme here maximises the load instead, wh
 answer.
 """
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import cast
@@ -175,11 +176,11 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
     """Self-weight (N) and centroid (m, shape (3,)) of the upper block."""
     names = upper_block(joint)
     pieces = [piece for piece in cut_pieces(joint) if piece.name in names]
-    weight = sum(piece.weight for piece in pieces)
+    weight = math.fsum(piece.weight for piece in pieces)
     # By volume: without density there is a centroid too.
     volumes = [float(np.prod(piece.size)) for piece in pieces]
     moments = sum(v * piece.centre for v, piece in zip(volumes, pieces, strict=True))
-    return weight, np.asarray(moments / sum(volumes))
+    return weight, np.asarray(moments / math.fsum(volumes))
 
 
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:

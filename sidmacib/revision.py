@@ -27,7 +27,7 @@ def floor_of_sum(joint: Joint, weights: Weights) -> tuple[float, ...]:
     ValueError if the locks differ in strength.
     """
     _require_alike(joint, "floor_of_sum")
-    return active(joint, math.floor(sum(weights)))
+    return active(joint, math.floor(math.fsum(weights)))
 
 
 def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:

@@ -1,5 +1,6 @@
 """Bonded faces of the chain: their stiffness as a whole, and how far forces use their strength."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +32,7 @@ class Bond:
         own[[one, two]] = self.shear_stiffness
         own[face.normal] = self.normal_stiffness
         own[[3 + one, 3 + two]] = self.normal_stiffness * np.array([squares[two], squares[one]])
-        own[3 + face.normal] = self.shear_stiffness * sum(squares.values())
+        own[3 + face.normal] = self.shear_stiffness * math.fsum(squares.values())
         return own * face.area
 
     def used(

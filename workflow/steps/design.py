@@ -1,5 +1,6 @@
 """Solve a batch of a design's joints in all directions, on two meshes, and write rows of them."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -100,6 +101,6 @@ def _loads(joint: Joint, coarse: CaseRecord, fine: CaseRecord) -> dict[str, Any]
         "peak_mesh_error": coarse.load_N / fine.load_N - 1.0,
         "mode": fine.mode,
         "unbalanced_share": fine.unbalanced_share,
-        "weight_sum": sum(each["weight"] for each in weights),
-        "lower_weight_sum": sum(e["weight"] for e in weights if e["block"] == "lower"),
+        "weight_sum": math.fsum(each["weight"] for each in weights),
+        "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
     }

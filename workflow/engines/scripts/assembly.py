@@ -132,7 +132,7 @@ class Assembly:
     @property
     def permanent_N(self) -> float:
         """Sum of the forces that always act on the free pieces, such as their weight."""
-        return sum(length(self.pieces[index].force_N) for index in self.free)
+        return math.fsum(length(self.pieces[index].force_N) for index in self.free)
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> Assembly
 
 def dot(one: Iterable[float], other: Iterable[float]) -> float:
     """Scalar product."""
-    return sum(a * b for a, b in zip(one, other, strict=True))
+    return math.fsum(a * b for a, b in zip(one, other, strict=True))
 
 
 def length(vector: Vector) -> float:

@@ -345,7 +345,7 @@ def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | Non
     moment = plus(wrench[3:], cross(arm, force), -1.0)  # about the side's own centre
     turn = [0.0, 0.0, 0.0]
     for k in range(3):
-        second = sum(edge**2 for j, edge in enumerate(size) if j != k) / 12
+        second = math.fsum(edge**2 for j, edge in enumerate(size) if j != k) / 12
         turn[k] = moment[k] / second if second else 0.0
     along = []
     for k, line in enumerate(grid.lines):

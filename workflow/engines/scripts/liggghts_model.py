@@ -31,7 +31,7 @@ class Placement:
         """``places`` (m) of its handles, +x, -x, +y, -y, +z, -z, ``distance`` from ``start``."""
         ends = [places[3 * k : 3 * k + 3] for k in range(6)]
         self.start = start
-        self.centre = [sum(end[k] for end in ends) / 6 for k in range(3)]
+        self.centre = [math.fsum(end[k] for end in ends) / 6 for k in range(3)]
         self.axes = [
             [(one - other) / (2 * distance) for one, other in zip(*pair, strict=True)]
             for pair in (ends[0:2], ends[2:4], ends[4:6])
@@ -41,7 +41,8 @@ class Placement:
         """Where a point of the piece is now."""
         arm = plus(position, self.start, -1.0)
         return [
-            c + sum(arm[k] * self.axes[k][i] for k in range(3)) for i, c in enumerate(self.centre)
+            c + math.fsum(arm[k] * self.axes[k][i] for k in range(3))
+            for i, c in enumerate(self.centre)
         ]
 
     def motion(self) -> Motion:
@@ -183,7 +184,7 @@ class LiggghtsModel:
     def displacement(self) -> float:
         """The displacement that the load works on: its work per unit of load, in m."""
         motions = self.motions()
-        return sum(
+        return math.fsum(
             dot(part.force, motions[part.piece].displacement)
             + dot(part.moment_m, motions[part.piece].rotation)
             for part in self.assembly.loads
@@ -192,7 +193,7 @@ class LiggghtsModel:
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
         values = self.engine.values(self.force_variables)
-        total = sum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
+        total = math.fsum(map(length, zip(values[::3], values[1::3], values[2::3], strict=True)))
         return total / len(self.assembly.free) / max(load, self.assembly.permanent_N)
 
     def spring_forces(self) -> dict[int, list[float]]:

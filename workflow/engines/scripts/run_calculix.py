@@ -48,7 +48,7 @@ def find_first_failure(
     for time, moved in engine.states():
         history.time_steps += 1
         history.attempts = history.time_steps
-        along = sum(force * moved[node][k - 1] for (node, k), force in deck.variable.items())
+        along = math.fsum(force * moved[node][k - 1] for (node, k), force in deck.variable.items())
         if not math.isfinite(along):
             raise SystemExit(f"the computation has diverged: displacement {along} m")
         jumps = [jump(own, moved) for own in weights]
@@ -191,4 +191,5 @@ def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> 
         left[face.above] = plus(left[face.above], whole)
         left[face.below] = plus(left[face.below], whole, -1.0)
     free = assembly.free
-    return sum(length(left[i]) for i in free) / len(free) / max(load, assembly.permanent_N, 1e-300)
+    total = math.fsum(length(left[i]) for i in free)
+    return total / len(free) / max(load, assembly.permanent_N, 1e-300)

@@ -169,7 +169,7 @@ class YadeModel:
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
-        total = sum(O.forces.f(clump, sync=True).norm() for clump in self.free)
+        total = math.fsum(O.forces.f(clump, sync=True).norm() for clump in self.free)
         return float(total / len(self.free) / max(load, self.assembly.permanent_N))
 
     def node_forces(self) -> list[NodeForce]:
