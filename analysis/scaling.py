@@ -18,7 +18,7 @@ from analysis.benchmark import used
 from workflow.closure import ROOT
 from workflow.times import read_times
 
-MESHES = [round(0.02 + 0.0004 * n, 4) for n in range(25)]
+MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}
 COLUMNS = (
     *("cases", "jobs", "wall_s", "cpu_s", "largest_process_MB"),
