@@ -9,6 +9,7 @@ import pytest
 from analysis.pages import elastic, published
 from analysis.pages.blocks import BLOCK, BLOCKS, PageError, blocks_of, filled
 from analysis.pages.markdown import markdown, percent
+from analysis.scaling import COLUMNS
 from workflow.results.tables import BONDS, CAPACITY, CASES, VARIANTS, read_table, write_table
 from workflow.schema import Study
 
@@ -89,6 +90,18 @@ def test_published_numbers_stand_beside_computed_ones(
     assert "nan" not in text
     assert len(text.splitlines()) > 3
     assert "static model" in text
+
+
+def test_growth_has_a_row_for_each_number_of_cases(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    rows = [dict.fromkeys(COLUMNS, number) for number in (1000.4, 20_000.0)]
+    pd.DataFrame(rows).to_csv(tmp_path / "tables/scaling.csv", index=False)
+    told = BLOCKS["scaling"](tmp_path).splitlines()
+    assert told[0].startswith("| cases | jobs | first run (s) |")
+    assert [line.split(" | ")[:2] for line in told[2:]] == [
+        ["| 1,000", "1000"],
+        ["| 20,000", "20000"],
+    ]
 
 
 def test_blocks_that_bend_are_told_from_stiff_to_soft(tmp_path: Path) -> None:

@@ -3,10 +3,10 @@
 import re
 from pathlib import Path
 
-from analysis.pages import elastic, locks, published
+from analysis.pages import elastic, locks, published, scaling
 
 BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
-BLOCKS = {**published.BLOCKS, **elastic.BLOCKS, **locks.BLOCKS}
+BLOCKS = {**published.BLOCKS, **elastic.BLOCKS, **locks.BLOCKS, **scaling.BLOCKS}
 
 
 class PageError(ValueError):
