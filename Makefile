@@ -81,7 +81,7 @@ faults: .venv/test.ready
 	@$(BIN)/python tests/faults.py --faults "$$FAULTS"
 
 fuzz: .venv/test.ready
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
+	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
 
 mutants: .venv/test.ready .venv/mutants.ready
 	@$(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
