@@ -102,13 +102,13 @@ def record_of(
             )
         if not np.isfinite(peak.force).all():
             raise ResultError("a stress is not a finite number")
+        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
+        _check_balance(balance, peak.load, loads)
+        balance = _clean(balance, 1e-12)
         weights = tuple(
             _rounded_weight(each, case.joint.T0)
             for each in lock_weights(case.joint, assembly, peak.force)
         )
-        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
-        _check_balance(balance, peak.load, loads)
-        balance = _clean(balance, 1e-12)
     load = _significant(peak.load)
     first = outcome.first_failure_load
     return CaseRecord(
