@@ -174,7 +174,8 @@ def _check_loads(outcome: Outcome) -> None:
 def _check_balance(share: float, load: float, loads: Loads) -> None:
     """Raise `ResultError` where stresses do not balance the loads; ``share``: of ``load`` (N)."""
     always = float(np.linalg.norm(loads.permanent[:, :3], axis=1).sum())
-    if not share <= MOST_UNBALANCED * max(1.0, always / load):
+    allowed = MOST_UNBALANCED * max(load, always)
+    if not (math.isfinite(share) and share * load <= allowed):
         raise ResultError(
             f"stresses do not balance the loads: {share:.3g} times the load is left on a piece; it "
             f"must be {MOST_UNBALANCED:g} or less"
