@@ -9,6 +9,8 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
+from workflow.engines.scripts.records import BONDS, MECHANISM
+from workflow.engines.scripts.run_calculix import FIRST_FAILURE
 from workflow.outcome import Outcome, State
 from workflow.results.record import CaseRecord, ResultError
 
@@ -17,6 +19,7 @@ OUTPUTS = (HISTORY, NODES, RESULT)  # of an engine
 CASE, RECORD = "case.json", "record.json"
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 BATCH_FILES = (BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY)  # files of cases that are solved together
+MODES = (BONDS, MECHANISM, FIRST_FAILURE)
 NODE_COLUMNS = (
     *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
     *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
@@ -49,6 +52,8 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         peak, failed = (float(found[name]) for name in ("peak_load_N", "failed_load_N"))
         first = found.get("first_failure_load_N")
         mode = found.get("mode")
+        if mode is not None and mode not in MODES:
+            raise ValueError(f"mode is none of {', '.join(MODES)}")
         return peak, failed, None if first is None else float(first), mode
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
