@@ -254,7 +254,7 @@ def main() -> None:
         writer.writerow(("kind", "accepted", "refused"))
         for kind in sorted(fuzz.accepted | fuzz.refused):
             writer.writerow((kind, fuzz.accepted[kind], fuzz.refused[kind]))
-    print(f"An answer or a clear no, every time. Table: {arguments.table}")
+    print(f"\nAn answer or a clear no, every time. Table: {arguments.table}")
 
 
 if __name__ == "__main__":
