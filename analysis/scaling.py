@@ -79,14 +79,14 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=100_000)
     parser.add_argument("--results", type=Path, default=ROOT / "results")
     arguments = parser.parse_args()
+    path = arguments.results / "tables/scaling.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
     rows = []
     for cases in (arguments.cases // 100, arguments.cases // 10, arguments.cases):
         with tempfile.TemporaryDirectory(prefix="multilock-scaling-") as name:
             rows.append(row(cases, Path(name)))
         print(", ".join(f"{key} {value:.4g}" for key, value in rows[-1].items()), flush=True)
-    path = arguments.results / "tables/scaling.csv"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pd.DataFrame(rows).to_csv(path, index=False, float_format="%.6g")
+        pd.DataFrame(rows).to_csv(path, index=False, float_format="%.6g")
     print(f"Table: {path}")
 
 
