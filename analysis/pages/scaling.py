@@ -12,7 +12,7 @@ COLUMNS = {  # of the page, and those of the table
     "first run (s)": ("wall_s", "{:.0f}"),
     "processors (s)": ("cpu_s", "{:.0f}"),
     "of these, cases (s)": ("cases_cpu_s", "{:.0f}"),
-    "tables, figures (s)": ("tables_cpu_s", "{:.0f}"),
+    "their table (s)": ("tables_cpu_s", "{:.0f}"),
     "again, nothing to do (s)": ("again_s", "{:.0f}"),
     "largest process (MB)": ("largest_process_MB", "{:.0f}"),
     "files": ("files", "{:.0f}"),
