@@ -88,12 +88,10 @@ class Family:
 
     def solve(self, value: Floats, what: str) -> None:
         """Solve for a ``value`` of the parameter, as `solve` does."""
-        self.parameter.value = value
 
         def form(solver: str, settings: dict[str, Any]) -> _Given:
             if solver not in self._forms:
                 self._forms[solver] = _Form.of(self.parameter, _direct(self.problem), solver)
-                self.parameter.value = value
             return self._forms[solver].at(value)
 
         _solved(self.problem, what, (), form)
