@@ -383,3 +383,9 @@ def _encoded(text: str) -> bytes:
 @pytest.fixture(autouse=True)
 def _file_of_the_fuzzer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTEST_FUZZ_FILE", str(tmp_path / "fuzzed.yaml"))
+
+
+@pytest.mark.parametrize("value", ["maybe", 3, None, "true"])
+def test_a_switch_is_true_or_false(value: object) -> None:
+    with pytest.raises(ConfigError, match=r"dem\.numerics\.guided: .* it must be true or false"):
+        read_study({**PUBLISHED, "dem": {"numerics": {"guided": value}}})

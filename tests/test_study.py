@@ -354,12 +354,6 @@ def test_an_engine_that_is_not_installed_is_left_out_and_named(
     assert "yade: not installed; on Debian: apt-get install yade" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("value", ["maybe", 3, None, "true"])
-def test_a_switch_is_true_or_false(value: object) -> None:
-    with pytest.raises(ConfigError, match=r"dem\.numerics\.guided: .* it must be true or false"):
-        read_study(merged(dem={"numerics": {"guided": value}}))
-
-
 def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -> None:
     assert notes(read_study(ONE)) == []
     config = merged(
