@@ -109,51 +109,43 @@ def _direct(problem: cp.Problem) -> _Giver:
 
 @dataclass(frozen=True)
 class _Form:
-    """The standard form as a function of a parameter p: c, b and the entries of A are affine.
+    """The standard form as a function of a parameter p: c, b and the entries of A are affine in it.
 
-    ``constant``, ``slopes``: of those entries, by name, (E,) and (E, p).
+    ``constant``, ``slopes``: of c, b and A one after the other, (E,) and (E, p).
     """
 
     given: _Given
-    constant: dict[str, Floats]
-    slopes: dict[str, Floats]
+    constant: Floats
+    slopes: Floats
 
     @classmethod
     def of(cls, parameter: cp.Parameter, direct: _Giver, solver: str) -> "_Form":
         """From the standard forms at 0 and at the unit vectors."""
         count = parameter.size
-        places = np.vstack([np.zeros(count), np.eye(count)])
         forms = []
-        for place in places:
+        for place in np.vstack([np.zeros(count), np.eye(count)]):
             parameter.value = place
             forms.append(direct(solver, {}))
-        given = forms[0]
-        matrices = [data["A"] for data, _, _ in forms]
+        (data, *rest), matrices = forms[0], [data["A"] for data, _, _ in forms]
         pattern = sp.csc_array(sum(abs(matrix) for matrix in matrices))
         pattern.sort_indices()
-        rows = pattern.indices
         columns = np.repeat(np.arange(pattern.shape[1]), np.diff(pattern.indptr))
-        entries = {
-            "c": [data["c"] for data, _, _ in forms],
-            "b": [data["b"] for data, _, _ in forms],
-            "A": [np.asarray(matrix.toarray()[rows, columns]) for matrix in matrices],
-        }
-        constant = {name: own[0] for name, own in entries.items()}
-        slopes = {
-            name: np.column_stack([each - own[0] for each in own[1:]])
-            for name, own in entries.items()
-        }
-        data = given[0] | {"A": pattern}
-        return cls((data, *given[1:]), constant, slopes)
+        entries = [
+            np.concatenate([own["c"], own["b"], matrix.toarray()[pattern.indices, columns]])
+            for (own, _, _), matrix in zip(forms, matrices, strict=True)
+        ]
+        slopes = np.column_stack([each - entries[0] for each in entries[1:]])
+        return cls((data | {"A": pattern}, *rest), entries[0], slopes)
 
     def at(self, value: Floats) -> _Given:
-        """What the solver is given at a ``value`` of the parameter."""
+        """What the solver is given at a ``value`` of the parameter, until it is asked for again."""
         data, chain, inverse = self.given
         # Not by BLAS, which rounds as the processor likes.
-        now = {n: self.constant[n] + np.sum(self.slopes[n] * value, axis=1) for n in self.constant}
-        A = data["A"]
-        matrix = sp.csc_array((now["A"], A.indices, A.indptr), shape=A.shape)
-        return {**data, "c": now["c"], "b": now["b"], "A": matrix}, chain, inverse
+        now = self.constant + np.sum(self.slopes * value, axis=1)
+        A, unknowns = data["A"], len(data["c"])
+        rows = unknowns + len(data["b"])
+        A.data[:] = now[rows:]
+        return {**data, "c": now[:unknowns], "b": now[unknowns:rows]}, chain, inverse
 
 
 def _solved(problem: cp.Problem, what: str, accuracies: tuple[float, ...], given: _Giver) -> float:
