@@ -45,6 +45,10 @@ def test_solvers_are_loaded_with_the_first_programme() -> None:
     assert "cvxpy" in loaded_by("import sidmacib; sidmacib.capacity")
 
 
+def test_planning_a_study_loads_no_compiled_model() -> None:
+    assert "numba" not in loaded_by("import workflow.plan")
+
+
 def test_every_public_name_is_there_and_listed() -> None:
     assert set(sidmacib.__all__) == set(sidmacib._HOME)
     assert dir(sidmacib) == sorted(sidmacib.__all__)

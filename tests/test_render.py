@@ -17,6 +17,7 @@ from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES, Engine
+from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import (
     DATA_FILE,
@@ -146,3 +147,14 @@ def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
 
 def test_data_are_plain_json(case) -> None:
     assert json.loads(json.dumps(assembly_data(*case))) == assembly_data(*case)
+
+
+@pytest.mark.parametrize("name", ["yade", "liggghts"])
+def test_the_static_model_tells_where_to_look_first(
+    name: str, case: tuple[Assembly, Loads]
+) -> None:
+    told = guide_of(*case)
+    assert told is not None
+    text = script(ENGINES[name], *case, Numerics(), "guided", told)
+    assert f"first_failure_N={told.first_failure_N}," in text and f"peak_N={told.peak_N}," in text
+    assert "Guide" not in script(ENGINES[name], *case, Numerics(), "not guided")

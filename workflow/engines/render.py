@@ -13,9 +13,7 @@ from typing import Any
 import jinja2
 import jinja2.meta
 
-from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads
-from sidmacib.mechanics.static import static_peak
 from sidmacib.mechanics.vibration import compliance, natural_frequencies
 from workflow.engines import Engine
 from workflow.engines.numerics import Numerics
@@ -34,12 +32,18 @@ ENVIRONMENT = jinja2.Environment(
 
 
 def write_script(
-    engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str, folder: Path
+    engine: Engine,
+    assembly: Assembly,
+    loads: Loads,
+    numerics: Numerics,
+    title: str,
+    folder: Path,
+    guide: Guide | None = None,
 ) -> None:
     """Write into ``folder`` all that the engine needs to run there, by hand as well."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-    text = script(engine, assembly, loads, numerics, title)
+    text = script(engine, assembly, loads, numerics, title, guide)
     (folder / engine.script).write_text(text)
     modules = folder / MODULES.name
     shutil.rmtree(modules, ignore_errors=True)
@@ -48,8 +52,15 @@ def write_script(
         shutil.copy(MODULES / name, modules / name)
 
 
-def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics, title: str) -> str:
-    """The engine's script for ``assembly`` under ``loads``."""
+def script(
+    engine: Engine,
+    assembly: Assembly,
+    loads: Loads,
+    numerics: Numerics,
+    title: str,
+    guide: Guide | None = None,
+) -> str:
+    """The engine's script for ``assembly`` under ``loads``; ``guide``: where it looks first."""
     return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
@@ -59,13 +70,14 @@ def script(engine: Engine, assembly: Assembly, loads: Loads, numerics: Numerics,
         ranks=numerics.ranks,
         first_increment_N=numerics.first_increment * loads.scale,
         tolerance=numerics.tolerance,
+        guide=guide,
         **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )
 
 
 def _rigid_pieces_in_time(
     assembly: Assembly, loads: Loads, numerics: Numerics
-) -> dict[str, float | int | Guide | None]:
+) -> dict[str, float | int]:
     """What rigid pieces need that move in time on contact spheres."""
     frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
@@ -79,20 +91,7 @@ def _rigid_pieces_in_time(
         "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
         "damping": numerics.damping,
         "unbalanced_ratio": numerics.unbalanced_ratio,
-        "guide": guide(assembly, loads) if numerics.guided else None,
     }
-
-
-def guide(assembly: Assembly, loads: Loads) -> Guide | None:
-    """Where the static model expects failure, roughly; None where it expects nothing."""
-    if assembly.failure is not Failure.BRITTLE:
-        return None
-    try:
-        found = static_peak(assembly, loads)
-    except CapacityError:
-        return None
-    first, peak = found.first_failure_load, found.peak.load
-    return Guide(None if first is None else _roughly(first), _roughly(peak)) if peak > 0.0 else None
 
 
 def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
@@ -204,11 +203,6 @@ def told_law(material: FaceMaterial) -> dict[str, float]:
     """What engines know of a material: none of them has bonds that fade."""
     fading = ("residual", "fracture_energy")
     return {key: value for key, value in asdict(material).items() if key not in fading}
-
-
-def _roughly(value: float) -> float:
-    """``value`` with the digits that matter to a search."""
-    return float(f"{value:.4g}")
 
 
 def _rounded(value: float) -> float:

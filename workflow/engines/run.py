@@ -5,6 +5,7 @@ from pathlib import Path
 from sidmacib.mechanics.assembly import Assembly, Failure, Kind, Loads
 from workflow.engines import Engine
 from workflow.engines.execute import EngineError, execute
+from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
 
@@ -25,7 +26,9 @@ def run_engine(
     """
     if reason := refusal(engine, assembly):
         raise EngineError(f"{engine.name}: {reason}")
-    write_script(engine, assembly, loads, numerics, title, folder)
+    guided = numerics.guided and "guided" not in engine.ignores
+    guide = guide_of(assembly, loads) if guided else None
+    write_script(engine, assembly, loads, numerics, title, folder, guide)
     execute(engine, folder, time_limit)
 
 

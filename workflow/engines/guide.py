@@ -1,0 +1,26 @@
+"""Where an engine looks first: the static model's answer, which stands beside the engine's anyway.
+
+Apart from `workflow.engines.render`, so that whoever only plans loads no compiled model.
+"""
+
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Assembly, Failure, Loads
+from sidmacib.mechanics.static import static_peak
+from workflow.engines.scripts.assembly import Guide
+
+
+def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
+    """Where the static model expects failure, roughly; None where it expects nothing."""
+    if assembly.failure is not Failure.BRITTLE:
+        return None
+    try:
+        found = static_peak(assembly, loads)
+    except CapacityError:
+        return None
+    first, peak = found.first_failure_load, found.peak.load
+    return Guide(None if first is None else _roughly(first), _roughly(peak)) if peak > 0.0 else None
+
+
+def _roughly(value: float) -> float:
+    """``value`` with the digits that matter to a search."""
+    return float(f"{value:.4g}")
