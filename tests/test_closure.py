@@ -38,7 +38,7 @@ print("\\n".join(sorted(name for name in opened if name.startswith(sys.argv[2] +
 def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A project of four modules."""
     monkeypatch.setattr(module, "ROOT", tmp_path)
-    for name in ("_imports", "_tree", "_tree_digest", "_content_digest", "closure"):
+    for name in ("_imports", "_tree", "_tree_digest", "_content_digest", "closure", "source"):
         monkeypatch.setattr(module, name, getattr(module, name).__wrapped__)
     (tmp_path / "workflow").mkdir()
     for name, text in {
@@ -78,6 +78,27 @@ def test_data_files_count_by_content(project: Path) -> None:
     before = module.code_digest(["workflow.a"], ["data.yaml"])
     (project / "data.yaml").write_text("a: 2")
     assert module.code_digest(["workflow.a"], ["data.yaml"]) != before
+
+
+def test_code_that_is_edited_while_a_study_runs_is_noticed_and_a_comment_is_not(
+    project: Path,
+) -> None:
+    code = json.loads(json.dumps(module.described(["workflow.a"])))
+    assert not module.edited(code)
+    (project / "workflow/c.py").write_text("# why\n\nimport  numpy\n")
+    assert not module.edited(code)
+    (project / "workflow/c.py").write_text("import numpy\nx = 1")
+    assert module.edited(code)
+    (project / "workflow/c.py").unlink()
+    assert module.edited(code)
+
+
+def test_files_that_are_as_they_were_need_no_look_at_their_syntax(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = module.described(["workflow.a"])
+    monkeypatch.setattr(module, "_tree", None)
+    assert not module.edited(code)
 
 
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:

@@ -18,6 +18,7 @@ from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from workflow.__main__ import profile_named
 from workflow.case import Case
+from workflow.closure import described
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
@@ -148,8 +149,8 @@ def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Sig
         **{"arguments": {}, "settings": {}},
     }
     path = tmp_path / "plan.json"
-    code = "import workflow.job as j, sys; j.code_digest = lambda *_: 'x'; j.main()"
-    plan["code"] = {"digest": "x", "modules": [], "files": []}
+    code = "import workflow.job as j; j.main()"
+    plan["code"] = described([])
     path.write_text(json.dumps(plan))
     process = subprocess.Popen(
         [sys.executable, "-c", code, str(path)],

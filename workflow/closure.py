@@ -6,9 +6,11 @@ module counts by its syntax tree: comments and layout do not matter.
 
 import ast
 import hashlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("sidmacib", "workflow", "analysis")
@@ -36,6 +38,29 @@ def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
+def described(modules: Iterable[str], files: Iterable[str] = ()) -> dict[str, Any]:
+    """That code as plain data, for `edited`."""
+    modules, files = sorted(modules), sorted(files)
+    paths = map(source, set().union(*map(closure, modules)))
+    sources = sorted({str(path.relative_to(ROOT)) for path in paths if path} | set(files))
+    return {
+        "digest": code_digest(modules, files),
+        "modules": modules,
+        "files": files,
+        "sources": sources,
+        "contents": _contents_digest(sources),
+    }
+
+
+def edited(code: Mapping[str, Any]) -> bool:
+    """Whether code is another now than when it was `described`."""
+    with suppress(OSError):  # a file that is gone: perhaps no code was in it
+        if _contents_digest(code["sources"]) == code["contents"]:  # no need to look at the syntax
+            return False
+    return code_digest(code["modules"], code["files"]) != code["digest"]
+
+
+@cache
 def source(module: str) -> Path | None:
     """The file of a module of this project; None for any other module."""
     if module.split(".", maxsplit=1)[0] not in PACKAGES:
@@ -90,6 +115,10 @@ def _tree(module: str) -> ast.Module:
 @cache
 def _tree_digest(module: str) -> str:
     return hashlib.sha256(ast.dump(_tree(module)).encode()).hexdigest()
+
+
+def _contents_digest(names: Iterable[str]) -> str:
+    return hashlib.sha256("\n".join(map(_content_digest, names)).encode()).hexdigest()
 
 
 @cache

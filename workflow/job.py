@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from workflow.closure import code_digest
+from workflow.closure import edited
 from workflow.kills import STOPPED, KilledError, begin, end
 from workflow.receipts import write_receipt
 
@@ -33,8 +33,7 @@ def end_with_parent() -> None:
 
 def run_job(plan: dict[str, Any]) -> None:
     """Do the job that ``plan`` describes as plain data, and leave a receipt if it has a result."""
-    code = plan["code"]
-    if code_digest(code["modules"], code["files"]) != code["digest"]:
+    if edited(plan["code"]):
         sys.exit(f"{plan['name']}: the code was edited after the run had begun; start it again")
     results = Path(plan["results"])
     receipt = results / plan["receipt"]

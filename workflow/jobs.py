@@ -14,7 +14,7 @@ from analysis.report.parts import FILES as REPORT_FILES
 from analysis.report.parts import REPORT
 from analysis.report.parts import TABLES as REPORT_TABLES
 from workflow.case import Case
-from workflow.closure import code_digest
+from workflow.closure import code_digest, described
 from workflow.engines import ENGINES, Engine
 from workflow.engines.render import sources
 from workflow.models import MODELS, Obtained, detailed
@@ -80,11 +80,7 @@ class Job:
             "name": self.name,
             "digest": digest,
             "step": self.step,
-            "code": {
-                "digest": self.code(),
-                "modules": self.runs,
-                "files": self.files,
-            },
+            "code": described(self.runs, self.files),
             "results": str(results),
             "inputs": self.inputs,
             "outputs": self.outputs,
@@ -140,18 +136,27 @@ def versions(engine: Engine) -> dict[str, str]:
 
 
 def batches(cases: list[Case]) -> dict[str, list[Case]]:
-    """Cases in batches, by the first digits of their digests.
+    """Cases in batches, by the first bits of their digests.
 
     So adding or changing a case moves no other case to another batch, unless the number of cases
-    grows so far that another digit is needed.
+    grows so far that another bit is needed.
     """
-    digits = 0
-    while len(cases) > BATCH * 16**digits:
-        digits += 1
+    bits = 0
+    while len(cases) > BATCH << bits:
+        bits += 1
     found: dict[str, list[Case]] = {}
     for case in cases:
-        found.setdefault("-".join(filter(None, ("batch", case.digest()[:digits]))), []).append(case)
+        found.setdefault(_batch_name(case.digest(), bits), []).append(case)
     return dict(sorted(found.items()))
+
+
+def _batch_name(digest: str, bits: int) -> str:
+    """A name made from the first ``bits`` of a hexadecimal ``digest``."""
+    if bits == 0:
+        return "batch"
+    digits = -(-bits // 4)
+    number = int(digest[:digits], 16) >> (4 * digits - bits)
+    return f"batch-{number:0{digits}x}"
 
 
 def _batch_job(model: str, batch: str, cases: list[Case]) -> Job:
