@@ -21,10 +21,6 @@ from workflow.times import read_times
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}
-COLUMNS = (
-    *("cases", "jobs", "wall_s", "cpu_s", "largest_process_MB"),
-    *("cases_cpu_s", "tables_cpu_s", "again_s", "files", "MB"),
-)
 
 
 def study(cases: int) -> dict[str, object]:
@@ -54,18 +50,18 @@ def row(cases: int, folder: Path) -> dict[str, float]:
     times = pd.DataFrame(list(_cpu(results)), columns=["kind", "cpu"]).groupby("kind")["cpu"].sum()
     files = [each for each in results.rglob("*") if each.is_file()]
     count = len(pd.read_parquet(results / "tables/cases.parquet"))
-    return dict(
-        zip(
-            COLUMNS,
-            (
-                *(count, len(list((results / ".receipts").rglob("*.json")))),
-                *(first.wall, first.cpu, first.memory),
-                *(times.get("static", 0.0), times.drop("static", errors="ignore").sum()),
-                *(again.wall, len(files), sum(each.stat().st_size for each in files) / 1e6),
-            ),
-            strict=True,
-        )
-    )
+    return {
+        "cases": count,
+        "jobs": len(list((results / ".receipts").rglob("*.json"))),
+        "wall_s": first.wall,
+        "cpu_s": first.cpu,
+        "largest_process_MB": first.memory,
+        "cases_cpu_s": times.get("static", 0.0),
+        "tables_cpu_s": times.drop("static", errors="ignore").sum(),
+        "again_s": again.wall,
+        "files": len(files),
+        "MB": sum(each.stat().st_size for each in files) / 1e6,
+    }
 
 
 def _cpu(results: Path) -> Iterator[tuple[str, float]]:

@@ -9,7 +9,6 @@ build/faults.csv.
 """
 
 import argparse
-import csv
 import json
 import os
 import random
@@ -26,6 +25,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
+from counts import write_counts
 
 ROOT = Path(__file__).parents[1]
 STUDY = {
@@ -367,10 +367,7 @@ def main() -> None:
             held(campaign, FAULTS[number % len(FAULTS)])
             number += 1
             print(f"{sum(campaign.counts.values())} faults: {campaign.counts}", flush=True)
-    arguments.table.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.table.open("w", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerows([("kind", "faults"), *sorted(campaign.counts.items())])
+    write_counts(arguments.table, ("kind", "faults"), sorted(campaign.counts.items()))
     print(f"Nothing was lost. Table: {arguments.table}")
 
 

@@ -8,7 +8,6 @@ of few lines; nothing else. What was tried is counted by kind in build/fuzz.csv.
 """
 
 import argparse
-import csv
 import json
 import math
 import random
@@ -22,6 +21,7 @@ from typing import Any
 
 import yaml
 from click.testing import CliRunner
+from counts import write_counts
 from test_decks import returned
 from test_record import case_of, write_engine_files
 
@@ -248,12 +248,11 @@ def main() -> None:
         for part in range(100):
             tried(fuzz, math.ceil(arguments.inputs / 100))
             print(f"{part + 1} %", end="\r", flush=True)
-    arguments.table.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.table.open("w", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(("kind", "accepted", "refused"))
-        for kind in sorted(fuzz.accepted | fuzz.refused):
-            writer.writerow((kind, fuzz.accepted[kind], fuzz.refused[kind]))
+    rows = [
+        (kind, fuzz.accepted[kind], fuzz.refused[kind])
+        for kind in sorted(fuzz.accepted | fuzz.refused)
+    ]
+    write_counts(arguments.table, ("kind", "accepted", "refused"), rows)
     print(f"\nAn answer or a clear no, every time. Table: {arguments.table}")
 
 

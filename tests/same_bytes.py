@@ -8,7 +8,6 @@ from the first run is named in build/same.csv.
 """
 
 import argparse
-import csv
 import hashlib
 import os
 import subprocess
@@ -19,6 +18,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
+from counts import write_counts
+from kernels import NEEDS, can_run
 
 ROOT = Path(__file__).parents[1]
 STUDY = {
@@ -28,7 +29,6 @@ STUDY = {
     "models": ["static", "limit", "law", "safe"],
     "dem": {"engines": ["yade", "liggghts"]},
 }
-KERNELS = {"SkylakeX": "avx512f", "Haswell": "avx2", "Zen": "avx2", "Nehalem": "sse4_2"}
 KINDS = ("tables/*.csv", "figures/*.png", "figures/*.pdf", "cases/*/*/*.csv", "summary.txt")
 
 
@@ -47,10 +47,8 @@ def runs(pythons: list[Path]) -> Iterator[Run]:
     yield Run("all cores")
     yield Run("again")
     yield Run("one core", cores="1")
-    flags = Path("/proc/cpuinfo").read_text()
-    for kernel, needed in KERNELS.items():
-        if needed in flags:
-            yield Run(f"kernel {kernel}", environment={"OPENBLAS_CORETYPE": kernel})
+    for kernel in filter(can_run, NEEDS):
+        yield Run(f"kernel {kernel}", environment={"OPENBLAS_CORETYPE": kernel})
     for python in pythons:
         yield Run(f"Python {version(python)}", python)
 
@@ -103,10 +101,7 @@ def main() -> None:
         )
         rows.append((run.name, len(found), len(other), " ".join(other)))
         print(f"{run.name}: {len(found)} files, {len(other)} others {' '.join(other)}", flush=True)
-    arguments.table.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.table.open("w", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerows([("run", "files", "others", "which"), *rows])
+    write_counts(arguments.table, ("run", "files", "others", "which"), rows)
     sys.exit(1 if any(count for _, _, count, _ in rows) else 0)
 
 

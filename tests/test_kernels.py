@@ -2,23 +2,16 @@
 
 import json
 import os
-import platform
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from kernels import NEEDS, can_run
 
 pytestmark = pytest.mark.study
 
-NEEDS = {"SkylakeX": "avx512f", "Haswell": "avx2", "Zen": "avx2", "Nehalem": "sse4_2"}
 EXACT = ("limit load", "limit forces", "capacities", "envelope")  # no BLAS on the way to these
-
-
-def can_run(kernel: str) -> bool:
-    info = Path("/proc/cpuinfo")
-    return platform.machine() == "x86_64" and info.exists() and NEEDS[kernel] in info.read_text()
 
 
 @pytest.fixture(scope="module")

@@ -6,10 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.pages import elastic, published
+from analysis.pages import elastic, published, scaling
 from analysis.pages.blocks import BLOCK, BLOCKS, PageError, blocks_of, filled
 from analysis.pages.markdown import markdown, percent
-from analysis.scaling import COLUMNS
 from workflow.results.tables import BONDS, CAPACITY, CASES, VARIANTS, read_table, write_table
 from workflow.schema import Study
 
@@ -94,7 +93,8 @@ def test_published_numbers_stand_beside_computed_ones(
 
 def test_growth_has_a_row_for_each_number_of_cases(tmp_path: Path) -> None:
     (tmp_path / "tables").mkdir()
-    rows = [dict.fromkeys(COLUMNS, number) for number in (1000.4, 20_000.0)]
+    columns = [column for column, _ in scaling.COLUMNS.values()]
+    rows = [dict.fromkeys(columns, number) for number in (1000.4, 20_000.0)]
     pd.DataFrame(rows).to_csv(tmp_path / "tables/scaling.csv", index=False)
     told = BLOCKS["scaling"](tmp_path).splitlines()
     assert told[0].startswith("| cases | jobs | first run (s) |")

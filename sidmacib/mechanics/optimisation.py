@@ -13,6 +13,7 @@ are about 1.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import cvxpy as cp
@@ -70,7 +71,8 @@ def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     that names ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
     `sidmacib.errors.SolverError` where no solver came to a verdict that holds.
     """
-    return _solved(problem, what, accuracies, _direct(problem))
+    given = partial(problem.get_problem_data, solver_opts={})  # they do not change the form
+    return _solved(problem, what, accuracies, given)
 
 
 class Family:
@@ -89,9 +91,9 @@ class Family:
     def solve(self, value: Floats, what: str) -> None:
         """Solve for a ``value`` of the parameter, as `solve` does."""
 
-        def form(solver: str, settings: dict[str, Any]) -> _Given:
+        def form(solver: str) -> _Given:
             if solver not in self._forms:
-                self._forms[solver] = _Form.of(self.parameter, _direct(self.problem), solver)
+                self._forms[solver] = _Form.of(self.problem, self.parameter, solver)
             return self._forms[solver].at(value)
 
         _solved(self.problem, what, (), form)
@@ -99,12 +101,7 @@ class Family:
 
 # What a solver is given, what gives it, and what takes its answer back.
 _Given = tuple[dict[str, Any], Any, Any]
-_Giver = Callable[[str, dict[str, Any]], _Given]
-
-
-def _direct(problem: cp.Problem) -> _Giver:
-    """What solvers are given for ``problem`` as it is now."""
-    return lambda solver, settings: problem.get_problem_data(solver, solver_opts=dict(settings))
+_Giver = Callable[[str], _Given]
 
 
 @dataclass(frozen=True)
@@ -119,13 +116,13 @@ class _Form:
     slopes: Floats
 
     @classmethod
-    def of(cls, parameter: cp.Parameter, direct: _Giver, solver: str) -> "_Form":
+    def of(cls, problem: cp.Problem, parameter: cp.Parameter, solver: str) -> "_Form":
         """From the standard forms at 0 and at the unit vectors."""
         count = parameter.size
         forms = []
         for place in np.vstack([np.zeros(count), np.eye(count)]):
             parameter.value = place
-            forms.append(direct(solver, {}))
+            forms.append(problem.get_problem_data(solver, solver_opts={}))
         (data, *rest), matrices = forms[0], [data["A"] for data, _, _ in forms]
         pattern = sp.csc_array(sum(abs(matrix) for matrix in matrices))
         pattern.sort_indices()
@@ -155,7 +152,7 @@ def _solved(problem: cp.Problem, what: str, accuracies: tuple[float, ...], given
     wanted = accuracies or (ACCURACY,)
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
         try:
-            data, chain, inverse = given(solver, settings)
+            data, chain, inverse = given(solver)
             raw = chain.solve_via_data(problem, data, solver_opts=dict(settings))
         except (cp.SolverError, ValueError) as refusal:
             verdicts.append(f"{solver}: {refusal}")

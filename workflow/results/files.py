@@ -9,8 +9,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
-from workflow.engines.scripts.records import BONDS, MECHANISM
-from workflow.engines.scripts.run_calculix import FIRST_FAILURE
+from workflow.engines.scripts.records import MODES
 from workflow.outcome import Outcome, State
 from workflow.results.record import CaseRecord, ResultError
 
@@ -19,7 +18,6 @@ OUTPUTS = (HISTORY, NODES, RESULT)  # of an engine
 CASE, RECORD = "case.json", "record.json"
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 BATCH_FILES = (BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY)  # files of cases that are solved together
-MODES = (BONDS, MECHANISM, FIRST_FAILURE)
 NODE_COLUMNS = (
     *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
     *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),

@@ -14,6 +14,8 @@ from .assembly import Assembly, Vector
 Row = dict[str, Any]
 BONDS = "bonds"  # at the load that failed, bonds broke
 MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
+FIRST_FAILURE = "first failure"  # bonds would break; what comes after it is not known
+MODES = (BONDS, MECHANISM, FIRST_FAILURE)
 
 
 class Outcome(Enum):
@@ -39,7 +41,7 @@ class Peak:
     """The largest load that is carried, in N, and what was found beside it.
 
     ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
-    node failed, None if none did. ``mode``: how it failed, `BONDS` or `MECHANISM`. ``nodes``: the
+    node failed, None if none did. ``mode``: how it failed, one of `MODES`. ``nodes``: the
     forces at the peak.
     """
 

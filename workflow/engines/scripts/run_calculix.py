@@ -13,9 +13,8 @@ from pathlib import Path
 from .assembly import Assembly, Vector, dot, length, plus, utilisation
 from .calculix_deck import JOB, Deck
 from .calculix_process import CalculixProcess, Displacements
-from .records import History, NodeForce, Outcome, Peak
+from .records import FIRST_FAILURE, History, NodeForce, Outcome, Peak
 
-FIRST_FAILURE = "first failure"  # the mode: what comes after it is not known
 GROWTH = 0.25  # of the load, a step where that is more than the first one
 LARGEST_LOAD = 1e6  # over the first step
 LARGEST_UNBALANCED = 0.05  # mean force left on a piece over the load; found up to 0.007
