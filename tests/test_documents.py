@@ -132,6 +132,7 @@ def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.M
         assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
 
 
+@pytest.mark.study
 def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
     done = subprocess.run(

@@ -108,6 +108,7 @@ def served() -> Iterator[str]:
     thread.join()
 
 
+@pytest.mark.study
 @pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 def test_the_page_follows_while_a_slider_moves(served: str) -> None:
     errors: list[str] = []

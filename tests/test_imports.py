@@ -61,6 +61,7 @@ def test_an_unknown_name_is_an_attribute_error() -> None:
         sidmacib.Capacities  # noqa: B018
 
 
+@pytest.mark.study
 def test_type_checkers_know_the_types_of_public_names(tmp_path: Path) -> None:
     (tmp_path / "user.py").write_text(
         "import sidmacib\nfrom sidmacib import Joint, assemble, limit_load\n"

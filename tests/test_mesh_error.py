@@ -1,6 +1,7 @@
 """Mesh errors: what two meshes tell of the capacity at an ever finer one."""
 
 from dataclasses import replace
+from functools import cache
 from itertools import product
 from typing import Any
 
@@ -101,22 +102,24 @@ def test_a_case_without_a_result_has_no_error_and_gives_none() -> None:
 
 
 # --- of the static model -------------------------------------------------------------------------
+@cache
+def static_peak_of(locks: int, ratio: float, mesh: float, layout: NodeLayout) -> float:
+    """In N."""
+    loading = Loading(Direction(ratio))
+    case = Case("n", "static", "reference", "n", Joint(locks), mesh, layout, loading, None)
+    found = solved(case, solve)[0].load_N
+    assert found is not None
+    return found
+
+
 @pytest.mark.parametrize("nodes", NodeLayout)
 def test_errors_told_of_the_static_model_bound_its_true_ones_most_of_the_time(
     nodes: NodeLayout,
 ) -> None:
-    def load(locks: int, ratio: float, mesh: float, layout: NodeLayout) -> float:
-        loading = Loading(Direction(ratio))
-        joint = Joint(locks)
-        case = Case("n", "static", "reference", "n", joint, mesh, layout, loading, None)
-        found = solved(case, solve)[0].load_N
-        assert found is not None
-        return found
-
     held = []
     for locks, ratio in product((3, 5), (0.0, 0.1, 0.5, np.inf)):
-        exact = load(locks, ratio, 0.0025, NodeLayout.LOBATTO)
-        loads = {mesh: load(locks, ratio, mesh, nodes) for mesh in (0.02, 0.005)}
+        exact = static_peak_of(locks, ratio, 0.0025, NodeLayout.LOBATTO)
+        loads = {mesh: static_peak_of(locks, ratio, mesh, nodes) for mesh in (0.02, 0.005)}
         held += [
             abs(loads[mesh] - exact) / loads[0.005] <= error + SCATTER
             for mesh, error in mesh_errors(loads).items()

@@ -58,6 +58,7 @@ def test_tables_in_markdown() -> None:
     assert percent(0.5, 0) == "+50 %"
 
 
+@pytest.mark.study
 def test_numbers_of_a_study_are_those_of_its_tables(solved_study: tuple[Study, Path]) -> None:
     _, results = solved_study
     cases = read_table(CASES, results / "tables" / "cases.csv")
@@ -70,6 +71,7 @@ def test_numbers_of_a_study_are_those_of_its_tables(solved_study: tuple[Study, P
     assert told[4] == f"| torsion | {torsion[0]:.1f} | {torsion[1]:.1f} |"
 
 
+@pytest.mark.study
 def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None:
     _, results = solved_study
     capacity = read_table(CAPACITY, results / "tables" / "capacity.csv")
@@ -81,6 +83,7 @@ def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None
     assert row == f"| n3 | {', '.join(f'{slope:.2f}' for slope in slopes)} |"
 
 
+@pytest.mark.study
 @pytest.mark.parametrize("name", ["published-short", "peaks", "weights", "options"])
 def test_published_numbers_stand_beside_computed_ones(
     name: str, solved_study: tuple[Study, Path]

@@ -46,7 +46,8 @@ def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: floa
     model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
     law, fade, state = NodeLaw.of(model), Softening.of(model), NodeState.initial(NodeLaw.of(model))
     last = 2 * energy / INNER.cohesion
-    moves = np.linspace(0.0, 1.2 * last, 1001)
+    rise = 2.0 * INNER.cohesion / INNER.shear_stiffness
+    moves = np.union1d(np.linspace(0.0, rise, 40), np.linspace(0.0, 1.2 * last, 200))
     stress = []
     for moved in moves:
         force = np.zeros((len(law.friction), 3))

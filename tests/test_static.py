@@ -273,6 +273,7 @@ def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
     assert static_peak(renumbered(model), loads).peak.load == pytest.approx(one.peak.load, rel=1e-6)
 
 
+@pytest.mark.study
 def test_results_are_the_same_bytes_whatever_the_kernel_of_blas() -> None:
     code = (
         "from sidmacib import *\n"
