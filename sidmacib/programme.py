@@ -202,7 +202,7 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
         each = np.array([direction.shear, direction.torque * model.joint.a])
         unit = 1.0 / float(np.abs(each / programme.units.plane).sum())
         family.solve(unit * each / programme.units.plane, f"e = {direction.eccentricity:g} a")
-        value = unit * float(cast(float, load.value))
+        value = unit * float(cast(float, load.value)) + 0.0  # no -0
         forces = programme.units.forces * programme.forces.value
         return Capacity(value, value * each[0], value * each[1], forces)
 

@@ -50,6 +50,14 @@ def test_points_inside_an_edge_are_no_vertices(angle: float) -> None:
     assert len(polygon(mean_support).vertices) == 4
 
 
+@pytest.mark.parametrize("lean", [(1, 5), (1, -5), (-1, 5), (-1, -5)])
+def test_a_slender_triangle_that_leans_has_three_vertices(lean: tuple[int, int]) -> None:
+    """One corner is furthest in many directions."""
+    corners = np.array([[0.0, 0.0], lean, [0.5 * lean[0], 0.0]])
+    found = polygon(support_of(corners)).vertices
+    assert {tuple(v) for v in found} == {tuple(v) for v in corners}
+
+
 def test_a_single_point_has_one_vertex() -> None:
     assert polygon(lambda normal: np.array([0.2, 0.3])).vertices.tolist() == [[0.2, 0.3]]
 

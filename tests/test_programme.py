@@ -209,6 +209,15 @@ def test_the_ready_options_are_the_papers_four_and_more() -> None:
     assert [*READY_OPTIONS] == [*OPTIONS, "bilinear"]
 
 
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+def test_a_joint_without_strength_that_nothing_presses_carries_nothing(
+    eccentricity: float,
+) -> None:
+    model = Sidmacib(Joint(3, density=0.0), OPTIONS["option4"], strength=(0.0,) * 3, overload=0.0)
+    found = capacity(model, Direction(eccentricity))
+    assert (str(found.load), found.shear, found.torque) == ("0.0", 0.0, 0.0)
+
+
 def test_a_lock_that_does_not_count_keeps_its_normal_force(joint: Joint) -> None:
     model = Sidmacib(joint, OPTIONS["option4"], strength=(0.0, 1.0, 0.0))
     assert capacity(model, PURE_SHEAR).shear == pytest.approx(joint.T0)

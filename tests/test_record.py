@@ -48,14 +48,16 @@ def write_engine_files(folder: Path, case: Case) -> Assembly:
     assembly, found = parts(case)
     peak = found.path[-1]
     assert peak.force is not None
+    assert peak.bonded is not None
     stress = force_to_stress(assembly.nodes, face_frames(assembly), peak.force)
     lines = [",".join(NODE_COLUMNS)]
-    for number, place, area, values in zip(
-        assembly.nodes.face, assembly.nodes.position, assembly.nodes.area, stress, strict=True
+    nodes = assembly.nodes
+    for number, place, area, values, bonded in zip(
+        nodes.face, nodes.position, nodes.area, stress, peak.bonded, strict=True
     ):
         face = assembly.faces[number]
         numbers = ",".join(repr(float(v)) for v in (*place, area, *values))
-        lines.append(f"{face.name},{face.kind},{numbers},1")
+        lines.append(f"{face.name},{face.kind},{numbers},{int(bonded)}")
     (folder / NODES).write_text("\n".join(lines) + "\n")
     rows = [f"{s.load!r},{s.displacement!r},equilibrium" for s in found.path]
     (folder / HISTORY).write_text("\n".join(["load_N,displacement_m,stage", *rows]) + "\n")
@@ -69,8 +71,11 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     case = case_of(0.5)
     assembly = write_engine_files(tmp_path, case)
     loads = lateral_load(case.joint, assembly, case.loading)
-    record = record_of(case, assembly, loads, read_outcome(tmp_path, assembly), {"yade": "1"})
-    expected = solved(case, static.solve)[0]
+    outcome = read_outcome(tmp_path, assembly)
+    record = record_of(case, assembly, loads, outcome, {"yade": "1"})
+    expected, _, found = solved(case, static.solve)
+    assert np.array_equal(outcome.path[-1].bonded, found.path[-1].bonded)
+    assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
     assert record.load_N == expected.load_N
     assert record.mode == "bonds"
     assert [w.weight for w in record.weights] == pytest.approx([w.weight for w in expected.weights])

@@ -129,7 +129,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
         found.stop()
 
 
-def study(folder: Path, name: str, *options: str) -> subprocess.Popen[str]:
+def study(folder: Path, name: str, *options: str, **environment: str) -> subprocess.Popen[str]:
     """A study that is begun, in a folder of its own."""
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(STUDY))
@@ -140,7 +140,7 @@ def study(folder: Path, name: str, *options: str) -> subprocess.Popen[str]:
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
     )
 
 
@@ -169,3 +169,33 @@ def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     assert cluster.jobs() == []
     # What a job that was killed leaves behind is gone.
     assert not [path for path in (tmp_path / "remote" / ".begun").rglob("*") if path.is_file()]
+
+
+# YADE's Python, but for one case.
+BREAKS_DOWN = """#!/bin/sh
+if grep -q torsion joint.py; then echo engine broke down; exit 7; fi
+exec /usr/bin/python3 "$@"
+"""
+
+
+def test_a_case_that_fails_among_others_in_a_job_leaves_a_hole_that_is_named(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    broken = tmp_path / "broken-python"
+    broken.write_text(BREAKS_DOWN)
+    broken.chmod(0o755)
+    local = study(tmp_path, "local", YADE_PYTHON=str(broken))
+    remote = study(tmp_path, "remote", "--profile=slurm", YADE_PYTHON=str(broken))
+    told = [each.communicate(timeout=540)[0] for each in (local, remote)]
+    reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
+    assert all(reason in each for each in told)
+    assert local.returncode != 0
+    assert remote.returncode != 0
+    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
+    for name, options in (("local", ()), ("remote", ("--profile=slurm",))):
+        again = study(tmp_path, name, *options)
+        last, _ = again.communicate(timeout=540)
+        assert again.returncode == 0, last
+    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
+    assert b"broke down" not in tables(tmp_path / "local")["cases.csv"]
+    assert cluster.jobs() == []
