@@ -7,14 +7,17 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from conftest import ROOT
 
 from workflow.case import Case
 from workflow.cases import cases_of
-from workflow.configuration import read_study
+from workflow.configuration import read_study, read_study_file
 from workflow.job import run_job
-from workflow.jobs import BATCH, Job, batches
+from workflow.jobs import BATCH, BATCH_TIME, Job, batches
 from workflow.lock import LockedError, lock
+from workflow.needs import solved_needs
 from workflow.plan import plan_of, prepared
 from workflow.receipts import STALE, fault, read_receipt, write_receipt
 from workflow.schema import Study
@@ -126,6 +129,13 @@ def test_every_case_is_in_one_batch_and_batches_have_the_size_that_is_asked_for(
     assert max(map(len, found.values())) <= BATCH
     assert len(found) == 8
     assert BATCH / 2 < len(cases) / len(found) <= BATCH
+
+
+def test_cases_that_take_long_are_in_small_batches() -> None:
+    found = batches(list(cases_of(read_study_file(ROOT / "elastic.yaml")).values()))
+    times = [solved_needs(cases).time for cases in found.values()]
+    assert BATCH_TIME / 2 < np.mean(times) <= BATCH_TIME
+    assert sum(map(len, found.values())) > 500
 
 
 def test_a_case_that_is_added_stays_out_of_the_other_batches() -> None:

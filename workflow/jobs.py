@@ -24,7 +24,8 @@ from workflow.results.files import BATCH_FILES, OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
 from workflow.threedec import DECK, deck_folder
 
-BATCH = 512  # cases in a batch, on average, at most
+# A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
+BATCH, BATCH_TIME = 512, 120.0  # cases, s
 RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
 
@@ -138,11 +139,11 @@ def versions(engine: Engine) -> dict[str, str]:
 def batches(cases: list[Case]) -> dict[str, list[Case]]:
     """Cases in batches, by the first bits of their digests.
 
-    So adding or changing a case moves no other case to another batch, unless the number of cases
-    grows so far that another bit is needed.
+    So adding or changing a case moves no other case to another batch, unless there is so much to do
+    that another bit is needed.
     """
-    bits = 0
-    while len(cases) > BATCH << bits:
+    bits, time = 0, solved_needs(cases).time
+    while len(cases) > BATCH << bits or time > BATCH_TIME * 2**bits:
         bits += 1
     found: dict[str, list[Case]] = {}
     for case in cases:

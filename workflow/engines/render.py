@@ -173,6 +173,7 @@ def _imported(text: str, prefix: str) -> set[str]:
     }
 
 
+@cache
 def sources(engine: Engine) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Modules that the engine's script imports, and files it is made of, below the project."""
     files, waiting = [], [engine.template]
