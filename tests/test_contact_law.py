@@ -50,18 +50,27 @@ def test_a_bonded_node_is_linear(n: float, x: float, y: float) -> None:
     assert force == pytest.approx((NORMAL * n, SHEAR * x, SHEAR * y))
 
 
-@given(moves, moves, moves, st.booleans())
+@given(moves, moves, moves, st.floats(0.001, 1.0))
+def test_a_bond_that_has_faded_is_as_much_softer_but_pressed_together(
+    n: float, x: float, y: float, whole: float
+) -> None:
+    force = node_force(NORMAL, SHEAR, FRICTION, whole, n, x, y)
+    normal = NORMAL * n if n > 0.0 else whole * NORMAL * n
+    assert force == pytest.approx((normal, whole * SHEAR * x, whole * SHEAR * y))
+
+
+@given(moves, moves, moves, st.sampled_from([0.0, 0.3, 1.0]))
 def test_the_tangent_is_the_derivative_of_the_force(
-    n: float, x: float, y: float, bonded: bool
+    n: float, x: float, y: float, whole: float
 ) -> None:
     slip, step = math.hypot(x, y), 1e-11
     # Away from where the derivative jumps: opening, the edge of the cone and its tip.
     assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - FRICTION * NORMAL * n) > 1e-2)
-    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, FRICTION, bonded, n, x, y)
+    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, FRICTION, whole, n, x, y)
     expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
     for axis, move in enumerate(np.eye(3) * step):
         after, before = (
-            node_force(NORMAL, SHEAR, FRICTION, bonded, n + d[0], x + d[1], y + d[2])
+            node_force(NORMAL, SHEAR, FRICTION, whole, n + d[0], x + d[1], y + d[2])
             for d in (move, -move)
         )
         derivative = (np.array(after) - np.array(before)) / (2 * step)

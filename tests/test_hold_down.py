@@ -12,7 +12,7 @@ from sidmacib.contact_points import OPTIONS
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Elastic, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
 from sidmacib.pieces import PLATE, assemble
@@ -103,6 +103,15 @@ def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost
     found = static_peak(*loaded(joint, mesh=mesh))
     assert found.peak.load == pytest.approx((weight + force) * half / ((joint.h + H) / 2), rel=1e-3)
     assert found.mode is Mode.ROCKING
+
+
+def test_one_lock_of_an_elastic_block_slides_and_rocks_as_a_rigid_one() -> None:
+    for H, friction, mode in ((0.03, 0.2, Mode.MECHANISM), (0.5, 3.0, Mode.ROCKING)):
+        joint = Joint(1, H=H, first=Block.UPPER, dry=replace(DRY, friction=friction))
+        joint = replace(joint, hold_down=HoldDown.force(100.0))
+        rigid, soft = solved(joint), solved(replace(joint, elastic=Elastic(1e10)))
+        assert (rigid.mode, soft.mode) == (mode, mode)
+        assert soft.peak.load == pytest.approx(rigid.peak.load, rel=0.02)
 
 
 @pytest.mark.parametrize("push", Push)

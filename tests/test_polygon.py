@@ -58,6 +58,12 @@ def test_a_slender_triangle_that_leans_has_three_vertices(lean: tuple[int, int])
     assert {tuple(v) for v in found} == {tuple(v) for v in corners}
 
 
+@pytest.mark.parametrize("ends", [[(-5, -2), (-5, 3)], [(5, 2), (5, 3)], [(0, -1), (2, 1)]])
+def test_a_straight_line_has_its_ends_for_vertices(ends: list[tuple[int, int]]) -> None:
+    found = polygon(support_of(np.array(ends, float))).vertices
+    assert {tuple(v) for v in found} == set(ends)
+
+
 def test_a_single_point_has_one_vertex() -> None:
     assert polygon(lambda normal: np.array([0.2, 0.3])).vertices.tolist() == [[0.2, 0.3]]
 
