@@ -8,6 +8,7 @@
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
 # make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
+# make test-container  the container, built here without a registry, and a study in it; as root
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
@@ -39,7 +40,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm faults fuzz mutants same scaling lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same scaling lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -75,7 +76,11 @@ test: .venv/test.ready lint
 
 test-slurm: .venv/test.ready .venv/slurm.ready
 	@sh workflow/system.sh slurm
-	MULTILOCK_SLURM=1 $(BIN)/pytest -m slurm
+	MULTILOCK_MACHINE=1 $(BIN)/pytest -m machine tests/test_slurm.py
+
+test-container: .venv/test.ready
+	@sh workflow/system.sh container
+	MULTILOCK_MACHINE=1 $(BIN)/pytest -m machine tests/test_container.py
 
 faults: .venv/test.ready
 	@$(BIN)/python tests/faults.py --faults "$$FAULTS"

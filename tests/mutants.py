@@ -26,7 +26,7 @@ from cosmic_ray.work_item import MutationSpec, TestOutcome
 
 ROOT = Path(__file__).parents[1]
 READERS = ("workflow/results/files.py", "workflow/results/record.py", "workflow/threedec.py")
-EVERYDAY = "not engine and not study and not slurm"
+EVERYDAY = "not engine and not study and not machine"
 TYPES = "BitOr"  # float | None: no tests are for those
 LONGEST = 400.0  # s, of all tests with one fault
 

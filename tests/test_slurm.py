@@ -51,8 +51,10 @@ NodeName={host} NodeAddr=127.0.0.1 CPUs={cores} RealMemory=8000 State=UNKNOWN
 PartitionName=local Nodes={host} Default=YES MaxTime=INFINITE State=UP
 """
 pytestmark = [
-    pytest.mark.slurm,
-    pytest.mark.skipif("MULTILOCK_SLURM" not in os.environ, reason="make test-slurm sets SLURM up"),
+    pytest.mark.machine,
+    pytest.mark.skipif(
+        "MULTILOCK_MACHINE" not in os.environ, reason="make test-slurm sets SLURM up"
+    ),
     pytest.mark.skipif(os.geteuid() != 0, reason="SLURM is set up by root"),
     pytest.mark.skipif(shutil.which("slurmctld") is None, reason="SLURM is not installed"),
 ]

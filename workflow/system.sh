@@ -1,6 +1,7 @@
 #!/bin/sh
 # Have the system packages that a study needs, with "test" those of its tests too, with "slurm" a
-# cluster's scheduler: install them as root or through sudo, or say which.
+# cluster's scheduler, with "container" what builds one: install them as root or through sudo, or say
+# which.
 set -eu
 
 # Python is needed; without an engine the study goes on with the models that need none.
@@ -17,6 +18,10 @@ command -v ccx >/dev/null || engines="$engines calculix-ccx"
 if [ "${1-}" = slurm ]; then
     command -v slurmctld >/dev/null || needed="$needed slurm-wlm"
     command -v munged >/dev/null || needed="$needed munge"
+fi
+if [ "${1-}" = container ]; then
+    command -v buildah >/dev/null || needed="$needed buildah"
+    command -v debootstrap >/dev/null || needed="$needed debootstrap"
 fi
 
 install() {

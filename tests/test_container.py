@@ -1,0 +1,87 @@
+"""The container: built from its recipe without a registry, and a study in it with both engines.
+
+What its recipe starts from is made by debootstrap where it is not there. CONTAINER_OPTIONS may have
+options of `buildah build`, such as for mirrors of your own.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+from conftest import ROOT
+
+BASE = "docker.io/library/debian:12-slim"
+IMAGE = "localhost/multilock-test"
+STUDY = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.03],
+    "models": ["static", "limit"],
+    "dem": {"engines": ["yade", "liggghts"]},
+    "eccentricities": [0, "torsion"],
+}
+PLACE = "/study"  # in the container
+pytestmark = [
+    pytest.mark.machine,
+    pytest.mark.skipif("MULTILOCK_MACHINE" not in os.environ, reason="make test-container sets it"),
+    pytest.mark.skipif(os.geteuid() != 0, reason="debootstrap asks for root"),
+    pytest.mark.skipif(shutil.which("buildah") is None, reason="buildah is not installed"),
+]
+
+
+def buildah(*words: str | Path) -> str:
+    """Run it; returns what it prints."""
+    found = subprocess.run(["buildah", *words], capture_output=True, text=True, check=False)
+    assert found.returncode == 0, f"{words}: {found.stdout[-2000:]}{found.stderr[-2000:]}"
+    return found.stdout.strip()
+
+
+def make_base(folder: Path) -> None:
+    """Debian's smallest system, as an image."""
+    root = folder / "root"
+    subprocess.run(["debootstrap", "--variant=minbase", "bookworm", root], check=True)
+    container = buildah("from", "scratch")
+    buildah("add", container, root, "/")
+    buildah("commit", "--rm", container, BASE)
+
+
+@pytest.fixture
+def container(tmp_path: Path) -> Iterator[str]:
+    """A container of the image that the recipe makes of the checkout as it was committed."""
+    images = buildah("images", "--all", "--format", "{{.Name}}:{{.Tag}}").split()
+    if BASE not in images:
+        make_base(tmp_path)
+    checkout = tmp_path / "checkout"
+    subprocess.run(["git", "clone", "--quiet", ROOT, checkout], check=True)
+    options = shlex.split(os.environ.get("CONTAINER_OPTIONS", ""))
+    alone = ("--isolation", "chroot", "--pull-never", "--network", "host")
+    buildah("build", *alone, *options, "--tag", IMAGE, checkout)
+    name = buildah("from", "--pull-never", IMAGE)
+    yield name
+    buildah("rm", name)
+    buildah("rmi", IMAGE, *([] if BASE in images else [BASE]))
+
+
+def test_a_study_in_the_container_has_the_same_tables_as_here(
+    container: str, tmp_path: Path
+) -> None:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY))
+    python = "/opt/multilock/.venv/bin/python"  # of the recipe's entry point
+    study = ("-m", "workflow", "study", "study.yaml")
+    inside = ("run", "--isolation", "chroot", "--volume", f"{folder}:{PLACE}")
+    buildah(*inside, "--workingdir", PLACE, container, "--", python, *study, "--results=inside")
+    here = [sys.executable, *study[:3], str(folder / "study.yaml"), f"--results={folder / 'here'}"]
+    subprocess.run(here, cwd=ROOT, check=True)
+    found, expected = (
+        {path.name: path.read_bytes() for path in (folder / name / "tables").glob("*.csv")}
+        for name in ("inside", "here")
+    )
+    assert len(expected) > 5
+    assert found == expected
