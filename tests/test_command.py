@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from analysis.looks import look_of
+from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import law, safe
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
@@ -20,6 +21,7 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.weights import lock_weights
 
 
 def run(*arguments: str) -> Result:
@@ -108,18 +110,50 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
     rows = answers("envelope", "-n", "3", "--picture", str(picture))
     assert rows[0]["e/a"] == 0.0
     assert rows[-1]["e/a"] == "torsion"
+    joint = Joint(3)
+    own = [row for row in rows if row["model"] == "law"]
+    assert len(own) > 5
+    for row in own:
+        ratio = math.inf if row["e/a"] == "torsion" else float(str(row["e/a"]))
+        expected = law(joint, Direction(ratio))
+        assert row["V (N)"] == pytest.approx(expected.shear)
+        assert row["M (N m)"] == pytest.approx(expected.torque)
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 def test_weights_are_those_of_each_lock() -> None:
-    rows = answers("weights", "-n", "5")
+    rows = answers("weights", "-n", "5", "-e", "0.3")
+    joint = Joint(5)
+    assembly, found = load_path(joint, Loading(Direction(0.3)), 0.24975 * joint.b)
+    for row, lock in zip(rows, lock_weights(joint, assembly, found.peak.force), strict=True):
+        assert (row["lock"], row["block"]) == (lock.lock, lock.block)
+        assert row["weight"] == pytest.approx(lock.weight)
+        assert row["largest shear / cohesion"] == pytest.approx(lock.max_shear_ratio)
+        assert row["Vx (N)"] == pytest.approx(lock.shear_x_N, abs=1e-9 * joint.T0)
+        assert row["Vy (N)"] == pytest.approx(lock.shear_y_N, abs=1e-9 * joint.T0)
     assert [row["lock"] for row in rows] == [1, 2, 3, 4, 5]
-    assert max(float(str(row["weight"])) for row in rows) == pytest.approx(1.0, abs=1e-3)
+    in_shear = [float(str(row["weight"])) for row in answers("weights", "-n", "5")]
+    assert max(in_shear) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_force_that_is_rounding_is_told_as_none() -> None:
+    assert {row["Vx (N)"] for row in answers("weights", "-n", "3")} == {0.0}
 
 
 def test_the_law_tells_how_many_locks_work() -> None:
     told = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
-    assert told["pairs that bear"] == 4
+    joint, pairs = Joint(9), pairs_of(Joint(9))
+    expected = {
+        "pairs that bear": 4,
+        "locks that work, closed form": pairs.working,
+        "locks that work among any number": pairs.most,
+        "transfer length": pairs.transfer_length,
+    }
+    for rule in (law, safe):
+        shear = rule(joint, Direction(0.0)).shear
+        expected[f"V (N), {rule.__name__}"] = shear
+        expected[f"locks that work, {rule.__name__}"] = shear / joint.T0
+    assert told == pytest.approx(expected)
     assert float(str(told["locks that work, safe"])) < float(str(told["locks that work, law"])) < 4
 
 
