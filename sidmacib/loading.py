@@ -6,6 +6,7 @@ from enum import StrEnum
 
 import numpy as np
 
+from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Assembly, Loads, SideLoad, self_weight
 from sidmacib.pieces import lock_name, upper_bodies
@@ -48,7 +49,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     (section 3) applies a pressure that is uniform in z and linear in x to the lateral face of the
     upper block: its resultant is V at mid-length and the torque M about z. Each loaded piece takes
     both in proportion to its height. The scale is the strength of the strongest lock, or what
-    always acts on the free pieces where they have no cohesion.
+    always acts on the free pieces where they have no cohesion; `CapacityError` where there is
+    neither.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -69,6 +71,10 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
             sides.append(SideLoad(i, 2, True, (0.0, 0.0, -share, 0.0, 0.0, 0.0), permanent=True))
     weight = math.fsum(piece.weight for piece in assembly.pieces if not piece.fixed)
     scale = max(joint.strengths) or weight + pressing
+    if not scale:
+        raise CapacityError(
+            "a joint without cohesion and weight, that nothing presses: no capacity"
+        )
     return Loads(permanent, variable, scale, tuple(sides))
 
 

@@ -13,6 +13,7 @@ from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import lock_faces
+from sidmacib.validation import require_positive
 
 
 @dataclass(frozen=True)
@@ -37,13 +38,14 @@ def lock_weights(joint: Joint, assembly: Assembly, force: Floats) -> tuple[LockW
     """Weights of all locks, by number.
 
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
-    of the face.
+    of the face. ValueError for a lock without cohesion, which has no strength to be over.
     """
     numbers = lock_faces(joint)
     shear = np.einsum("nt,ntx->nx", force[:, 1:], face_frames(assembly)[:, 1:])[:, :2]
     size = np.hypot(shear[:, 0], shear[:, 1])
 
     def weight(lock: int, own: Floats) -> LockWeight:
+        require_positive(**{f"cohesion of lock {lock}": joint.inner_of(lock).cohesion})
         x, y = (float(value) for value in shear[own].sum(axis=0))
         return LockWeight(
             lock,

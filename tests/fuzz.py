@@ -67,7 +67,19 @@ VALUES: tuple[Any, ...] = (
     ),
     *([], {}, [[]], [None], {"a": {}}, [0.02, 0.02], {"": 1}, {"force": -1}),
 )
-WORDS = ("capacity", "envelope", "weights", "law", "cases", "-n", "-e", "-m", "--help", "--picture")
+AMOUNTS = (
+    "0",
+    "-1",
+    "0.06",
+    "3",
+    "1e-300",
+    "1e308",
+    "nan",
+    "torsion",
+    "weight",
+    "force:0",
+    "static",
+)
 LETTERS = "0123456789.e+-:,[]{}&*!#|>%@\"' \n\tnaif\0é\u202e"
 
 
@@ -202,8 +214,10 @@ def threedec(fuzz: Fuzz) -> None:
 def words(fuzz: Fuzz) -> None:
     """Words of the command."""
     given = fuzz.random.choice((["law", "-n", "5"], ["capacity", "-n", "3", "-m", "law"]))
-    given = [*given, *fuzz.random.choices((*WORDS, "--a", "0.06", "torsion", "1e999"), k=2)]
-    place = fuzz.random.randrange(len(given))
+    for _ in range(fuzz.random.choice((1, 1, 2, 3))):
+        (flag, *_) = fuzz.random.choice(command.commands[given[0]].params).opts
+        given += [flag, fuzz.random.choice(AMOUNTS)]
+    place = fuzz.random.randrange(2 * len(given))  # half of them stay as they are
     given = [fuzz.cut(word) if number == place else word for number, word in enumerate(given)]
     with chdir(fuzz.folder):
         found = CliRunner().invoke(command, given)

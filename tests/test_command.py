@@ -157,6 +157,45 @@ def test_the_law_tells_how_many_locks_work() -> None:
     assert float(str(told["locks that work, safe"])) < float(str(told["locks that work, law"])) < 4
 
 
+@pytest.mark.parametrize("hold_down", ["plate", "weight", "force:100"])
+@pytest.mark.parametrize("density", ["0", "1400"])
+@pytest.mark.parametrize("what", ["capacity", "envelope", "law", "weights"])
+def test_a_joint_without_cohesion_has_an_answer_or_a_clear_no(
+    what: str, density: str, hold_down: str
+) -> None:
+    joint = ("-n", "3", "--cohesion", "0", "--density", density, "--hold-down", hold_down)
+    found = run(what, *joint)
+    assert found.exception is None or isinstance(found.exception, SystemExit)
+    if found.exit_code:
+        assert re.search("cohesion|answers", found.output)
+
+
+def test_weights_are_over_the_cohesion() -> None:
+    found = run("weights", "-n", "3", "--cohesion", "0")
+    assert found.exit_code == 1
+    assert "cohesion of lock 1: 0.0 is not possible; it must be a finite number above 0" in (
+        found.output
+    )
+
+
+def test_cases_are_told_where_the_workflow_is(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "study.yaml").write_text("samples: {n3: {locks: 3}}\n")
+    monkeypatch.chdir(tmp_path)
+    found = run("cases", "study.yaml")
+    assert found.exit_code == 1
+    assert "no workflow here; run this in the folder of the project" in found.output
+
+
+def test_a_file_of_a_joint_is_small(tmp_path: Path) -> None:
+    big = tmp_path / "joint.yaml"
+    big.write_text("locks: 3\n" + "#" * 2_000_000)
+    found = run("law", "--file", str(big))
+    assert found.exit_code != 0
+    assert "is too large; it must have" in found.output
+
+
 def test_tables_are_aligned_and_csv_is_csv() -> None:
     table = run("law", "-n", "5").output.splitlines()
     assert table[0].startswith("what")

@@ -24,7 +24,9 @@ from workflow.results.files import (
     RESULT,
     force_to_stress,
     read_outcome,
+    read_records,
     stress_to_force,
+    write_record,
 )
 from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
 from workflow.solvers import limit, static
@@ -148,6 +150,75 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
     (tmp_path / NODES).unlink()
     with pytest.raises(ResultError, match=r"nodes.csv: No such file"):
         read_outcome(tmp_path, assembly)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"path": (State(0.0),)}, "peak load 0 N is not possible"),
+        ({"path": (State(math.inf),)}, "peak load inf N is not possible"),
+        ({"failed_load": 99.0}, "failed load 99 N is not possible"),
+        ({"failed_load": math.nan}, "failed load nan N is not possible"),
+        ({"first_failure_load": -1.0}, "first failure at -1 N is not possible"),
+        ({"first_failure_load": 111.0}, "first failure at 111 N is not possible"),
+        ({"path": (State(101.0), State(100.0))}, "load 101 N is not possible on the path"),
+        ({"path": (State(math.nan), State(100.0))}, "load nan N is not possible on the path"),
+        ({"path": (State(50.0, math.inf), State(100.0))}, "displacement inf m at 50 N"),
+        ({"path": (State(100.0, 0.0, np.zeros((1, 3))),)}, "1 nodes have stresses, but the case"),
+        ({"path": (State(100.0, 0.0, np.full((44, 3), np.nan)),)}, "a stress is not a finite"),
+    ],
+)
+def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
+    case = case_of()
+    assembly = assemble(case.joint, case.mesh, case.nodes)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    found = Outcome((State(50.0, 1e-6), State(100.0, 2e-6)), 110.0, 80.0)
+    assert record_of(case, assembly, loads, found, {}).load_N == 100.0
+    with pytest.raises(ResultError, match=words):
+        record_of(case, assembly, loads, replace(found, **change), {})
+
+
+@pytest.mark.parametrize("first", [0.0, 110.0])
+def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> None:
+    case = case_of()
+    assembly = assemble(case.joint, case.mesh, case.nodes)
+    loads = lateral_load(case.joint, assembly, case.loading)
+    found = Outcome((State(100.0),), 110.0, first)
+    assert record_of(case, assembly, loads, found, {}).first_failure_load_N == first
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"mode": "magic"}, "result.json: unreadable: mode is none of bonds, mechanism, first"),
+        ({"peak_load_N": None}, "result.json: unreadable"),
+        ({"failed_load_N": "x"}, "result.json: unreadable"),
+    ],
+)
+def test_a_result_that_is_none_is_refused(tmp_path: Path, told: dict, words: str) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    whole = json.loads((tmp_path / RESULT).read_text())
+    (tmp_path / RESULT).write_text(json.dumps(whole | told))
+    with pytest.raises(ResultError, match=words):
+        read_outcome(tmp_path, assembly)
+
+
+def test_records_are_read_line_by_line(tmp_path: Path) -> None:
+    records = [failed_record(case_of(), "no"), solved(case_of(), static.solve)[0]]
+    lines = [record.to_json() for record in records]
+    (tmp_path / "two").write_text("\n".join(lines) + "\n")
+    (tmp_path / "one").write_text(lines[0] + "\n")
+    assert read_records([tmp_path / "two", tmp_path / "one"]) == [*records, records[0]]
+    (tmp_path / "bad").write_text(lines[0] + "\n{}\n")
+    with pytest.raises(ResultError, match="bad, line 2: not a case's record"):
+        read_records([tmp_path / "bad"])
+
+
+def test_a_record_is_written_whole(tmp_path: Path) -> None:
+    record = solved(case_of(), static.solve)[0]
+    write_record(record, tmp_path / "record.json")
+    assert read_records([tmp_path / "record.json"]) == [record]
+    assert [path.name for path in tmp_path.iterdir()] == ["record.json"]
 
 
 def test_an_outcome_may_lack_stresses_and_displacements() -> None:

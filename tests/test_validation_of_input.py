@@ -10,6 +10,8 @@ from sidmacib.contact_points import OPTIONS, ContactOption
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock
 from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Elastic
+from sidmacib.pieces import assemble
 from sidmacib.programme import Sidmacib
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
@@ -48,6 +50,27 @@ def test_friction_and_strengths_are_not_negative(name: str, value: object) -> No
         replace(DRY, **{name: value})
 
 
+@pytest.mark.parametrize("value", [1.0000001, 2.0])
+def test_what_is_left_of_a_strength_is_a_part_of_it(value: float) -> None:
+    assert replace(INNER, residual=1.0).residual == 1.0
+    with pytest.raises(ValueError, match=r"^residual: .* must be from 0 to 1$"):
+        replace(INNER, residual=value)
+
+
+@pytest.mark.parametrize("value", [0.5, 0.7])
+def test_a_piece_can_be_compressed(value: float) -> None:
+    assert Elastic(1e10, 0.4999).poisson == 0.4999
+    with pytest.raises(ValueError, match=r"^poisson: .* must be from 0 to less than 0.5$"):
+        Elastic(1e10, value)
+
+
+@pytest.mark.parametrize("value", [0.0, -0.01, math.nan])
+def test_a_mesh_is_above_0(value: float) -> None:
+    assembly = assemble(Joint(2), 0.03)
+    with pytest.raises(ValueError, match=r"^mesh: .* must be more than 0$"):
+        replace(assembly, mesh=value)
+
+
 @pytest.mark.parametrize(
     ("name", "value", "allowed"),
     [
@@ -56,6 +79,7 @@ def test_friction_and_strengths_are_not_negative(name: str, value: object) -> No
         ("upper_body", "monolithic", "UpperBody: COLUMNS, JOINED, MONOLITHIC"),
         ("first", "lower", "Block: UPPER, LOWER"),
         ("hold_down", "plate", "a HoldDown"),
+        ("elastic", 1e10, "an Elastic, or None for rigid pieces"),
         ("different", {4: OwnLock()}, "the number of a lock, 1 to 3"),
         ("different", {True: OwnLock()}, "the number of a lock, 1 to 3"),
         ("different", {2: 0.06}, "an OwnLock"),

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import LoadShare, Push
-from sidmacib.validation import require_not_negative, require_whole
+from sidmacib.validation import require_not_negative, require_positive, require_whole
 
 
 @dataclass(frozen=True)
@@ -84,10 +84,12 @@ def pairs_of(joint: Joint, push: Push = Push.PLUS_Y, share: LoadShare = LoadShar
     """The closed form of ``joint``, whose locks are alike and whose pieces are rigid.
 
     k = 1 / (2 / (Ks a b) + 1 / (Kd a h)): a root, the dry face and a root in series. The body
-    between two pairs is two cuts, Kn a H / 2; one rigid piece has none.
+    between two pairs is two cuts, Kn a H / 2; one rigid piece has none. ValueError for stiffnesses
+    that are no numbers or nothing.
     """
     root = joint.inner.shear_stiffness * joint.a * joint.b
     contact = joint.dry.normal_stiffness * joint.a * joint.h
+    require_positive(**{"Ks a b": root, "Kd a h": contact})
     pair = 1.0 / (2.0 / root + 1.0 / contact)
     one_piece = joint.upper_body is UpperBody.MONOLITHIC
     lag = 0.0 if one_piece else 2.0 * pair / (joint.inner.normal_stiffness * joint.a * joint.H)

@@ -13,7 +13,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_positive
 
 SAFETY = 1.05
 ROUGHEST = 0.5  # friction for design: of rougher joints a few slide before any bond fails
@@ -96,6 +96,7 @@ def require_covered(joint: Joint, direction: Direction) -> None:
             )
     if (ratio := joint.stiffness_ratio) < SOFTEST * (1.0 - STRETCH):
         raise refused("E / (Kn b)", _short(ratio), f"at least {SOFTEST:g}, or rigid")
+    require_positive(cohesion=joint.inner.cohesion)
     tension = joint.inner.tensile_strength / joint.inner.cohesion
     if tension < LEAST_TENSION:
         raise refused(

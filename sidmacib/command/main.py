@@ -2,7 +2,8 @@
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,17 @@ def capacity(
     _show(rows, form)
 
 
+@contextmanager
+def _refused_in_one_line() -> Iterator[None]:
+    """What a model says of a joint that it does not take, as click tells errors."""
+    from sidmacib.errors import CapacityError
+
+    try:
+        yield
+    except (CapacityError, ValueError) as error:
+        raise click.ClickException(str(error)) from None
+
+
 def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
     """Print loads; an exit code of 1 if no model gives any."""
     click.echo(text_of(rows, form))
@@ -112,13 +124,10 @@ def envelope(
 def weights(ratio: float, form: str, push: str, **joint: Any) -> None:
     """What each lock carries at the peak, over its strength (static model)."""
     from sidmacib.command.answers import weight_rows
-    from sidmacib.errors import CapacityError
 
-    try:
-        rows = weight_rows(joint_of(joint), ratio, Push(push))
-    except CapacityError as error:
-        raise click.ClickException(str(error)) from None
-    click.echo(text_of(rows, form))
+    own = joint_of(joint)
+    with _refused_in_one_line():
+        click.echo(text_of(weight_rows(own, ratio, Push(push)), form))
 
 
 @main.command()
@@ -128,7 +137,9 @@ def law(form: str, push: str, **joint: Any) -> None:
     """How many locks work in pure shear: closed form, law and safe rule."""
     from sidmacib.command.answers import law_rows
 
-    click.echo(text_of(law_rows(joint_of(joint), Push(push)), form))
+    own = joint_of(joint)
+    with _refused_in_one_line():
+        click.echo(text_of(law_rows(own, Push(push)), form))
 
 
 @main.command()
@@ -145,8 +156,5 @@ def cases(config: Path, results: str | None, form: str) -> None:
     except ModuleNotFoundError as error:
         words = f"{error.name} is not installed; make .venv/study.ready has what a study needs"
         raise click.ClickException(words) from None
-    try:
-        rows = state.case_rows(config, results)
-    except ValueError as error:
-        raise click.ClickException(str(error)) from None
-    click.echo(text_of(rows, form))
+    with _refused_in_one_line():
+        click.echo(text_of(state.case_rows(config, results), form))

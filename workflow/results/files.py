@@ -70,7 +70,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
         raise ResultError(f"{path.name}: {error.strerror}") from None
     except (ValueError, csv.Error) as error:
         raise ResultError(f"{path.name}: unreadable: {error}") from None
-    if missing := [name for name in columns if name not in (names)]:
+    if missing := [name for name in columns if name not in names]:
         raise ResultError(f"{path.name}, line 1: no column {', '.join(missing)}")
     for number, row in enumerate(rows, start=2):
         if "" in row or None in row.values():
