@@ -219,6 +219,7 @@ def words(fuzz: Fuzz) -> None:
         given += [flag, fuzz.random.choice(AMOUNTS)]
     place = fuzz.random.randrange(2 * len(given))  # half of them stay as they are
     given = [fuzz.cut(word) if number == place else word for number, word in enumerate(given)]
+    given = [word.replace("\0", "") for word in given]  # which no shell can hand on
     with chdir(fuzz.folder):
         found = CliRunner().invoke(command, given)
     if found.exception and not isinstance(found.exception, SystemExit):
