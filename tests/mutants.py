@@ -64,11 +64,11 @@ def importers(checkout: Path, module: str) -> list[str]:
     return [f"tests/{path.name}" for path in files if told.search(path.read_text())]
 
 
-def command(checkout: Path, module: str) -> str:
+def command(checkout: Path, module: str | None = None) -> str:
     """The tests, in a shell: those that import the module, then all."""
     pytest = f"{shlex.quote(sys.executable)} -m pytest -x -q -p no:cacheprovider"
     pytest += f" -m {shlex.quote(EVERYDAY)}"
-    first = " ".join(importers(checkout, module))
+    first = " ".join(importers(checkout, module)) if module else ""
     told = f"{pytest} {first} && {pytest}" if first else pytest
     place = shlex.quote(str(checkout))
     return f"cd {place} && PYTHONPATH={place} OPENBLAS_NUM_THREADS=1 sh -c {shlex.quote(told)}"
@@ -101,6 +101,8 @@ def main() -> None:
         subprocess.run(["git", "clone", "--quiet", str(ROOT), str(checkout)], check=True)
         modules = [*sorted((checkout / "sidmacib").rglob("*.py")), *(checkout / r for r in READERS)]
         chosen = random.Random(arguments.seed)
+        if subprocess.run(command(checkout), shell=True, check=False).returncode:
+            raise SystemExit("The tests fail before any fault is put in.")
         every = places(Path(name), modules)
         some = chosen.sample(every, min(arguments.mutants, len(every)))
         with arguments.table.open("w", newline="") as stream:
