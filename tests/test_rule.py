@@ -45,6 +45,24 @@ def test_the_safe_rule_is_the_law_of_smooth_joints_with_a_margin() -> None:
     assert safe(joint, direction).load == pytest.approx(expected, rel=1e-6)
 
 
+@pytest.mark.parametrize(
+    ("locks", "body", "friction", "eccentricity", "load"),
+    [
+        (3, UpperBody.COLUMNS, 0.3, 0.0, 248.143951),
+        (5, UpperBody.COLUMNS, 0.3, 0.5, 162.643598),
+        (9, UpperBody.COLUMNS, 0.0, math.inf, 103.623556),
+        (7, UpperBody.MONOLITHIC, 0.3, 0.2, 518.440257),
+        (9, UpperBody.MONOLITHIC, 0.0, 2.0, 206.692483),
+    ],
+)
+def test_the_law_is_the_one_that_was_held_against_the_static_model(
+    locks: int, body: UpperBody, friction: float, eccentricity: float, load: float
+) -> None:
+    """Its margin and its fitted numbers hold for these loads (N), however they are computed."""
+    joint = Joint(locks, upper_body=body, dry=replace(DRY, friction=friction))
+    assert law(joint, Direction(eccentricity)).load == pytest.approx(load, rel=1e-6)
+
+
 @pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
 @pytest.mark.parametrize(
     ("others", "words"),

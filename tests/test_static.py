@@ -130,7 +130,7 @@ def test_a_block_without_friction_carries_nothing(joint: Joint) -> None:
 
 def test_a_stack_carries_any_weight() -> None:
     model, loads = tilted_stack(2)
-    with pytest.raises(UnboundedError, match="can grow without limit"):
+    with pytest.raises(UnboundedError, match=r"no failure up to [1-9].* N: the load can grow"):
         static_peak(model, replace(loads, variable=loads.permanent))
 
 
