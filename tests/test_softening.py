@@ -67,6 +67,26 @@ def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: floa
     assert max(stress) <= INNER.cohesion * (1 + 1e-9)
 
 
+@pytest.mark.parametrize("way", ["shear", "tension"])
+@pytest.mark.parametrize("tougher", ["shear", "tension"])
+def test_each_way_of_failing_fades_by_its_own_strength(way: str, tougher: str) -> None:
+    """Over a displacement of 2 G / strength, from where the strength is reached."""
+    energy, strong, weak = 20.0, 4e5, 1e5
+    law_of = {"shear": weak, "tension": weak} | {tougher: strong}
+    material = replace(fading(energy), cohesion=law_of["shear"], tensile_strength=law_of["tension"])
+    model = one_lock(material, Failure.SOFTENING, 0.03)
+    law, fade = NodeLaw.of(model), Softening.of(model)
+    strength, last = law_of[way], 2.0 * energy / law_of[way]
+    stiffness = law.shear_stiffness if way == "shear" else law.normal_stiffness
+    moved = 0.6 * last
+    force = np.zeros((len(law.friction), 3))
+    force[:, 1 if way == "shear" else 0] = stiffness * moved * (1.0 if way == "shear" else -1.0)
+    found = fade.left(law, NodeState.initial(law), force)
+    start = strength / material.shear_stiffness
+    carried = strength * (last - moved) / (last - start)
+    assert found == pytest.approx(carried / (material.shear_stiffness * moved))
+
+
 def test_what_is_left_never_grows() -> None:
     model = one_lock(fading(10.0), Failure.SOFTENING, 0.03)
     law, fade = NodeLaw.of(model), Softening.of(model)
