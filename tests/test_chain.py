@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sidmacib.chain.equilibrium import Equations, equilibrium
 from sidmacib.chain.failure import ChainState, first_failure
+from sidmacib.chain.model import ChainModel
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
@@ -118,6 +120,20 @@ def test_torques_of_either_sign_are_alike(eccentricity: float) -> None:
     assert failure(joint, -eccentricity).load == pytest.approx(
         failure(joint, eccentricity).load, rel=1e-4
     )
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1, 0.3, 0.8])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, 3.0])
+def test_the_equilibrium_is_the_same_from_any_guess(friction: float, eccentricity: float) -> None:
+    joint = Joint(7, dry=replace(DRY, friction=friction))
+    model = ChainModel(joint, Loading(Direction(eccentricity)))
+    expected = equilibrium(model, 100.0)
+    for size in (1e-6, 1e-2):
+        guess = size * np.random.default_rng(1).normal(size=expected.size)
+        found = equilibrium(model, 100.0, guess)
+        assert found == pytest.approx(expected, abs=1e-6 * np.abs(expected).max())
+        force, _ = Equations(model, 100.0).unbalanced(found, (None, None, None))
+        assert np.linalg.norm(force) < 1e-5
 
 
 def test_an_odd_joint_is_the_same_from_both_sides_and_an_even_one_is_not() -> None:
