@@ -178,6 +178,24 @@ def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
         record_of(case, assembly, loads, replace(found, **change), {})
 
 
+@pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
+def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
+    case = case_of(ratio)
+    record, assembly, found = solved(case, static.solve)
+    force = found.path[-1].force
+    assert force is not None
+    strength = case.joint.T0
+    for told, lock in zip(record.weights, lock_weights(case.joint, assembly, force), strict=True):
+        assert (told.lock, told.block) == (lock.lock, lock.block)
+        for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
+            assert getattr(told, name) == pytest.approx(getattr(lock, name), abs=1e-9)
+        for name in ("shear_x_N", "shear_y_N"):
+            own = getattr(lock, name)
+            assert getattr(told, name) == pytest.approx(own, rel=1e-9, abs=1e-9 * strength)
+    most = max(abs(lock.shear_x_N) for lock in record.weights)
+    assert most > 1e-3 * strength if ratio else most == 0.0
+
+
 @pytest.mark.parametrize("first", [0.0, 110.0])
 def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> None:
     case = case_of()
