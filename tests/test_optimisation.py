@@ -11,7 +11,14 @@ from hypothesis.extra.numpy import arrays
 
 from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics import optimisation
-from sidmacib.mechanics.optimisation import _Answer, _answer, _projected, solve
+from sidmacib.mechanics.optimisation import (
+    _Answer,
+    _answer,
+    _infeasible,
+    _projected,
+    _unbounded,
+    solve,
+)
 
 DIMS = SimpleNamespace(zero=2, nonneg=3, soc=[3, 3, 4, 1, 3])
 values = arrays(float, 2 + 3 + sum(DIMS.soc), elements=st.floats(-10, 10))
@@ -98,6 +105,48 @@ def test_a_refusal_without_proof_is_not_believed(
     )
     with pytest.raises(SolverError, match=f"HIGHS: {verdict}"):
         solve(linear()[0], "here")
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize(
+    ("b", "ray", "proves"),
+    [
+        ([1.0, -2.0], [1.0, 1.0], True),  # x <= 1 and x >= 2
+        ([1.0, -2.0], [1.0, 1.0 + 1e-9], True),
+        ([1.0, -2.0], [1.0, 1.0 + 1e-5], False),
+        ([1.0, -2.0], [1.0, 2.0], False),
+        ([1.0, -2.0], [-1.0, -1.0], False),
+        ([1.0, 2.0], [1.0, 1.0], False),  # x <= 1 and x >= -2
+        ([1.0, -2.0], [0.0, 0.0], False),
+    ],
+)
+def test_multipliers_prove_a_contradiction_only_where_they_do(
+    b: list[float], ray: list[float], proves: bool, scale: float
+) -> None:
+    dims = SimpleNamespace(zero=0, nonneg=2, soc=[])
+    data = {"A": np.array([[1.0], [-1.0]]), "b": np.array(b), "dims": dims}
+    assert _infeasible(data, scale * np.array(ray)) is proves
+
+
+@pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
+@pytest.mark.parametrize(
+    ("sign", "curved", "ray", "proves"),
+    [
+        (-1.0, 0.0, 1.0, True),  # the largest x of x >= 0
+        (-1.0, 0.0, -1.0, False),
+        (-1.0, 0.0, 0.0, False),
+        (1.0, 0.0, 1.0, False),  # of x <= 0
+        (-1.0, 1.0, 1.0, False),  # less x squared
+        (-1.0, 1e-9, 1.0, True),
+    ],
+)
+def test_a_direction_proves_that_there_is_no_limit_only_where_it_does(
+    sign: float, curved: float, ray: float, proves: bool, scale: float
+) -> None:
+    dims = SimpleNamespace(zero=0, nonneg=1, soc=[])
+    data = {"A": np.array([[sign]]), "b": np.zeros(1), "c": np.array([-1.0]), "dims": dims}
+    data |= {"P": np.array([[curved]])} if curved else {}
+    assert _unbounded(data, np.array([scale * ray])) is proves
 
 
 def test_where_one_solver_breaks_down_the_next_one_is_asked(
