@@ -95,6 +95,26 @@ def test_flags_make_the_joint() -> None:
     assert row["V (N)"] == law(joint, Direction(0.0)).shear
 
 
+TOLD = [
+    (told.opts[0], default.group(1))
+    for told in main.commands["law"].params
+    if (default := re.search(r"\[default: ([^\s\],]+)", getattr(told, "help", None) or ""))
+]
+
+
+@pytest.mark.parametrize(("flag", "default"), TOLD)
+def test_what_help_calls_the_default_is_the_default(flag: str, default: str) -> None:
+    plain = answers("capacity", "-m", "law", "--young", "1e11")
+    if default == "rigid":
+        assert plain != answers("capacity", "-m", "law")
+    else:
+        assert plain == answers("capacity", "-m", "law", "--young", "1e11", flag, default)
+
+
+def test_most_flags_have_a_default() -> None:
+    assert len(TOLD) > 10
+
+
 def test_flags_go_before_a_file(tmp_path: Path) -> None:
     path = tmp_path / "joint.yaml"
     path.write_text("locks: 9\nH: 6e-2\nhold_down: {pressure: 2e4}\n")
