@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sidmacib.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
-from sidmacib.mechanics.newton import node_force, node_tangent
+from sidmacib.mechanics.newton import node_force, node_laws, node_tangent
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)
@@ -75,6 +75,19 @@ def test_the_tangent_is_the_derivative_of_the_force(
         )
         derivative = (np.array(after) - np.array(before)) / (2 * step)
         assert derivative == pytest.approx(expected[:, axis], rel=1e-3, abs=1e-3 * NORMAL)
+
+
+def test_nodes_together_have_the_law_of_each() -> None:
+    random, count = np.random.default_rng(1), 50
+    stiffness, friction = 1e6 * (1.0 + random.random((count, 2))), random.random(count)
+    whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
+    force, tangent = node_laws(stiffness, friction, whole, moved)
+    for n in range(count):
+        law = (*stiffness[n], friction[n], whole[n], *moved[n])
+        assert force[n] == pytest.approx(node_force(*law))
+        t00, t10, t20, t11, t12, t22 = node_tangent(*law)
+        expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
+        assert tangent[n] == pytest.approx(expected)
 
 
 def bonds(joint: Joint) -> tuple[NodeLaw, NodeState]:

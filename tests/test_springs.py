@@ -44,11 +44,11 @@ def dense(solver: RigidSolver) -> np.ndarray:
 
 
 def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
-    """Displacements (m) under which nodes stick, slide and open, and half of the bonds broken."""
+    """Displacements (m) under which nodes stick, slide and open; bonds broken, faded and whole."""
     random, law = np.random.default_rng(seed), NodeLaw.of(model)
     slip = 1e-7 * random.normal(size=(len(law.friction), 2))
-    bonded = law.cohesive & (random.random(len(slip)) < 0.5)
-    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, bonded.astype(float))
+    whole = law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
+    return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
@@ -128,6 +128,16 @@ def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: i
     solution = right.copy()
     assert solve_linear(own.structure, own.matrix, solution)
     assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
+
+
+def test_equations_without_a_solution_are_told(model: Assembly) -> None:
+    own = solver(model)
+    for part in (own.matrix.band, own.matrix.right, own.matrix.below):
+        part[:] = 0.0
+    assert not solve_linear(own.structure, own.matrix, np.ones(len(own.place)))
+    own.matrix.band[:, own.structure.band] = 1.0
+    solved = solve_linear(own.structure, own.matrix, np.ones(len(own.place)))
+    assert solved is (own.structure.outer == 0)
 
 
 @pytest.mark.parametrize("locks", [7, 31])
