@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.chain.equilibrium import Equations, equilibrium
+from sidmacib.chain.faces import Bond
 from sidmacib.chain.failure import ChainState, first_failure
 from sidmacib.chain.model import ChainModel
+from sidmacib.chain.movement import Rectangle
 from sidmacib.chain.pairs import pairs_of
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
@@ -21,6 +23,7 @@ from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 
+COHESION, TENSION = 8e4, 3e5  # Pa
 SMOOTH = replace(DRY, friction=0.0)
 DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
@@ -120,6 +123,42 @@ def test_torques_of_either_sign_are_alike(eccentricity: float) -> None:
     assert failure(joint, -eccentricity).load == pytest.approx(
         failure(joint, eccentricity).load, rel=1e-4
     )
+
+
+@pytest.mark.parametrize(
+    ("force", "used"),
+    [  # of a face of 0.06 m along x by 0.05 m along y, by hand
+        ({"z": 1.0}, 1.0 / (0.003 * TENSION)),
+        ({"z": -1.0}, 0.0),
+        ({"x": -1.0}, 1.0 / (0.003 * COHESION)),
+        ({"x": 3.0, "y": -4.0}, 5.0 / (0.003 * COHESION)),
+        ({"about_x": 1.0}, 6.0 / (0.06 * 0.05**2 * TENSION)),
+        ({"about_y": -1.0}, 6.0 / (0.05 * 0.06**2 * TENSION)),
+        ({"about_x": 1.0, "about_y": 1.0, "z": -1e4}, 0.0),
+        (
+            {"about_z": 1.0},
+            math.hypot(0.03, 0.025) * 12.0 / (0.003 * (0.06**2 + 0.05**2) * COHESION),
+        ),
+        (
+            {"about_z": 1.0, "y": 10.0},
+            math.hypot(0.025, 0.03 + 10.0 * (0.06**2 + 0.05**2) / 12.0)
+            * (12.0 / (0.003 * (0.06**2 + 0.05**2) * COHESION)),
+        ),
+    ],
+)
+def test_a_bond_is_used_up_at_its_corners(force: dict[str, float], used: float) -> None:
+    names = ("x", "y", "z", "about_x", "about_y", "about_z")
+    bond = Bond(Rectangle((0.0, 0.0, 0.0), 2, (0.06, 0.05)), 1e10, 1e10)
+    law = replace(INNER, cohesion=COHESION, tensile_strength=TENSION)
+    forces = np.array([[force.get(name, 0.0) for name in names]])
+    assert bond.used(forces, law) == pytest.approx([used])
+
+
+def test_a_bond_is_as_stiff_as_its_face() -> None:
+    bond = Bond(Rectangle((0.0, 0.0, 0.0), 2, (0.06, 0.05)), 2e10, 1e10)
+    about_x, about_y = 0.06 * 0.05**3 / 12.0, 0.05 * 0.06**3 / 12.0
+    expected = [1e10 * 0.003, 1e10 * 0.003, 2e10 * 0.003, 2e10 * about_x, 2e10 * about_y]
+    assert bond.stiffness == pytest.approx([*expected, 1e10 * (about_x + about_y)])
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.3, 0.8])
