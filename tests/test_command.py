@@ -16,11 +16,11 @@ from sidmacib.chain.rule import law, safe
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
-from sidmacib.command.output import COLOURS
+from sidmacib.command.output import COLOURS, curves
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
-from sidmacib.mechanics.assembly import Elastic
+from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.weights import lock_weights
 
 
@@ -139,6 +139,26 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
         assert row["V (N)"] == pytest.approx(expected.shear)
         assert row["M (N m)"] == pytest.approx(expected.torque)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_picture_has_the_curve_of_each_model() -> None:
+    rows = answers("envelope", "-n", "3")
+    (axes,) = curves(rows, "three").axes
+    assert axes.get_title(loc="left") == "three"
+    for line, model in zip(axes.lines, ("safe", "law"), strict=True):
+        own = [(row["V (N)"], row["M (N m)"]) for row in rows if row["model"] == model]
+        assert line.get_label() == model
+        assert line.get_color() == COLOURS[model]
+        assert list(zip(*line.get_data(), strict=True)) == own
+
+
+def test_the_static_model_tells_its_first_failure() -> None:
+    (row,) = answers("capacity", "-n", "5", "-m", "static", "--failure", "ductile")
+    joint = Joint(5, failure=Failure.DUCTILE)
+    found = load_path(joint, Loading(Direction(0.0)), 0.24975 * joint.b)[1]
+    share = 100.0 * found.first_failure_load / found.peak.load
+    assert share < 95.0
+    assert f"peak; first failure at {share:.0f} % of it; mesh error" in str(row["note"])
 
 
 def test_weights_are_those_of_each_lock() -> None:

@@ -55,11 +55,9 @@ def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     loading = Loading(direction, push=push)
     coarse, fine = (load_path(joint, loading, mesh)[1] for mesh in _meshes(joint))
     error = coarse.peak.load / fine.peak.load - 1.0
-    first = fine.first_failure_load
-    told = (
-        "" if first is None else f"first failure at {100.0 * first / fine.peak.load:.0f} % of it; "
-    )
-    return Answer(float(fine.peak.load), f"peak; {told}mesh error {100.0 * abs(error):.1f} %")
+    first = fine.first_failure_load / fine.peak.load
+    told = f"first failure at {100.0 * first:.0f} % of it; mesh error {100.0 * abs(error):.1f} %"
+    return Answer(float(fine.peak.load), f"peak; {told}")
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:

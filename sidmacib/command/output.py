@@ -5,11 +5,14 @@ import io
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from sidmacib.command.answers import Row
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 DIGITS = 4
 FORMATS = ("table", "json", "csv")
@@ -56,6 +59,14 @@ def _cell(value: Any) -> str:
 
 def draw(rows: Sequence[Row], path: Path, title: str) -> None:
     """V-M curves of the models in ``rows``, into a file whose ending tells its kind."""
+    try:
+        curves(rows, title).savefig(path, dpi=150)
+    except (OSError, ValueError) as error:
+        raise click.UsageError(f"--picture {path}: {error}") from None
+
+
+def curves(rows: Sequence[Row], title: str) -> "Figure":
+    """V-M curves of the models in ``rows``."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 4.5), layout="constrained")
@@ -70,7 +81,4 @@ def draw(rows: Sequence[Row], path: Path, title: str) -> None:
     axes.set_ylim(bottom=0)
     axes.set_title(title, loc="left", fontsize=10)
     axes.legend()
-    try:
-        figure.savefig(path, dpi=150)
-    except (OSError, ValueError) as error:
-        raise click.UsageError(f"--picture {path}: {error}") from None
+    return figure
