@@ -17,7 +17,7 @@ import yaml
 from conftest import ROOT
 
 BASE = "docker.io/library/debian:12-slim"
-IMAGE = "localhost/multilock-test"
+IMAGE, CONTAINER = "localhost/multilock-test", "multilock-test"
 STUDY = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
@@ -53,18 +53,20 @@ def make_base(folder: Path) -> None:
 @pytest.fixture
 def container(tmp_path: Path) -> Iterator[str]:
     """A container of the image that the recipe makes of the checkout as it was committed."""
-    images = buildah("images", "--all", "--format", "{{.Name}}:{{.Tag}}").split()
-    if BASE not in images:
-        make_base(tmp_path)
+    there = BASE in buildah("images", "--all", "--format", "{{.Name}}:{{.Tag}}").split()
     checkout = tmp_path / "checkout"
     subprocess.run(["git", "clone", "--quiet", ROOT, checkout], check=True)
     options = shlex.split(os.environ.get("CONTAINER_OPTIONS", ""))
     alone = ("--isolation", "chroot", "--pull-never", "--network", "host")
-    buildah("build", *alone, *options, "--tag", IMAGE, checkout)
-    name = buildah("from", "--pull-never", IMAGE)
-    yield name
-    buildah("rm", name)
-    buildah("rmi", IMAGE, *([] if BASE in images else [BASE]))
+    try:
+        if not there:
+            make_base(tmp_path)
+        buildah("build", *alone, *options, "--tag", IMAGE, checkout)
+        yield buildah("from", "--pull-never", "--name", CONTAINER, IMAGE)
+    finally:
+        made = (("rm", CONTAINER), ("rmi", IMAGE), *([] if there else [("rmi", BASE)]))
+        for words in made:
+            subprocess.run(["buildah", *words], capture_output=True, check=False)
 
 
 def test_a_study_in_the_container_has_the_same_tables_as_here(
