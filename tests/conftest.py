@@ -183,6 +183,18 @@ def read_case(folder: Path, case: Case) -> CaseResult:
     return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
 
+@pytest.fixture
+def broken_python(tmp_path: Path) -> Path:
+    """What may run YADE's scripts in place of Python, and breaks down in torsion."""
+    path = tmp_path / "broken-python"
+    path.write_text(
+        "#!/bin/sh\nif grep -q torsion joint.py; then echo engine broke down; exit 7; fi\n"
+        'exec /usr/bin/python3 "$@"\n'
+    )
+    path.chmod(0o755)
+    return path
+
+
 @pytest.fixture(scope="session")
 def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
     """A study without engines, and its results but figures: made job by job, in this process."""

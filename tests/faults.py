@@ -26,6 +26,7 @@ from pathlib import Path
 
 import yaml
 from counts import write_counts
+from tables import tables_of
 
 ROOT = Path(__file__).parents[1]
 STUDY = {
@@ -105,7 +106,7 @@ class Campaign:
 
     def tables(self) -> dict[str, bytes]:
         """The tables that count, by name."""
-        return {p.name: p.read_bytes() for p in sorted((self.results / "tables").glob("*.csv"))}
+        return tables_of(self.results)
 
     def files(self) -> list[Path]:
         """Everything that the study has made, but its lock and what a run says."""

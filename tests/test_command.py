@@ -207,7 +207,7 @@ def test_a_joint_without_cohesion_has_an_answer_or_a_clear_no(
     found = run(what, *joint)
     assert found.exception is None or isinstance(found.exception, SystemExit)
     if found.exit_code:
-        assert re.search("cohesion|answers", found.output)
+        assert "cohesion" in found.output
 
 
 def test_weights_are_over_the_cohesion() -> None:

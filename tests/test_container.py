@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 from conftest import ROOT
+from tables import tables_of
 
 BASE = "docker.io/library/debian:12-slim"
 IMAGE, CONTAINER = "localhost/multilock-test", "multilock-test"
@@ -81,9 +82,6 @@ def test_a_study_in_the_container_has_the_same_tables_as_here(
     buildah(*inside, "--workingdir", PLACE, container, "--", python, *study, "--results=inside")
     here = [sys.executable, *study[:3], str(folder / "study.yaml"), f"--results={folder / 'here'}"]
     subprocess.run(here, cwd=ROOT, check=True)
-    found, expected = (
-        {path.name: path.read_bytes() for path in (folder / name / "tables").glob("*.csv")}
-        for name in ("inside", "here")
-    )
+    found, expected = (tables_of(folder / name) for name in ("inside", "here"))
     assert len(expected) > 5
     assert found == expected

@@ -11,7 +11,7 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from sidmacib.weights import lock_weights
@@ -40,9 +40,14 @@ def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> 
     return Case("n3-case", model, "reference", "n3", joint, 0.03, NodeLayout.CENTRES, loading, None)
 
 
-def parts(case: Case) -> tuple[Assembly, Outcome]:
+def posed(case: Case) -> tuple[Assembly, Loads]:
     assembly = assemble(case.joint, case.mesh, case.nodes)
-    return assembly, static.solve(assembly, lateral_load(case.joint, assembly, case.loading))
+    return assembly, lateral_load(case.joint, assembly, case.loading)
+
+
+def parts(case: Case) -> tuple[Assembly, Outcome]:
+    assembly, loads = posed(case)
+    return assembly, static.solve(assembly, loads)
 
 
 def write_engine_files(folder: Path, case: Case) -> Assembly:
@@ -170,8 +175,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
     case = case_of()
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    loads = lateral_load(case.joint, assembly, case.loading)
+    assembly, loads = posed(case)
     found = Outcome((State(50.0, 1e-6), State(100.0, 2e-6)), 110.0, 80.0)
     assert record_of(case, assembly, loads, found, {}).load_N == 100.0
     with pytest.raises(ResultError, match=words):
@@ -199,8 +203,7 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
 @pytest.mark.parametrize("first", [0.0, 110.0])
 def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> None:
     case = case_of()
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    loads = lateral_load(case.joint, assembly, case.loading)
+    assembly, loads = posed(case)
     found = Outcome((State(100.0),), 110.0, first)
     assert record_of(case, assembly, loads, found, {}).first_failure_load_N == first
 
@@ -241,8 +244,7 @@ def test_a_record_is_written_whole(tmp_path: Path) -> None:
 
 def test_an_outcome_may_lack_stresses_and_displacements() -> None:
     case = case_of()
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    loads = lateral_load(case.joint, assembly, case.loading)
+    assembly, loads = posed(case)
     record = record_of(case, assembly, loads, Outcome((State(100.0),), 100.0), {})
     assert record.load_N == 100.0
     assert record.weights == ()

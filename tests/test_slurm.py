@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from tables import tables_of
 
 ROOT = Path(__file__).parents[1]
 CONFIGURATION = Path("/etc/slurm/slurm.conf")  # jobs look for it nowhere else
@@ -146,10 +147,6 @@ def study(folder: Path, name: str, *options: str, **environment: str) -> subproc
     )
 
 
-def tables(results: Path) -> dict[str, bytes]:
-    return {path.name: path.read_bytes() for path in sorted((results / "tables").glob("*.csv"))}
-
-
 def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     cluster: Cluster, tmp_path: Path
 ) -> None:
@@ -167,37 +164,27 @@ def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     subprocess.run(cluster.node, check=True)
     told, _ = remote.communicate(timeout=540)
     assert remote.returncode == 0, told
-    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
+    assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
     assert cluster.jobs() == []
     # What a job that was killed leaves behind is gone.
     assert not [path for path in (tmp_path / "remote" / ".begun").rglob("*") if path.is_file()]
 
 
-# YADE's Python, but for one case.
-BREAKS_DOWN = """#!/bin/sh
-if grep -q torsion joint.py; then echo engine broke down; exit 7; fi
-exec /usr/bin/python3 "$@"
-"""
-
-
 def test_a_case_that_fails_among_others_in_a_job_leaves_a_hole_that_is_named(
-    cluster: Cluster, tmp_path: Path
+    cluster: Cluster, tmp_path: Path, broken_python: Path
 ) -> None:
-    broken = tmp_path / "broken-python"
-    broken.write_text(BREAKS_DOWN)
-    broken.chmod(0o755)
-    local = study(tmp_path, "local", YADE_PYTHON=str(broken))
-    remote = study(tmp_path, "remote", "--profile=slurm", YADE_PYTHON=str(broken))
+    local = study(tmp_path, "local", YADE_PYTHON=str(broken_python))
+    remote = study(tmp_path, "remote", "--profile=slurm", YADE_PYTHON=str(broken_python))
     told = [each.communicate(timeout=540)[0] for each in (local, remote)]
     reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
     assert all(reason in each for each in told)
     assert local.returncode != 0
     assert remote.returncode != 0
-    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
+    assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
     for name, options in (("local", ()), ("remote", ("--profile=slurm",))):
         again = study(tmp_path, name, *options)
         last, _ = again.communicate(timeout=540)
         assert again.returncode == 0, last
-    assert tables(tmp_path / "remote") == tables(tmp_path / "local")
-    assert b"broke down" not in tables(tmp_path / "local")["cases.csv"]
+    assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
+    assert b"broke down" not in tables_of(tmp_path / "local")["cases.csv"]
     assert cluster.jobs() == []

@@ -325,15 +325,9 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
 
 @pytest.mark.engine
 def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
-    workspace: Workspace, tmp_path: Path
+    workspace: Workspace, broken_python: Path
 ) -> None:
-    fake = tmp_path / "fake-python"
-    fake.write_text(
-        "#!/bin/sh\nif grep -q torsion joint.py; then echo engine broke down; exit 7; fi\n"
-        'exec /usr/bin/python3 "$@"\n'
-    )
-    fake.chmod(0o755)
-    found = workspace.snakemake(YADE_PYTHON=str(fake))
+    found = workspace.snakemake(YADE_PYTHON=str(broken_python))
     assert found.returncode != 0
     reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
     assert reason in found.stderr

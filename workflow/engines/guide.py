@@ -17,8 +17,9 @@ def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
         found = static_peak(assembly, loads)
     except CapacityError:
         return None
-    first, peak = found.first_failure_load, found.peak.load
-    return Guide(None if first is None else _roughly(first), _roughly(peak)) if peak > 0.0 else None
+    if found.peak.load <= 0.0:
+        return None
+    return Guide(_roughly(found.first_failure_load), _roughly(found.peak.load))
 
 
 def _roughly(value: float) -> float:
