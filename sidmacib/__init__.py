@@ -13,7 +13,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
-    from sidmacib.mechanics.static import static_peak
+    from sidmacib.mechanics.static import static_first_failure, static_peak
     from sidmacib.pieces import assemble
     from sidmacib.polygon import Envelope, envelope
     from sidmacib.programme import Capacity, Sidmacib, capacities, capacity
@@ -53,6 +53,7 @@ _HOME = {
     "limit_load": "mechanics.limit",
     "pairs_of": "chain.pairs",
     "safe": "chain.rule",
+    "static_first_failure": "mechanics.static",
     "static_peak": "mechanics.static",
 }
 
@@ -89,6 +90,7 @@ __all__ = [
     "limit_load",
     "pairs_of",
     "safe",
+    "static_first_failure",
     "static_peak",
 ]
 

@@ -18,6 +18,7 @@ from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Failure,
     Kind,
     Loads,
     NodeLayout,
@@ -26,7 +27,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_law import NodeLaw, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.static import Mode, StaticSolution, static_peak
+from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
 from sidmacib.pieces import assemble, lock_faces
 
 
@@ -191,6 +192,30 @@ def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:
     assert found.first_failure_load < found.peak.load  # corners fail first, the joint goes on
     _, found = solved(joint, 0.0)
     assert found.first_failure_load == pytest.approx(found.peak.load)
+
+
+@pytest.mark.parametrize("failure", Failure)
+def test_the_first_failure_alone_is_that_of_the_path_to_the_peak(failure: Failure) -> None:
+    joint = Joint(5, failure=failure)
+    model, whole = solved(joint, 2.0)
+    loads = lateral_load(joint, model, Loading(Direction(2.0)))
+    found = static_first_failure(model, loads)
+    assert found.point.load == whole.first_failure_load
+    used = utilisation(NodeLaw.of(model), found.point.state, found.point.force)
+    assert found.mode is Mode.BONDS
+    assert used[found.failing].min() == pytest.approx(1.0, abs=2e-5)
+    assert found.point.state.whole.min() == 0.0 and found.failing.any()  # dry nodes have no bond
+    assert found.point.state.bonded[found.failing].all()
+
+
+def test_where_no_bond_fails_the_first_failure_is_the_last_point_and_tells_why(
+    joint: Joint,
+) -> None:
+    model = block_on_ground(joint, Kind.DRY, 0.02)
+    loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
+    found, whole = static_first_failure(model, loads), static_peak(model, loads)
+    assert not found.failing.any()
+    assert (found.mode, found.point.load) == (Mode.MECHANISM, whole.peak.load)
 
 
 SIZES = "a", "b", "h", "H"

@@ -7,7 +7,7 @@ from typing import Protocol
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState
+from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
 
 LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
 
@@ -61,6 +61,19 @@ class Mode(StrEnum):
     BONDS = "bonds"  # they fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
     ROCKING = "rocking"  # pieces are lifted against what always acts, and no bond is either
+
+
+@dataclass(frozen=True)
+class FirstFailure:
+    """The end of the path on which all bonds are whole.
+
+    ``point``: the equilibrium at which ``failing``, (N,), nodes are about to fail: none where the
+    load cannot rise any more for another reason, which ``mode`` tells.
+    """
+
+    point: Equilibrium
+    failing: Flags
+    mode: Mode
 
 
 @dataclass(frozen=True)

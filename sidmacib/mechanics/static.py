@@ -18,7 +18,14 @@ import numpy as np
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags, utilisation
-from sidmacib.mechanics.path import LEAST_INCREMENT, Equilibrium, Mode, Solver, StaticSolution
+from sidmacib.mechanics.path import (
+    LEAST_INCREMENT,
+    Equilibrium,
+    FirstFailure,
+    Mode,
+    Solver,
+    StaticSolution,
+)
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.softening import Softening, settled
 
@@ -41,6 +48,17 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
         deformable = importlib.import_module("sidmacib.mechanics.deformable")
         return deformable.DeformableSolver(assembly, loads)
     return RigidSolver(assembly, loads)
+
+
+def static_first_failure(assembly: Assembly, loads: Loads) -> FirstFailure:
+    """Raise ``loads`` from 0 to the first failure of ``assembly``, on the path of `static_peak`.
+
+    Errors as there.
+    """
+    solver = solver_of(assembly, loads)
+    path, failing = _raised(solver, [solver.start()], loads.scale)
+    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], loads.scale)
+    return FirstFailure(path[-1], failing, mode)
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
