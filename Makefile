@@ -12,6 +12,7 @@
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
+# make attack  an optimiser looks for joints whose safe load is above what they carry, EVALUATIONS=1200 a start
 # make scaling what a large study takes, CASES=100000: time, files, memory
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
@@ -32,15 +33,16 @@ MUTANTS ?= 200
 CASES ?= 100000
 PYTHONS ?=
 PEERS ?=
+EVALUATIONS ?= 1200
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES
+export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same scaling lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -93,6 +95,9 @@ mutants: .venv/test.ready .venv/mutants.ready
 
 same: .venv/test.ready
 	@$(BIN)/python tests/same_bytes.py $(PYTHONS)
+
+attack: .venv/study.ready
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
 
 scaling: .venv/test.ready
 	@$(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")

@@ -23,17 +23,19 @@ JOINED = 1e3  # stiffness between joined columns over that of inner faces: all b
 def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    ``mesh`` in m. ValueError if it is not positive, or not less than the shorter side of the locks'
-    horizontal faces: one row of nodes would be a hinge.
+    ``mesh`` in m. ValueError if it is not positive, or more than the shorter side of the locks'
+    horizontal faces. But for Lobatto points it must be less: one row of nodes would be a hinge.
     """
-    most = joint.least_side
-    if not 0 < mesh < most:
+    most, nodes = joint.least_side, NodeLayout(nodes)
+    whole = nodes is NodeLayout.LOBATTO
+    if not (0 < mesh <= most if whole else 0 < mesh < most):
         raise ValueError(
             f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
-            f"than 0 and less than {most} m, the shorter side of a lock's horizontal face"
+            f"than 0 and {'at most' if whole else 'less than'} {most} m, the shorter side of a "
+            "lock's horizontal face"
         )
     pieces = cut_pieces(joint)
-    faces, nodes = tuple(_faces(joint, pieces)), NodeLayout(nodes)
+    faces = tuple(_faces(joint, pieces))
     return Assembly(
         pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure, mesh, nodes
     )

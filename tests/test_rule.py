@@ -10,8 +10,9 @@ from sidmacib.chain.rule import RULES, SAFETY, law, safe
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.assembly import Elastic
+from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.static import static_peak
 from sidmacib.pieces import assemble
 
@@ -38,44 +39,31 @@ def test_shear_and_torque_are_those_of_the_load() -> None:
     assert found.load == pytest.approx(math.hypot(found.shear, found.torque / joint.a))
 
 
-def test_the_safe_rule_is_the_law_of_smooth_joints_with_a_margin() -> None:
+def test_the_safe_rule_is_the_law_with_a_margin() -> None:
     joint = Joint(5, dry=replace(DRY, friction=0.0), density=0.0)
     direction = Direction(0.3)
     expected = law(joint, direction).load / SAFETY
-    assert safe(joint, direction).load == pytest.approx(expected, rel=1e-6)
-
-
-@pytest.mark.parametrize(
-    ("locks", "body", "friction", "eccentricity", "load"),
-    [
-        (3, UpperBody.COLUMNS, 0.3, 0.0, 248.143951),
-        (5, UpperBody.COLUMNS, 0.3, 0.5, 162.643598),
-        (9, UpperBody.COLUMNS, 0.0, math.inf, 103.623556),
-        (7, UpperBody.MONOLITHIC, 0.3, 0.2, 518.440257),
-        (9, UpperBody.MONOLITHIC, 0.0, 2.0, 206.692483),
-    ],
-)
-def test_the_law_is_the_one_that_was_held_against_the_static_model(
-    locks: int, body: UpperBody, friction: float, eccentricity: float, load: float
-) -> None:
-    """Its margin and its fitted numbers hold for these loads (N), however they are computed."""
-    joint = Joint(locks, upper_body=body, dry=replace(DRY, friction=friction))
-    assert law(joint, Direction(eccentricity)).load == pytest.approx(load, rel=1e-6)
+    assert 0.97 * expected < safe(joint, direction).load <= expected
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ({"locks": 32}, "locks: 32 is not possible; it must be from 2 to 31"),
+        ({"locks": 32}, "locks: 32 is not possible; it must be 2 to 31"),
         ({"a": 0.2}, "a / b: 4 is not possible"),
         ({"h": 0.04}, "h / b: 0.8 is not possible"),
         ({"H": 0.01}, "H / b: 0.2 is not possible"),
         ({"dry": replace(DRY, friction=0.9)}, "friction: 0.9 is not possible"),
         ({"dry": replace(DRY, normal_stiffness=1e12)}, "dry over inner faces: 100"),
         ({"inner": replace(INNER, shear_stiffness=1e6)}, "shear over normal stiffness"),
-        ({"inner": replace(INNER, tensile_strength=1e5)}, "tensile strength over cohesion"),
+        ({"inner": replace(INNER, tensile_strength=7e4)}, "tensile strength over cohesion"),
+        ({"dry": replace(DRY, shear_stiffness=1e8)}, "shear over normal stiffness of dry faces"),
+        ({"density": 1e6}, "weight of the upper block per area over cohesion"),
+        ({"hold_down": HoldDown.force(1e9)}, "force on top per area over cohesion"),
         ({"elastic": Elastic(1e9)}, r"E / \(Kn b\): 2 is not possible"),
+        ({"elastic": Elastic(1e10, 0.45)}, "Poisson's ratio: 0.45"),
+        ({"elastic": Elastic(1e10), "locks": 17}, "locks of blocks that bend: 17"),
     ],
 )
 def test_what_lies_outside_the_study_is_refused(
@@ -86,7 +74,9 @@ def test_what_lies_outside_the_study_is_refused(
 
 
 def test_the_ends_of_the_spans_are_inside() -> None:
-    low = Joint(2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=3e8))
+    low = Joint(
+        2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=3e8, shear_stiffness=3e9)
+    )
     assert law(low, Direction(0.0)).load > 0.0
 
 
@@ -117,29 +107,102 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
     assert plate.pressing_force is None
 
 
-def test_there_is_no_safe_load_where_a_joint_may_tip() -> None:
+def test_there_is_no_safe_load_where_only_friction_keeps_a_joint_from_overturning() -> None:
     light = Joint(3, H=0.08, hold_down=HoldDown.pressure(5e3))
-    with pytest.raises(CapacityError, match=r"(safe: V of .* may tip the joint|nothing holds)"):
+    with pytest.raises(CapacityError, match=r"safe: V of .* may overturn the joint"):
         safe(light, Direction(0.0))
 
 
-def test_friction_above_and_below_counts_with_limits() -> None:
-    """Under a plate for half as much as all else, under a given pressure not at all."""
-    rough = replace(DRY, friction=0.5)
-    tall = Joint(3, a=0.05, H=0.15, dry=rough)
-    smooth = replace(tall, dry=replace(DRY, friction=0.0))
-    direction = Direction(0.0)
-    assert law(tall, direction).load > 1.2 * law(smooth, direction).load
-    assert safe(tall, direction).load <= 1.5 * tall.T0 / SAFETY * (1 + 1e-3)
-    pressed = Joint(3, dry=rough, hold_down=HoldDown.pressure(8e4))
-    assert law(pressed, direction).load > 1.5 * law(smooth, direction).load
-    assert safe(pressed, direction).load < 1.05 * pressed.T0 / SAFETY
+def test_friction_of_masonry_is_answered() -> None:
+    rough = Joint(5, dry=replace(DRY, friction=0.7))
+    assert 0.0 < safe(rough, Direction(0.0)).load < peak(rough, Direction(0.0))
 
 
-def test_the_safe_rule_refuses_what_may_slide_before_a_bond_fails() -> None:
-    rough = Joint(5, dry=replace(DRY, friction=0.6))
-    assert law(rough, Direction(0.0)).load > 0.0
-    with pytest.raises(
-        ValueError, match=r"friction: 0\.6 is not possible; it must be at most 0\.5"
-    ):
-        safe(rough, Direction(0.0))
+def peak(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, cells: int = 4) -> float:
+    """The static model's peak (N) on nodes that the rule does not see."""
+    _, found = load_path(joint, Loading(direction, push=push), joint.least_side / cells)
+    return found.peak.load
+
+
+def stone(kn: float, ks: float, cohesion: float, tension: float) -> FaceMaterial:
+    return FaceMaterial(kn, ks, 0.0, cohesion, tension)
+
+
+WEIGHT_COUNTS = Joint(
+    *(5, 0.090933, 0.17093, 0.023579, 0.4819),
+    inner=stone(1e10, 3e10, 13.7e3, 63362.5),
+    dry=FaceMaterial(2.433e11, 2.433e11, 0.4939, 0.0, 0.0),
+)
+HEAVY = Joint(
+    *(7, 0.091676, 0.16457, 0.022383, 0.48459, 13070.0),
+    inner=stone(1e10, 2.727e10, 8e4, 1.124e6),
+    dry=FaceMaterial(2.002e11, 9.745e11, 0.4724, 0.0, 0.0),
+)
+PRESSED = Joint(
+    *(9, 0.036345, 0.05, 0.0076148, 0.016506),
+    inner=stone(1e10, 2.885e10, 8e4, 3.7e5),
+    dry=FaceMaterial(4.999e9, 4.999e9, 0.2535, 0.0, 0.0),
+    hold_down=HoldDown.pressure(66497.0),
+)
+
+
+@pytest.mark.parametrize(
+    ("joint", "eccentricity", "push", "first"),
+    [  # first failures (N) of a solver that shares no code with this project
+        (WEIGHT_COUNTS, 0.0, Push.PLUS_Y, 514.7),
+        (HEAVY, 0.0, Push.MINUS_Y, 3504.0),
+        (PRESSED, 1.12, Push.PLUS_Y, 64.7),
+    ],
+)
+def test_friction_has_its_history(
+    joint: Joint, eccentricity: float, push: Push, first: float
+) -> None:
+    """Without it the law was up to 43 % above the first failure, and safe above the peak."""
+    direction = Direction(eccentricity)
+    assert law(joint, direction, push).load == pytest.approx(first, rel=5e-3)
+    assert safe(joint, direction, push).load < peak(joint, direction, push)
+
+
+@pytest.mark.parametrize(
+    ("locks", "young", "dry", "body", "carried"),
+    [  # peaks (N) of the static model on Lobatto nodes at 0.02 m
+        (5, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 669.2),
+        (9, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 1059.0),
+        (9, 2.5e9, 3e11, UpperBody.MONOLITHIC, 953.0),
+        (15, 2.5e9, 3e11, UpperBody.MONOLITHIC, 1103.0),
+    ],
+)
+def test_blocks_that_bend_share_less_among_many_locks(
+    locks: int, young: float, dry: float, body: UpperBody, carried: float
+) -> None:
+    """Locks that bend hand on less to those behind them: a spring a cut was up to 49 % too high."""
+    joint = Joint(
+        *(locks, 0.1, 0.05, 0.0135, 0.0285),
+        inner=stone(1e10, 3.5e9, 8e4, 3.7e5),
+        dry=FaceMaterial(dry, dry, 0.0, 0.0, 0.0),
+        upper_body=body,
+        elastic=Elastic(young),
+    )
+    assert law(joint, Direction(0.0)).load == pytest.approx(carried, rel=0.02)
+    assert safe(joint, Direction(0.0)).load < carried
+
+
+@pytest.mark.parametrize("locks", [9, 10])
+def test_the_law_does_not_jump(locks: int) -> None:
+    """At e and friction a per cent apart it did by 5 to 8 %: friction without its history."""
+    joint, direction = Joint(locks), Direction(1.0)
+    there = law(joint, direction).load
+    rougher = replace(joint, dry=replace(DRY, friction=1.01 * DRY.friction))
+    assert law(joint, Direction(1.01)).load == pytest.approx(there, rel=0.01)
+    assert law(rougher, direction).load == pytest.approx(there, rel=0.01)
+
+
+def test_many_locks_in_one_piece_under_torsion_have_a_safe_load() -> None:
+    joint, torsion = Joint(31, upper_body=UpperBody.MONOLITHIC), Direction(math.inf)
+    assert 0.0 < safe(joint, torsion).load < law(joint, torsion).load
+
+
+def test_two_locks_are_refused_alike_to_both_sides() -> None:
+    for far in (-5.0, 5.0):
+        with pytest.raises(CapacityError, match=r"at most 0\.5 a to either side"):
+            law(Joint(2), Direction(far))

@@ -3,10 +3,11 @@
 import re
 from pathlib import Path
 
-from analysis.pages import elastic, locks, published, scaling
+from analysis.pages import attack, elastic, locks, published, scaling
 
 BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
-BLOCKS = {**published.BLOCKS, **elastic.BLOCKS, **locks.BLOCKS, **scaling.BLOCKS}
+MODULES = (published, elastic, locks, scaling, attack)
+BLOCKS = {name: block for module in MODULES for name, block in module.BLOCKS.items()}
 
 
 class PageError(ValueError):
