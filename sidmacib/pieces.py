@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from sidmacib.hold_down import Hold
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
@@ -14,7 +16,7 @@ from sidmacib.mechanics.assembly import (
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import contact_nodes
+from sidmacib.mechanics.quadrature import cells_along, contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: all but none is lost
@@ -27,9 +29,9 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
     horizontal faces: one row of nodes would be a hinge.
     """
     most = joint.least_side
-    if not 0 < mesh < most:
+    if not mesh > 0 or cells_along(np.array([most]), mesh)[0] < 2:
         raise ValueError(
-            f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
+            f"mesh: {mesh} m is {'too coarse' if mesh > 0 else 'no distance'}; it must be more "
             f"than 0 and less than {most} m, the shorter side of a lock's horizontal face"
         )
     pieces = cut_pieces(joint)
