@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from dataclasses import replace
 
+import numpy as np
+
 from sidmacib.hold_down import Hold
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
@@ -14,7 +16,7 @@ from sidmacib.mechanics.assembly import (
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import contact_nodes
+from sidmacib.mechanics.quadrature import cells_along, contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: all but none is lost
@@ -27,18 +29,22 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
     horizontal faces. But for Lobatto points it must be less: one row of nodes would be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
-    whole = nodes is NodeLayout.LOBATTO
-    if not (0 < mesh <= most if whole else 0 < mesh < most):
+    one_cell = nodes is NodeLayout.LOBATTO
+    if not mesh > 0 or (mesh > most if one_cell else _cells(most, mesh) < 2):
         raise ValueError(
-            f"mesh: {mesh} m is {'too coarse' if mesh >= most else 'no distance'}; it must be more "
-            f"than 0 and {'at most' if whole else 'less than'} {most} m, the shorter side of a "
-            "lock's horizontal face"
+            f"mesh: {mesh} m is {'too coarse' if mesh > 0 else 'no distance'}; it must be more "
+            f"than 0 and {'at most' if one_cell else 'less than'} {most} m, the shorter side of "
+            "a lock's horizontal face"
         )
     pieces = cut_pieces(joint)
     faces = tuple(_faces(joint, pieces))
     return Assembly(
         pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure, mesh, nodes
     )
+
+
+def _cells(side: float, mesh: float) -> int:
+    return int(cells_along(np.array([side]), mesh)[0])
 
 
 def cut_pieces(joint: Joint) -> tuple[Piece, ...]:

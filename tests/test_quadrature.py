@@ -42,6 +42,23 @@ def test_a_rule_is_exact_up_to_its_degree_and_no_further(layout: NodeLayout) -> 
     assert error[EXACT[layout] + 1] > 1e-5
 
 
+@pytest.mark.parametrize("more", [0.0, 2e-9, 5e-8, -2e-9])
+def test_digits_of_a_size_that_nobody_means_make_no_more_cells(more: float) -> None:
+    model = assemble(Joint(3, a=0.06 + more), 0.02)
+    assert cell_counts(model.faces, 0.02)[:, 0].max() == 3
+
+
+def test_a_size_that_is_longer_by_more_makes_more_cells() -> None:
+    model = assemble(Joint(3, a=0.0601), 0.02)
+    assert cell_counts(model.faces, 0.02)[:, 0].max() == 4
+
+
+@pytest.mark.parametrize("more", [0.0, 2e-9])
+def test_one_row_of_nodes_is_refused_whatever_the_last_digits(more: float) -> None:
+    with pytest.raises(ValueError, match=r"mesh: 0\.05 m is too coarse"):
+        assemble(Joint(3, b=0.05 + more), 0.05)
+
+
 @pytest.mark.parametrize("layout", [NodeLayout.VERTICES, NodeLayout.LOBATTO])
 def test_every_corner_of_a_face_has_a_node(layout: NodeLayout) -> None:
     model = assemble(Joint(3), 0.02, layout)

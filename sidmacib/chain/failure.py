@@ -20,8 +20,8 @@ from sidmacib.mechanics.path import Equilibrium
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.pieces import assemble, lock_faces
 
-# Cells along the shorter side of a lock, so that dry faces may open in part; the finer ones show how
-# far a load depends on them. Blocks that bend cost more, and three nodes a side see them bend.
+# Cells along the shorter side of a lock, so that dry faces may open in part; the finer ones show
+# how far a load depends on them. Blocks that bend cost more, and three nodes a side see them bend.
 CELLS, FINER_CELLS = 2, 3
 CELLS_THAT_BEND = 1
 

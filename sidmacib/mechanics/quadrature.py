@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import CLOSE, Face, Floats, Integers, NodeLayout, Nodes
+from sidmacib.mechanics.assembly import Face, Floats, Integers, NodeLayout, Nodes
 
 # The rule of one cell: places in the cell, and weights.
 RULES = {
@@ -18,9 +18,12 @@ RULES = {
 }
 
 
+STRETCH = 1e-6  # of a cell beyond the mesh: digits of a size that nobody means make no more cells
+
+
 def cells_along(lengths: Floats, mesh: float) -> Integers:
     """Equal cells on ``lengths`` (m), none longer than ``mesh`` (m), and at least one."""
-    return np.maximum(1, np.ceil(lengths / mesh - CLOSE)).astype(np.int64)
+    return np.maximum(1, np.ceil(lengths / (mesh * (1.0 + STRETCH)))).astype(np.int64)
 
 
 def cell_counts(faces: tuple[Face, ...], mesh: float) -> Integers:
