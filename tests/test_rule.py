@@ -50,7 +50,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
 @pytest.mark.parametrize(
     ("others", "words"),
     [
-        ({"locks": 32}, "locks: 32 is not possible; it must be 2 to 31"),
+        ({"locks": 32}, "locks: 32 is not possible; it must be from 2 to 31"),
         ({"a": 0.2}, "a / b: 4 is not possible"),
         ({"h": 0.04}, "h / b: 0.8 is not possible"),
         ({"H": 0.01}, "H / b: 0.2 is not possible"),

@@ -109,7 +109,9 @@ def require_covered(joint: Joint, direction: Direction) -> None:
     for name, value in spans_of(joint).items():
         low, high = SPANS[name]
         if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
-            allowed = f"at least {low:g}, or rigid" if math.isinf(high) else f"{low:g} to {high:g}"
+            allowed = (
+                f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
+            )
             raise refused(
                 name, _short(value), f"{allowed}: nobody has looked further; use the static model"
             )
