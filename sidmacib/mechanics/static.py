@@ -135,7 +135,7 @@ def _raised(
     def least(load: float) -> float:
         return LEAST_INCREMENT * max(load, LEAST_LOAD * scale)
 
-    path, increment = list(path), INCREMENT * scale
+    path, increment, thorough = list(path), INCREMENT * scale, False
     own = used(path[-1])
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
     over = own
@@ -146,14 +146,16 @@ def _raised(
         if above and above.load - low.load <= least(above.load):
             return path, over >= 1.0
         if increment <= least(low.load + increment):
-            return path, np.zeros(len(low.force), bool)
+            if thorough:
+                return path, np.zeros(len(low.force), bool)
+            thorough = True
         load = low.load + increment
         if above:  # where the utilisation, all but linear, comes just below 1
             share = (1.0 - most) / (over.max() - most) if np.isfinite(over.max()) else 0.5
             near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
             load = min(load, max(near, low.load + least(above.load) / 2))
         try:
-            point = solver.solve(load, _guess(load, path, above), low.state)
+            point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
         except NoEquilibriumError:
             increment = (load - low.load) / 2
             continue
@@ -185,6 +187,6 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
     state = point.state
     while failing.any():
         state = replace(state, whole=np.where(failing, 0.0, state.whole))
-        after = solver.solve(point.load, point.unknowns, state)
+        after = solver.solve(point.load, point.unknowns, state, thorough=True)
         failing = utilisation(solver.law, state, after.force) > 1.0
     return after
