@@ -136,8 +136,11 @@ def safe_load(target: Target) -> float | None:
         return None
 
 
-def ratio_at(space: Space, place: Sequence[float]) -> float:
-    """Safe load over first failure; 0 where the rule refuses, inf where nothing is carried."""
+def ratio_at(space: Space, place: Sequence[float]) -> float | None:
+    """Safe load over first failure: 0 where the rule refuses, inf where nothing is carried.
+
+    None where the static model has no answer on its nodes.
+    """
     target = target_at(space, place)
     promised = safe_load(target)
     if promised is None:
@@ -148,18 +151,23 @@ def ratio_at(space: Space, place: Sequence[float]) -> float:
         loads = lateral_load(joint, assembly, target.loading)
         found = static_first_failure(assembly, loads, increment=INCREMENT)
     except CapacityError:
-        return math.inf
+        return None
     return promised / found.point.load if found.point.load > 0.0 else math.inf
 
 
 @dataclass(frozen=True)
 class Worst:
-    """The joint of one start with the largest ratio of safe load to first failure."""
+    """The joint of one start with the largest ratio of safe load to first failure.
+
+    ``answered``: joints for which there is a ratio; ``unsolved``: those that the safe rule answers
+    and the static model, on its finer nodes, does not.
+    """
 
     space: Space
     seed: int
     evaluations: int
     answered: int
+    unsolved: int
     ratio: float
     place: tuple[float, ...]
 
@@ -171,6 +179,7 @@ class _Search:
     space: Space
     evaluations: int = 0
     answered: int = 0
+    unsolved: int = 0
     best: float = 0.0
     place: tuple[float, ...] = ()
 
@@ -178,6 +187,9 @@ class _Search:
         values = tuple(map(float, place))
         found = ratio_at(self.space, values)
         self.evaluations += 1
+        if found is None:
+            self.unsolved += 1
+            return 0.0
         self.answered += found > 0.0
         if found > self.best:
             self.best, self.place = found, values
@@ -201,7 +213,7 @@ def search(space: Space, seed: int, evaluations: int) -> Worst:
         polish=False,
         rng=seed,
     )
-    return Worst(space, seed, own.evaluations, own.answered, own.best, own.place)
+    return Worst(space, seed, own.evaluations, own.answered, own.unsolved, own.best, own.place)
 
 
 def row_of(worst: Worst) -> dict[str, object]:
@@ -214,6 +226,7 @@ def row_of(worst: Worst) -> dict[str, object]:
         "seed": worst.seed,
         "evaluations": worst.evaluations,
         "answered": worst.answered,
+        "unsolved": worst.unsolved,
         "safe_over_first_failure": worst.ratio,
         "safe_N": promised,
     }

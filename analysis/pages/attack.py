@@ -6,7 +6,10 @@ import pandas as pd
 
 from analysis.pages.markdown import markdown
 
-HEAD = ["space", "joints", "answered", "safe / first failure", "safe / peak, on other nodes"]
+HEAD = [
+    *("space", "joints", "answered", "not solved"),
+    *("safe / first failure", "safe / peak, on other nodes"),
+]
 
 
 def worst(results: Path) -> str:
@@ -20,6 +23,7 @@ def worst(results: Path) -> str:
                 str(space),
                 f"{group['evaluations'].sum():,}",
                 f"{group['answered'].sum():,}",
+                f"{group['unsolved'].sum():,}",
                 f"{group['safe_over_first_failure'].max():.3f}",
                 ", ".join(f"{value:.3f}" for value in peaks),
             ]
