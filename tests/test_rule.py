@@ -118,6 +118,17 @@ def test_friction_of_masonry_is_answered() -> None:
     assert 0.0 < safe(rough, Direction(0.0)).load < peak(rough, Direction(0.0))
 
 
+def test_one_rigid_piece_that_is_rough_is_refused_in_torsion_only() -> None:
+    """An optimiser found one that snaps at 988 N and fails at 2520 N."""
+    rough = Joint(5, dry=replace(DRY, friction=0.7), upper_body=UpperBody.MONOLITHIC)
+    torsion = Direction(math.inf)
+    with pytest.raises(CapacityError, match=r"friction of at most 0\.5, give the block its Young"):
+        safe(rough, torsion)
+    assert safe(rough, Direction(0.5)).load > 0.0
+    assert safe(replace(rough, upper_body=UpperBody.COLUMNS), torsion).load > 0.0
+    assert safe(replace(rough, elastic=Elastic(1e10)), torsion).load > 0.0
+
+
 def peak(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, cells: int = 4) -> float:
     """The static model's peak (N) on nodes that the rule does not see."""
     _, found = load_path(joint, Loading(direction, push=push), joint.least_side / cells)

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 from sidmacib.chain.failure import FINE, Fineness, first_failure
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.validation import refused, require_positive
@@ -35,6 +35,9 @@ SPANS = {
     "Poisson's ratio": (0.0, 0.4),
 }
 STRETCH = 1e-9  # of a span, for rounding
+# Of one rigid piece: rougher ones in torsion may snap from one equilibrium to another before a bond
+# fails, at less than half the first failure.
+ROUGHEST, TORSION = 0.5, 1.0  # friction, e / a
 FARTHEST_OF_TWO = 0.5  # e / a: beyond it the force leaves the only dry face of two locks
 
 
@@ -60,13 +63,15 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """A load that ``joint`` carries: for design. The same errors as `law`.
 
-    `CapacityError` too if the joint would overturn but for friction between the locks.
+    `CapacityError` too if the joint would overturn but for friction between the locks, and for one
+    rigid piece in torsion with a friction above `ROUGHEST`.
 
     Of rigid pieces the first failure is found twice, on two meshes and with two increments of the
     load, and what lies between them is taken off the lower one: joints that are about to rock
     depend on the mesh, and rough ones on the increments, by more than `SAFETY` covers. Blocks that
     bend are solved on one mesh; `SAFETY_THAT_BENDS` covers its error as well.
     """
+    _require_no_snap(joint, direction)
     load = law(joint, direction, push).load
     if joint.elastic is not None:
         return _designed(joint, direction, load / SAFETY_THAT_BENDS)
@@ -133,6 +138,16 @@ def _first_load(
     joint: Joint, direction: Direction, push: Push, fineness: Fineness | None = None
 ) -> float:
     return first_failure(joint, Loading(direction, push=push), fineness).load
+
+
+def _require_no_snap(joint: Joint, direction: Direction) -> None:
+    rigid = joint.upper_body is UpperBody.MONOLITHIC and joint.elastic is None
+    if rigid and joint.dry.friction > ROUGHEST and abs(direction.eccentricity) > TORSION:
+        raise CapacityError(
+            f"safe: one rigid piece with a friction of {joint.dry.friction:g}, loaded at "
+            f"{direction.eccentricity:g} a, may slide before a bond fails; design with a friction "
+            f"of at most {ROUGHEST:g}, give the block its Young's modulus, or use the static model"
+        )
 
 
 def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
