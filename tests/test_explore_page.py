@@ -225,6 +225,17 @@ def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
     require_true(opened.frames())
 
 
+def test_a_server_that_was_stopped_is_told(browser: Browser) -> None:
+    with explorer() as own:
+        opened = Opened(browser, own)
+    opened.page.focus("#locks")
+    opened.page.keyboard.press("ArrowRight")
+    expect(opened.page.locator("#problem")).to_contain_text("The server does not answer.")
+    assert opened.page.get_attribute("#answer", "aria-busy") == "true"
+    require_true(opened.frames())
+    opened.context.close()
+
+
 def test_a_link_beyond_the_sliders_shows_the_joint_and_says_so(
     browser: Browser, served: Served
 ) -> None:

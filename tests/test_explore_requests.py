@@ -137,6 +137,33 @@ def test_what_takes_no_post_gets_none(served: Served) -> None:
     assert served.send("PUT", "/answer", {}).status == 405
 
 
+def test_requests_that_never_end_are_ended_and_keep_nobody_waiting(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(app._Quiet, "timeout", 0.5)
+    with explorer() as own:
+        idle = [socket.create_connection(("127.0.0.1", own.port), timeout=30) for _ in range(40)]
+        for connection in idle:
+            head = f"POST /answer HTTP/1.1\r\nHost: 127.0.0.1:{own.port}\r\n"
+            kind = "Content-Type: application/json\r\nContent-Length: 4000\r\n\r\n{"
+            connection.sendall((head + kind).encode())
+        assert own.get("/").status == 200
+        for connection in idle:
+            while connection.recv(1000):  # until the server ends it
+                pass
+            connection.close()
+
+
+@pytest.mark.parametrize("port", ["65536", "-1", "999999999999"])
+def test_a_port_that_there_is_not_is_told_in_a_line(
+    port: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sys.argv", ["explore", f"--port={port}"])
+    with pytest.raises(SystemExit) as error:
+        app.main()
+    assert error.value.code == f"--port must be from 0 to 65535 (got {port})"
+
+
 # --- other pages ---------------------------------------------------------------------------------
 @pytest.mark.parametrize("name", ["127.0.0.1", "localhost", "[::1]"])
 def test_this_machine_is_answered_by_its_names(served: Served, name: str) -> None:

@@ -231,6 +231,18 @@ def test_tables_sort_filter_and_download(opened: Opened, tmp_path: Path) -> None
 
 
 @needs_browser
+def test_a_name_is_no_formula_in_a_download(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    page.evaluate("DATA.tables.cases.rows[0][0] = '=1+1'; DATA.tables.cases.rows[1][0] = -1.5")
+    page.select_option("#table-name", "cases")
+    with page.expect_download() as waiting:
+        page.click("#table-csv")
+    waiting.value.save_as(tmp_path / "table.csv")
+    first = [row[0] for row in csv.reader((tmp_path / "table.csv").open())]
+    assert first[1:3] == ["'=1+1", "-1.5"]
+
+
+@needs_browser
 def test_it_fits_a_narrow_window(browser: Any, report: Path) -> None:
     page = browser.new_page(viewport={"width": 380, "height": 700})
     page.goto(report.as_uri())

@@ -36,6 +36,7 @@ PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
 LONGEST_ID = 40  # letters, of a page
 SUPERSEDED = 204  # no content: a browser takes it for no error
+MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 ABOUT = (
     "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
@@ -196,8 +197,10 @@ def serve(port: int) -> tuple[BaseWSGIServer, Explorer]:
 def main() -> None:
     """Serve the page until it is stopped."""
     parser = argparse.ArgumentParser(prog="make explore", description=__doc__)
-    parser.add_argument("--port", type=int, default=8050)
+    parser.add_argument("--port", type=int, default=8050, help="0: any that is free")
     arguments = parser.parse_args()
+    if not 0 <= arguments.port <= MOST_PORT:
+        sys.exit(f"--port must be from 0 to {MOST_PORT} (got {arguments.port})")
     try:
         server, explorer = serve(arguments.port)
     except SystemExit:  # it has said why

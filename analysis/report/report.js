@@ -306,7 +306,9 @@ function tableRow(row) {
 
 function download() {
   const { columns, rows } = shownRows();
-  const cell = (value) => (value === null ? "" : /[",\n]/.test(String(value)) ? `"${String(value).replaceAll('"', '""')}"` : String(value));
+  const plainly = (value) => (/^[=+\-@\t\r]/.test(value) ? `'${value}` : value); // no formula of a spreadsheet
+  const told = (value) => (typeof value === "string" ? plainly(value) : String(value ?? ""));
+  const cell = (value) => (/[",\n\r]/.test(told(value)) ? `"${told(value).replaceAll('"', '""')}"` : told(value));
   const text = [columns, ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
