@@ -10,6 +10,7 @@ import pandas as pd
 from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
 from analysis.looks import look_of
+from sidmacib.mechanics.assembly import NodeLayout
 from workflow.case import REFERENCE
 from workflow.models import Obtained, first_failure_only, obtained_by
 from workflow.results.tables import (
@@ -28,15 +29,20 @@ MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 
 
-def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[float]) -> str:
-    """The text, one finding per line; ``meshes``: the study's (m)."""
+def summary(
+    results: str,
+    tables: dict[str, pd.DataFrame],
+    meshes: Sequence[float],
+    nodes: str = NodeLayout.LOBATTO,
+) -> str:
+    """The text, one finding per line; ``meshes`` (m) and layout of the ``nodes``: the study's."""
     leading = leading_models(tables["fit"])
     return "\n".join(
         [
             *_failed(tables["cases"]),
             *_validation(tables["validation"], leading),
             *_models(tables["capacity"], meshes),
-            *_mesh_errors(tables["capacity"]),
+            *_mesh_errors(tables["capacity"], nodes),
             *_fits(tables["fit"], tables["best_fit"], leading),
             *_variants(tables["capacity"]),
             *_disagreements(tables["cases"]),
@@ -138,7 +144,7 @@ def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
         yield f"  {place:<34}{cells}{told}"
 
 
-def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
+def _mesh_errors(capacity: pd.DataFrame, nodes: str) -> Iterator[str]:
     """The largest mesh error of each model at each mesh, and what to do where it is large."""
     own = capacity[capacity["mesh_error"].notna()]
     if own.empty:
@@ -156,8 +162,8 @@ def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
     if len(high):
         yield (
             f"  {len(high)} of {len(own)} capacities have a mesh error above {100 * MESH_LIMIT:g} "
-            "%: what rests on them may be the mesh's doing. A finer mesh lowers it, or nodes: "
-            "lobatto."
+            "%: what rests on them may be the mesh's doing. A finer mesh lowers it"
+            + (", or nodes: lobatto." if nodes != NodeLayout.LOBATTO else ".")
         )
 
 
@@ -219,4 +225,6 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
-    outputs[0].write_text(summary(arguments["results"], tables, arguments["meshes"]))
+    outputs[0].write_text(
+        summary(arguments["results"], tables, arguments["meshes"], arguments["nodes"])
+    )

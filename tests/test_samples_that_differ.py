@@ -178,9 +178,10 @@ def test_the_summary_shows_both_with_their_friction_and_the_mesh_error(
 def test_a_mesh_error_above_two_percent_is_named_with_what_helps(
     tables: dict[str, pd.DataFrame],
 ) -> None:
-    text = summary("there", tables, [0.02])
+    text = summary("there", tables, [0.02], "vertices")
     assert "static mesh 0.02 m: 9.92 % (n3_fits-mesh0.02-e0a), ABOVE 2 %" in text
     assert "A finer mesh lowers it, or nodes: lobatto." in text
+    assert "A finer mesh lowers it.\n" in summary("there", tables, [0.02], "lobatto")
     small = tables | {"capacity": tables["capacity"].assign(mesh_error=0.01)}
     text = summary("there", small, [0.02])
     assert "static mesh 0.02 m: 1.00 %" in text

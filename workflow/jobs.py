@@ -288,7 +288,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", of_cases),
             ),
             outputs=("summary.txt",),
-            arguments={"results": study.results, "meshes": study.meshes},
+            arguments={"results": study.results, "meshes": study.meshes, "nodes": study.nodes},
         ),
         Job(
             name="report",
