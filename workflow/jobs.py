@@ -63,6 +63,11 @@ class Job:
         return f".receipts/{self.name}.json"
 
     @property
+    def made(self) -> tuple[str, ...]:
+        """All files that it makes where it has a result."""
+        return (*self.outputs, *self.others)
+
+    @property
     def runs(self) -> tuple[str, ...]:
         """Modules that it starts from; what they import runs too."""
         return RUNNER, self.step, *self.modules

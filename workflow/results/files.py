@@ -150,6 +150,7 @@ def _read_history(path: Path) -> tuple[State, ...]:
 def write_record(record: CaseRecord, path: Path) -> None:
     """Write ``record``, completely or not at all."""
     draft = path.with_suffix(".draft")
+    draft.unlink(missing_ok=True)  # it may be a link
     draft.write_text(record.to_json() + "\n")
     draft.replace(path)
 
