@@ -125,7 +125,7 @@ class Run:
         for path in (Path(each) for each in outputs if Path(each).name == RECORD):
             try:
                 error = json.loads(path.read_text()).get("error")
-            except (OSError, ValueError, AttributeError):
+            except (OSError, ValueError, AttributeError, RecursionError):
                 continue
             if error:
                 self.failed.append(name)
