@@ -45,7 +45,9 @@ def done(study: Study, tmp_path: Path) -> Job:
 
 
 def reason(job: Job, results: Path) -> str | None:
-    return fault(read_receipt(results / job.receipt), job.name, job.digest(), results, job.made)
+    return fault(
+        read_receipt(results / job.receipt), job.name, job.digest(), results, job.receipted
+    )
 
 
 def test_what_was_made_holds(done: Job, tmp_path: Path) -> None:
@@ -190,9 +192,9 @@ def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path
         replace(done, versions={"yade": "2"}),
         replace(done, files=("config.yaml",)),
     ):
-        assert fault(receipt, done.name, other.digest(), tmp_path, done.made) == STALE
+        assert fault(receipt, done.name, other.digest(), tmp_path, done.receipted) == STALE
     same = replace(done, settings={"time_limit": 1.0})
-    assert fault(receipt, done.name, same.digest(), tmp_path, done.made) is None
+    assert fault(receipt, done.name, same.digest(), tmp_path, done.receipted) is None
 
 
 def test_what_was_changed_by_hand_is_taken_away_before_a_run(

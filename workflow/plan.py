@@ -114,7 +114,9 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         print(line, file=sys.stderr)
     for job, digest in found:
         path = plans[job.name] = plan_file(job, digest, results)
-        reason = fault(read_receipt(results / job.receipt), job.name, digest, results, job.made)
+        reason = fault(
+            read_receipt(results / job.receipt), job.name, digest, results, job.receipted
+        )
         text = json.dumps(job.plan(digest, results), indent=1) + "\n"
         if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)

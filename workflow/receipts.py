@@ -76,14 +76,21 @@ def read_receipt(path: Path) -> Receipt | None:
 
 
 def fault(
-    receipt: Receipt | None, job: str, digest: str, results: Path, outputs: Iterable[str]
+    receipt: Receipt | None,
+    job: str,
+    digest: str,
+    results: Path,
+    outputs: Iterable[frozenset[str]],
 ) -> str | None:
-    """Why the ``outputs`` of ``job`` must be made again, in a few words; None if they are valid."""
+    """Why the results of ``job`` must be made again, in a few words; None if they are valid.
+
+    ``outputs``: which files a receipt may name, all of them.
+    """
     if receipt is None:
         return "never made"
     if receipt.job != job:
         return "made by another job"
-    if receipt.outputs.keys() != {*outputs}:
+    if frozenset(receipt.outputs) not in outputs:
         return "a receipt of other files"
     for name, content in receipt.outputs.items():
         try:
