@@ -37,7 +37,9 @@ EVALUATIONS ?= 1200
 # They reach the shell as they are, whatever is in them.
 export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
-WORKFLOW = @$(BIN)/python -m workflow
+# `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: so does ^C
+# before Python has begun, as it looks whether make was told to end.
+WORKFLOW = @trap '' INT; exec $(BIN)/python -m workflow --end-with-parent
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
@@ -61,7 +63,7 @@ report: .venv/study.ready
 	$(WORKFLOW) report $(TO)
 
 explore: .venv/study.ready
-	@$(BIN)/python -m analysis.explore.app
+	@exec $(BIN)/python -m analysis.explore.app
 
 decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)
@@ -71,7 +73,7 @@ docs: .venv/test.ready
 	@echo "Pages: build/docs/index.html"
 
 bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
-	@$(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
 	$(BIN)/pytest
@@ -85,22 +87,22 @@ test-container: .venv/test.ready
 	MULTILOCK_MACHINE=1 $(BIN)/pytest -m machine tests/test_container.py
 
 faults: .venv/test.ready
-	@$(BIN)/python tests/faults.py --faults "$$FAULTS"
+	@exec $(BIN)/python tests/faults.py --faults "$$FAULTS"
 
 fuzz: .venv/test.ready
-	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
+	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 exec $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
 
 mutants: .venv/test.ready .venv/mutants.ready
-	@$(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
+	@exec $(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
 
 same: .venv/test.ready
-	@$(BIN)/python tests/same_bytes.py $(PYTHONS)
+	@exec $(BIN)/python tests/same_bytes.py $(PYTHONS)
 
 attack: .venv/study.ready
 	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
 
 scaling: .venv/test.ready
-	@$(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .

@@ -45,7 +45,9 @@ def done(study: Study, tmp_path: Path) -> Job:
 
 
 def reason(job: Job, results: Path) -> str | None:
-    return fault(read_receipt(results / job.receipt), job.name, job.digest(), results)
+    return fault(
+        read_receipt(results / job.receipt), job.name, job.digest(), results, job.receipted
+    )
 
 
 def test_what_was_made_holds(done: Job, tmp_path: Path) -> None:
@@ -85,6 +87,103 @@ def test_a_receipt_that_is_lost_garbled_or_anothers_does_not_count(
     assert reason(done, tmp_path) == "never made"
 
 
+@pytest.mark.parametrize("number", [0, 2])
+def test_a_receipt_that_names_too_few_or_too_many_files_does_not_count(
+    done: Job, tmp_path: Path, number: int
+) -> None:
+    path = tmp_path / done.receipt
+    told = json.loads(path.read_text())
+    some = dict([*told["outputs"].items()][:number])
+    for outputs in (some, told["outputs"] | {"\0": "x"}, told["outputs"] | {"/dev/zero": "x"}):
+        path.write_text(json.dumps({**told, "outputs": outputs}))
+        (tmp_path / done.outputs[2]).write_text("forged")
+        assert reason(done, tmp_path) == "a receipt of other files"
+    path.write_text("[" * 100_000)
+    assert reason(done, tmp_path) == "never made"
+
+
+def in_place_of(path: Path, kind: str, target: Path) -> None:
+    """Put something that is no file where a file is."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+        (path / "mine").write_text("mine")
+    else:
+        path.symlink_to("/dev/zero" if kind == "device" else target)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "link", "folder"])
+@pytest.mark.parametrize("what", ["output", "receipt", "log", "plan", "index", "mark", "times"])
+def test_what_is_no_file_makes_way_with_a_line_and_the_job_is_done_again(
+    done: Job, tmp_path: Path, kind: str, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    places = {
+        "output": done.outputs[1],
+        "receipt": done.receipt,
+        "log": f"logs/{done.name}.log",
+        "plan": str(prepared([done], tmp_path)[done.name].relative_to(tmp_path)),
+        "index": ".plan/index.json",
+        "mark": f".begun/{done.name}.job",
+        "times": f".times/{done.name}.json",
+    }
+    path, mine = tmp_path / places[what], tmp_path.with_name(f"{tmp_path.name}-mine")
+    mine.write_text("mine")
+    in_place_of(path, kind, mine)
+    prepared([done], tmp_path)
+    assert capsys.readouterr().err.startswith(f"{path} was ")
+    assert mine.read_text() == "mine"
+    assert not path.is_dir()
+    assert not path.is_symlink()
+    if kind == "folder":
+        assert (path.with_name(f"{path.name}.aside1") / "mine").read_text() == "mine"
+    run_job(json.loads(json.dumps(done.plan(done.digest(), tmp_path))))
+    assert reason(done, tmp_path) is None
+    prepared([done], tmp_path)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", ["cases", "cases/static", "cases/static/batch", ".receipts"])
+def test_what_is_no_folder_makes_way_and_a_link_is_not_written_through(
+    done: Job, tmp_path: Path, name: str
+) -> None:
+    path, mine = tmp_path / name, tmp_path.with_name(f"{tmp_path.name}-mine")
+    mine.mkdir()
+    for replace_it in (lambda: path.symlink_to(mine), path.touch, lambda: os.mkfifo(path)):
+        shutil.rmtree(path)
+        replace_it()
+        prepared([done], tmp_path)
+        run_job(json.loads(json.dumps(done.plan(done.digest(), tmp_path))))
+        assert reason(done, tmp_path) is None
+    assert not [*mine.iterdir()]
+
+
+def test_links_that_people_put_beside_decks_or_results_stay(done: Job, tmp_path: Path) -> None:
+    for name in ("mine", "decks/3dec/n3/results.txt"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).symlink_to("/etc/hostname")
+    prepared([replace(done, outputs=(*done.outputs, "decks/3dec/n3/joint.dat"))], tmp_path)
+    assert (tmp_path / "mine").is_symlink()
+    assert (tmp_path / "decks/3dec/n3/results.txt").is_symlink()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "link", "folder"])
+def test_a_lock_that_is_no_file_makes_way(
+    tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine"
+    mine.write_text("mine")
+    in_place_of(tmp_path / "r/.lock", kind, mine)
+    lock(tmp_path / "r").close()
+    assert mine.read_text() == "mine"
+    assert capsys.readouterr().err.startswith(f"{tmp_path}/r/.lock was ")
+
+
 def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path: Path) -> None:
     receipt = read_receipt(tmp_path / done.receipt)
     for other in (
@@ -93,9 +192,9 @@ def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path
         replace(done, versions={"yade": "2"}),
         replace(done, files=("config.yaml",)),
     ):
-        assert fault(receipt, done.name, other.digest(), tmp_path) == STALE
+        assert fault(receipt, done.name, other.digest(), tmp_path, done.receipted) == STALE
     same = replace(done, settings={"time_limit": 1.0})
-    assert fault(receipt, done.name, same.digest(), tmp_path) is None
+    assert fault(receipt, done.name, same.digest(), tmp_path, done.receipted) is None
 
 
 def test_what_was_changed_by_hand_is_taken_away_before_a_run(

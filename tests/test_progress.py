@@ -124,3 +124,45 @@ def test_a_job_that_did_better_when_it_was_tried_again_did_not_fail(tmp_path: Pa
     assert run.failed == ["one"]
     run.heard(end(1), 2.0)
     assert run.failed == []
+
+
+def test_what_a_signal_ended_is_told_with_the_signal_and_stands_in_its_log(tmp_path: Path) -> None:
+    """As where memory is short: the job itself says nothing."""
+    run, log = started(), tmp_path / "job.log"
+    log.touch()
+    text = f"RuleException:\nCommand 'python > {log} 2>&1' died with <Signals.SIGKILL: 9>."
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    assert run.heard(record(LogEvent.ERROR, logging.ERROR, text), 1.0) == []
+    found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    words = "killed by SIGKILL, as the system does where memory is short"
+    assert found == [f"Failed: one: {words}; log: {log}"]
+    assert log.read_text() == f"{words}\n"
+
+
+def test_a_job_that_ends_without_a_word_is_a_reason(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.touch()
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    assert run.reasons == [f"Failed: one: ended without a word; log: {log}"]
+
+
+def test_that_cases_lack_results_is_a_reason_only_where_no_case_gave_one(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.write_text("n3 (static): no\n")
+    for job, name in ((1, "Check that every case has a result"), (2, "one")):
+        run.heard(begin(job, name, log=str(log)), 0.0)
+        run.heard(record(LogEvent.JOB_ERROR, jobid=job, rule_name="rule"), 1.0)
+        assert [reason.split(": ")[1] for reason in run.reasons] == [name]
+
+
+def test_what_was_up_to_date_or_made_in_a_run_is_its_own() -> None:
+    assert not Run().is_made("summary")  # nothing is known of it
+    run = Run()
+    run.heard(record(LogEvent.RUN_INFO, stats={"rule": 1, "other": 1, "total": 2}), 0.0)
+    assert run.is_made("summary")
+    assert not run.is_made("rule")
+    run.heard(begin(1, "one"), 0.0)
+    run.heard(end(1), 1.0)
+    assert run.is_made("rule")
+    assert not run.is_made("other")

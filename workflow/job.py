@@ -20,6 +20,7 @@ from workflow.kills import STOPPED, KilledError, begin, end
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
+SIGNALS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 SELF, CHILDREN = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
 
 
@@ -72,8 +73,9 @@ def write_times(path: Path, start: float) -> None:
 
 def main() -> None:
     """Command line: the plan of the job, a file."""
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-        signal.signal(number, _killed)
+    for number in SIGNALS:
+        if number == signal.SIGTERM or signal.getsignal(number) != signal.SIG_IGN:  # as by nohup
+            signal.signal(number, _killed)
     end_with_parent()
     plan = json.loads(Path(sys.argv[1]).read_text())
     results, name = Path(plan["results"]), plan["name"]
@@ -91,6 +93,8 @@ def main() -> None:
 
 
 def _killed(*_: object) -> None:
+    for number in SIGNALS:  # nothing disturbs the end of what the job has started
+        signal.signal(number, signal.SIG_IGN)
     raise KilledError(STOPPED)
 
 

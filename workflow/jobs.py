@@ -63,6 +63,17 @@ class Job:
         return f".receipts/{self.name}.json"
 
     @property
+    def made(self) -> tuple[str, ...]:
+        """All files that it makes where it has a result."""
+        return (*self.outputs, *self.others)
+
+    @property
+    def receipted(self) -> tuple[frozenset[str], ...]:
+        """Which files its receipt may name: those of a result, or of a case that has none."""
+        whole = frozenset(self.made)
+        return (whole, frozenset(self.outputs)) if self.finds else (whole,)
+
+    @property
     def runs(self) -> tuple[str, ...]:
         """Modules that it starts from; what they import runs too."""
         return RUNNER, self.step, *self.modules

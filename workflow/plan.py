@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -14,11 +15,13 @@ from workflow.cases import cases_of
 from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
+from workflow.mending import mended
 from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt, write_whole
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
 
+INDEX = ".plan/index.json"
 CLOCKS_APART = 5.0  # s, at most, of the machines of a cluster
 
 
@@ -84,6 +87,13 @@ def witnesses(cases: Iterable[Case]) -> list[Case]:
     return [case for physics, case in every.items() if physics not in known]
 
 
+def files_of(job: Job, digest: str) -> tuple[str, ...]:
+    """All that a job writes, or that is written for it, under a name that is known beforehand."""
+    name = job.name
+    of_run = (job.receipt, f"logs/{name}.log", f".times/{name}.json", f".begun/{name}.job")
+    return (*job.made, *of_run, INDEX, str(plan_file(job, digest, Path())))
+
+
 def plan_file(job: Job, digest: str, results: Path) -> Path:
     """Where the arguments of ``job`` are; ``digest``, of what its results depend on, names it."""
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
@@ -95,14 +105,18 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
     Results that are not what their job made are removed. If they were made from something else, the
     plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
     Times in the future, of a clock that has jumped, become now: what is made from such a file would
-    seem older than it for ever.
+    seem older than it for ever. What stands in the way of a file is removed, and named on stderr.
     """
     plans: dict[str, Path] = {}
     now = time.time()
-    for job in jobs:
-        digest = job.digest()
+    found = [(job, job.digest()) for job in jobs]
+    for line in mended(results, (name for each in found for name in files_of(*each))):
+        print(line, file=sys.stderr)
+    for job, digest in found:
         path = plans[job.name] = plan_file(job, digest, results)
-        reason = fault(read_receipt(results / job.receipt), job.name, digest, results)
+        reason = fault(
+            read_receipt(results / job.receipt), job.name, digest, results, job.receipted
+        )
         text = json.dumps(job.plan(digest, results), indent=1) + "\n"
         if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -142,4 +156,4 @@ def planned(results: Path) -> dict[str, Path]:
 
 
 def _index(results: Path) -> Path:
-    return results / ".plan" / "index.json"
+    return results / INDEX

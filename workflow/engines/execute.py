@@ -112,7 +112,7 @@ def _check(folder: Path, log: Path) -> None:
         result = json.loads((folder / "result.json").read_text())
         peak, failed = result["peak_load_N"], result["failed_load_N"]
         sound = 0.0 < peak <= failed and math.isfinite(failed)
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise EngineError(_with_tail("ended with an unreadable result.json", log)) from None
     if not sound:
         raise EngineError(

@@ -21,6 +21,7 @@ from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
+SLACK = 1e-6  # of a tolerance: rounding
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
@@ -77,7 +78,7 @@ class CaseRecord:
             data["weights"] = tuple(LockWeight(**each) for each in data["weights"])
             data["path"] = tuple((load, moved) for load, moved in data["path"])
             return cls(**data)
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
             raise ResultError(f"not a case's record: {error}") from None
 
 
@@ -127,6 +128,20 @@ def record_of(
         ),
         versions=versions,
     )
+
+
+def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
+    """Raise `ResultError` where the load that failed does not tell the peak to the ``tolerance``.
+
+    ``least``: load (N), of which the tolerance is meant where the peak is smaller.
+    """
+    peak, failed = outcome.path[-1].load, outcome.failed_load
+    allowed = tolerance * max(peak, least)
+    if not failed - peak <= allowed * (1.0 + SLACK):
+        raise ResultError(
+            f"failed load {failed:g} N is not possible; it must be at most {allowed:g} N, the "
+            f"tolerance, above the peak of {peak:g} N"
+        )
 
 
 def _identity(case: Case) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from workflow.engines.execute import EngineError, EngineKilledError
 from workflow.engines.run import run_engine
 from workflow.kills import KilledError, last_try
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
-from workflow.results.record import ResultError, failed_record, record_of
+from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 
 
 def run(
@@ -33,6 +33,8 @@ def run(
         loads = lateral_load(case.joint, assembly, case.loading)
         run_engine(engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"])
         found = read_outcome(folder, assembly)
+        least = case.numerics.first_increment * loads.scale
+        check_bracket(found, case.numerics.tolerance, least)
         versions = {engine.name: engine.version()}
         write_record(record_of(case, assembly, loads, found, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
