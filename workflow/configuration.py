@@ -116,7 +116,8 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
     dem = config.get("dem", {})
     if isinstance(dem, Mapping):
         dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
-    return {"models": obtained_by(Obtained.SOLVED), **config, "dem": dem}
+    models = *obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW)
+    return {"models": models, **config, "dem": dem}
 
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
@@ -130,7 +131,8 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
         )
 
     def able(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name for name in names if not refused(name))
+        law = obtained_by(Obtained.LAW)  # which tell in the tables why they cannot
+        return tuple(name for name in names if name in law or not refused(name))
 
     if "models" not in config:
         study = study.model_copy(update={"models": able(study.models)})
