@@ -8,12 +8,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import faults, needs
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Obtained, obtained_by
 from workflow.schema import Study
 from workflow.schema.values import shown, shown_key
-from workflow.yaml_text import MAX_BYTES, TextError, parsed
 
 MAX_LINES, MAX_LINE = 20, 380
 
@@ -53,14 +53,8 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
 def read_config_text(path: Path) -> dict[str, Any]:
     """The keys and values in the YAML file ``path``; raises `ConfigError`."""
     try:
-        if not path.is_file():  # folders, pipes and devices, some of which have no end
-            path.stat()  # says whether anything is there
-            raise TextError("not a file")
-        with path.open("rb") as stream:
-            config = parsed(stream.read(MAX_BYTES + 1))
-    except OSError as error:
-        raise ConfigError(f"{_named(path)}: {error.strerror}") from None
-    except ValueError as error:  # also for NUL in the file's name
+        config = read_yaml(path)
+    except TextError as error:
         raise ConfigError(f"{_named(path)}: {error}") from None
     if config is None:
         return {}
