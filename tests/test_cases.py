@@ -23,8 +23,9 @@ from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
-from workflow.models import detailed
+from workflow.models import Obtained, detailed, obtained_by
 
+SOLVED = obtained_by(Obtained.SOLVED)
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
 
@@ -79,7 +80,7 @@ def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> Non
     study = read_study(merged(meshes=[0.02], eccentricities=[0]))
     found = {(model, case.mesh) for (model, _), case in cases_of(study).items()}
     engines = {(engine, 0.02) for engine in study.dem.engines}
-    assert found == engines | {(model, mesh) for model in study.models for mesh in (0.02, 0.01)}
+    assert found == engines | {(model, mesh) for model in SOLVED for mesh in (0.02, 0.01)}
     assert case_count(study) == len(cases_of(study))
 
 
@@ -160,7 +161,9 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
     study = read_study(merged(dem={"engines": []}))
     assert find_case(study, "n3-mesh0.02-e0a").model == "static"
     assert find_case(study, "n3-mesh0.02-e0a", "limit").model == "limit"
-    with pytest.raises(ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit$"):
+    with pytest.raises(
+        ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit or law .*"
+    ):
         find_case(study, "n3-mesh0.02-e0a", "yade")
     with pytest.raises(ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case of static; it must"):
         find_case(study, "n3-mesh0.2-e0a")

@@ -178,21 +178,22 @@ def test_the_summary_shows_both_with_their_friction_and_the_mesh_error(
 def test_a_mesh_error_above_two_percent_is_named_with_what_helps(
     tables: dict[str, pd.DataFrame],
 ) -> None:
-    text = summary("there", tables, [0.02], "vertices")
+    text = summary("there", tables, [0.02])
     assert "static mesh 0.02 m: 9.92 % (n3_fits-mesh0.02-e0a), ABOVE 2 %" in text
-    assert "A finer mesh lowers it, or nodes: lobatto." in text
-    assert "A finer mesh lowers it.\n" in summary("there", tables, [0.02], "lobatto")
+    assert "capacities have a mesh error above 2 %" in text
     small = tables | {"capacity": tables["capacity"].assign(mesh_error=0.01)}
     text = summary("there", small, [0.02])
     assert "static mesh 0.02 m: 1.00 %" in text
-    assert "ABOVE" not in text and "lobatto" not in text
+    assert "ABOVE" not in text and "capacities have a mesh error" not in text
 
 
 def test_loads_at_the_mesh_for_the_error_only_are_not_listed(
     tables: dict[str, pd.DataFrame],
 ) -> None:
-    listed = summary("there", tables, [0.02]).split("Largest load along")[1].split("\n\n")[0]
-    assert "mesh 0.02 m" in listed and "mesh 0.01 m" not in listed
+    listed = summary("there", tables, [0.02]).split("Static model, mesh 0.02 m")[1].split("\n\n")[0]
+    finer = tables["capacity"].query("mesh_m == 0.01")["shear_N"].dropna()
+    assert len(listed.splitlines()) == 1 + 1 + 3
+    assert not any(f"{shear:.5g}" in listed for shear in finer if shear)
 
 
 # --- in figures ----------------------------------------------------------------------------------

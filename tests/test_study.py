@@ -263,7 +263,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             {"samples": {"n": {"locks": 3, "models": ["magic"]}}},
-            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit",
+            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit or law .*",
         ),
         (
             {"samples": {"n": {"locks": 3, "models": ["limit"]}}},

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
-from workflow.cases import find_case
+from workflow.cases import CLOSED_FORM, find_case, find_place
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.job import end_with_parent
@@ -141,6 +141,8 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
+    if model in CLOSED_FORM:
+        return _rule(own, name, model)
     chosen = find_case(own, name, model)
     folder = Path(own.results, case_folder(chosen.model, chosen.name))
     engines = list(own.dem.engines)
@@ -153,6 +155,19 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if chosen.model == WITNESS:
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
+    return None
+
+
+def _rule(own: Study, name: str, model: str) -> str | None:
+    """Print what a rule in closed form says of a case; returns why it says nothing."""
+    from analysis.rule import ERRORS, describe
+
+    try:
+        print(f"{name}, {describe(own, model, find_place(own, name))}")
+    except ConfigError:
+        raise
+    except ERRORS as error:
+        return f"{name} ({model}): no result: {error}"
     return None
 
 

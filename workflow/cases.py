@@ -4,6 +4,7 @@ import difflib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
@@ -20,6 +21,7 @@ from workflow.schema.numerics import NumericsChanges, NumericsSection
 from workflow.schema.values import shown
 
 MAX_CASES = 1_000_000
+CLOSED_FORM = *obtained_by(Obtained.LAW), *obtained_by(Obtained.RULE)  # models with nothing to run
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
@@ -93,7 +95,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
     """Each model with the variants that change its results, and each sample that it can run."""
     allowed = {name: sample.models or models for name, sample in study.samples.items()}
     for model in (MODELS[name] for name in models):
-        if model.obtained is Obtained.LAW:  # not of pieces
+        if model.name in CLOSED_FORM:  # not of pieces
             continue
         for variant, change in study.every_variant.items():
             assembly = change.assembly(study.assembly)
@@ -140,6 +142,31 @@ def _near(name: str, names: set[str]) -> str:
     return f"it must be one of the study's, such as {', '.join(close)}"
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a case is in a study, whatever its model; ``ratio`` is e / a."""
+
+    sample: str
+    mesh: float
+    ratio: float
+    variant: str
+
+
+def find_place(study: Study, name: str) -> Place:
+    """The place of the case ``name``; raises `ConfigError`."""
+    places: dict[str, Place] = {}
+    for sample, (variant, change) in product(study.samples, study.every_variant.items()):
+        meshes, ratios = (
+            change.meshes or study.meshes,
+            change.eccentricities or study.eccentricities,
+        )
+        for mesh, ratio in product(meshes, ratios):
+            places[case_name(sample, mesh, ratio, variant)] = Place(sample, mesh, ratio, variant)
+    if name not in places:
+        raise ConfigError(f"CASE: {shown(name)} is no case; {_near(name, set(places))}")
+    return places[name]
+
+
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
     """The case ``name``, of the first installed model that has it if none is named.
 
@@ -150,8 +177,9 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
     among = there or leading
     model = model or next((m for m in among if (m, name) in cases), among[0])
-    if model not in study.model_names:
-        allowed = " or ".join(study.model_names)
+    runs = [each for each in study.model_names if each not in CLOSED_FORM]
+    if model not in runs:
+        allowed = " or ".join((*runs, *CLOSED_FORM))
         raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
     if (model, name) not in cases:
         names = {own for of, own in cases if of == model}

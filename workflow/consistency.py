@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator
 
 from sidmacib.doubts import doubts
 from sidmacib.joint import Joint, UpperBody
+from sidmacib.loading import LoadShare
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.mechanics.quadrature import RULES
 from sidmacib.revision import REDUCTIONS
@@ -76,6 +77,8 @@ def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, .
         found.append(Need(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid"))
     else:
         found.append(Need(Ability.RIGID, "assembly.pieces", "rigid", "elastic"))
+    if assembly.load_share is not LoadShare.FACE:
+        found.append(Need(Ability.SHARED, "assembly.load_share", str(assembly.load_share), "face"))
     if assembly.upper_body is UpperBody.JOINED:
         allowed = "columns or monolithic"
         found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
@@ -226,7 +229,8 @@ def _models(study: Study) -> Iterator[str]:
         MODELS[name].refusal(needs(study, study.assembly, sample))
         for sample in study.samples
         for name in study.models_of(sample)
-        if name in known
+        # A rule that cannot do a joint says so in its rows of the tables.
+        if name in known and MODELS[name].obtained is not Obtained.LAW
     )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):

@@ -299,7 +299,7 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", of_cases),
             ),
             outputs=("summary.txt",),
-            arguments={"results": study.results, "meshes": study.meshes, "nodes": study.nodes},
+            arguments={"results": study.results, "meshes": study.meshes},
         ),
         Job(
             name="report",

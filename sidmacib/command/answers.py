@@ -1,22 +1,16 @@
-"""What is told of one joint: rows of names and values, with units in the names."""
+"""What is told of one joint: rows of names and values, with units in the names.
+
+Models are imported where they are asked: a solver takes longer to load than the law to answer.
+"""
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sidmacib.chain.pairs import bearing_pairs, pairs_of
-from sidmacib.chain.rule import law, safe
-from sidmacib.contact_points import OPTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.pieces import assemble
-from sidmacib.programme import Sidmacib, capacity
-from sidmacib.revision import active
-from sidmacib.weights import lock_weights
+from sidmacib.loading import Loading, Push
 
 Row = dict[str, Any]
 # Meshes over the shorter side of a lock, coarse and fine: their difference is the mesh error of the
@@ -26,10 +20,15 @@ RIGID, BENT = (0.4995, 0.24975), (0.999, 0.4995)
 
 @dataclass(frozen=True)
 class Answer:
-    """A model's load (N) along a direction, and what it says beside; None: no such load."""
+    """A model's load (N) along a direction, and what it says beside; None: no such load.
+
+    ``first_failure``: over the load; ``mesh_error``: of the load, over it.
+    """
 
     load: float | None
     note: str = ""
+    first_failure: float | None = None
+    mesh_error: float | None = None
 
 
 def _meshes(joint: Joint) -> tuple[float, float]:
@@ -44,29 +43,43 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 
 
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.rule import law
+
     return Answer(law(joint, direction, push).load, "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.rule import safe
+
     return Answer(safe(joint, direction, push).load, "for design")
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.load_path import load_path
+
     loading = Loading(direction, push=push)
     coarse, fine = (load_path(joint, loading, mesh)[1] for mesh in _meshes(joint))
-    error = coarse.peak.load / fine.peak.load - 1.0
+    error = abs(coarse.peak.load / fine.peak.load - 1.0)
     first = fine.first_failure_load / fine.peak.load
-    told = f"first failure at {100.0 * first:.0f} % of it; mesh error {100.0 * abs(error):.1f} %"
-    return Answer(float(fine.peak.load), f"peak; {told}")
+    return Answer(float(fine.peak.load), "peak", float(first), float(error))
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.loading import lateral_load
+    from sidmacib.mechanics.limit import limit_load
+    from sidmacib.pieces import assemble
+
     assembly = assemble(joint, _meshes(joint)[1])
     loads = lateral_load(joint, assembly, Loading(direction, push=push))
     return Answer(float(limit_load(assembly, loads).load), "bonds that yield, no friction")
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.pairs import bearing_pairs
+    from sidmacib.contact_points import OPTIONS
+    from sidmacib.programme import Sidmacib, capacity
+    from sidmacib.revision import active
+
     counted = bearing_pairs(joint, push)
     model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
     return Answer(
@@ -74,6 +87,7 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
     )
 
 
+ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
 MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
     "safe": _safe,
     "law": _law,
@@ -96,8 +110,8 @@ def capacity_rows(
         for name in models:
             try:
                 answer = MODELS[name](joint, direction, push)
-            except (CapacityError, ValueError) as error:
-                answer = Answer(None, " ".join(str(error).split()))
+            except ERRORS as error:
+                answer = Answer(None, reason(error))
             load = answer.load
             rows.append(
                 {
@@ -105,14 +119,27 @@ def capacity_rows(
                     "model": name,
                     "V (N)": None if load is None else load * direction.shear,
                     "M (N m)": None if load is None else load * direction.torque * joint.a,
+                    "first failure / peak": answer.first_failure,
+                    "mesh error / peak": answer.mesh_error,
                     "note": answer.note,
                 }
             )
     return rows
 
 
+def reason(error: Exception) -> str:
+    """Why a model has no answer, in one line."""
+    told = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, ArithmeticError):
+        return f"numbers are too large or too small for the model ({told})"
+    return told
+
+
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
+    from sidmacib.load_path import load_path
+    from sidmacib.weights import lock_weights
+
     loading = Loading(Direction(ratio), push=push)
     assembly, solution = load_path(joint, loading, _meshes(joint)[1])
     return [
@@ -135,12 +162,18 @@ def _without_noise(force: float, joint: Joint) -> float:
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
     """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    from sidmacib.chain.pairs import pairs_of
+
     pairs = pairs_of(joint, push)
     told: list[tuple[str, Any, str]] = [
         ("pairs that bear", pairs.count, "(n - 1) / 2 of an odd joint"),
         ("locks that work, closed form", pairs.working, "smooth columns, V over T0"),
         ("locks that work among any number", _finite(pairs.most), "closed form"),
-        ("transfer length", _finite(pairs.transfer_length), "pairs over which forces fall by e"),
+        (
+            "transfer length",
+            _finite(pairs.transfer_length),
+            "pairs over which forces fall to 1/2.718",
+        ),
     ]
     for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
         load = row["V (N)"]
