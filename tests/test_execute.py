@@ -140,6 +140,8 @@ def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
     ductile = replace(assembly, failure=Failure.DUCTILE)
     assert "ductile" in str(refusal(ENGINES["liggghts"], ductile))
     assert refusal(ENGINES["yade"], ductile) is None
+    softening = replace(assembly, failure=Failure.SOFTENING)
+    assert "no engine has bonds that fade" in str(refusal(ENGINES["yade"], softening))
     material = replace(assembly.faces[0].material, shear_stiffness=1e9)
     soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
     assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))

@@ -34,6 +34,8 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
+    if assembly.failure is Failure.SOFTENING:
+        return f"inner faces are {assembly.failure}; no engine has bonds that fade"
     if engine.brittle_only and assembly.failure is not Failure.BRITTLE:
         return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
