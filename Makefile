@@ -19,6 +19,7 @@
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
+# Cases that have no answer once more, although nothing has changed: make study RETRY=1
 
 CONFIG ?= config.yaml
 RESULTS ?=
@@ -26,6 +27,7 @@ CASE ?=
 MODEL ?=
 BASE ?=
 PROFILE ?=
+RETRY ?=
 FAULTS ?= 500
 FUZZ ?= 100000
 MUTANTS ?= 200
@@ -33,7 +35,7 @@ CASES ?= 100000
 PYTHONS ?=
 PEERS ?=
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES
+export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES
 BIN := .venv/bin
 WORKFLOW = @$(BIN)/python -m workflow
 TO = "$$CONFIG" --results="$$RESULTS"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from sidmacib.mechanics.assembly import Assembly, Failure, Kind, Loads
 from workflow.engines import Engine
-from workflow.engines.execute import EngineError, execute
+from workflow.engines.execute import EngineNoAnswerError, execute
 from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
@@ -25,7 +25,7 @@ def run_engine(
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
     if reason := refusal(engine, assembly):
-        raise EngineError(f"{engine.name}: {reason}")
+        raise EngineNoAnswerError(f"{engine.name}: {reason}")
     guided = numerics.guided and "guided" not in engine.ignores
     guide = guide_of(assembly, loads) if guided else None
     write_script(engine, assembly, loads, numerics, title, folder, guide)

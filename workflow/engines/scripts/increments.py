@@ -7,7 +7,7 @@ from typing import Protocol
 
 from .assembly import Guide, Search
 from .guess import AT_ONCE, HALF
-from .records import NodeForce, Outcome, Peak, failure_mode
+from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
@@ -105,7 +105,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
-        raise SystemExit("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly does not stand under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)
@@ -132,7 +132,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
                     first_failure = start
                 return Peak(start, load, first_failure, mode, nodes)
             if load - start < LEAST_INCREMENT * least:
-                raise SystemExit("the assembly carries no load in this direction")
+                raise NoAnswerError("the assembly carries no load in this direction")
             bracket.event = load
             model.go_back()
         bracket.carries(load)
@@ -141,7 +141,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * least:
-            raise SystemExit("the load grows without a peak")
+            raise NoAnswerError("the load grows without a peak")
 
 
 def _beyond(model: Model, start: float, load: float) -> Outcome:
