@@ -20,6 +20,7 @@
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
+# Cases that have no answer once more, although nothing has changed: make study RETRY=1
 
 CONFIG ?= config.yaml
 RESULTS ?=
@@ -27,6 +28,7 @@ CASE ?=
 MODEL ?=
 BASE ?=
 PROFILE ?=
+RETRY ?=
 FAULTS ?= 500
 FUZZ ?= 100000
 MUTANTS ?= 200
@@ -35,7 +37,7 @@ PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1200
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
 # `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: so does ^C
 # before Python has begun, as it looks whether make was told to end.

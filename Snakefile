@@ -1,5 +1,6 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
+import os
 import re
 import shlex
 import sys
@@ -35,7 +36,7 @@ if workflow.is_main_process and not workflow.dryrun:
 JOBS = PLAN.jobs
 # Jobs on other machines read this file too: they take the plans as they are.
 if workflow.is_main_process:
-    PLANS = prepared(JOBS.values(), Path(RESULTS))
+    PLANS = prepared(JOBS.values(), Path(RESULTS), retry=bool(os.environ.get("RETRY")))
     if not workflow.dryrun:
         forget(Path(RESULTS))
 else:

@@ -39,7 +39,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
         read = {
             source: own
             for source, own in pure_shear_weights(study, weights, sample).items()
-            if source[0] in detailed_models
+            if source[0] in detailed_models and study.whole_curve(sample, source[0])
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):

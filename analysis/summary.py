@@ -37,10 +37,16 @@ BESIDE = 4  # samples beside each other
 MOST_SAMPLES = 12  # whose loads are listed
 
 
-def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[float]) -> str:
+def summary(
+    results: str,
+    tables: dict[str, pd.DataFrame],
+    meshes: Sequence[float],
+    ductile: Sequence[str] = (),
+) -> str:
     """The text: what has failed, answers to what is asked, then the findings, model by model.
 
     ``meshes``: the study's (m); loads and fits are those at the finest, the tables have all.
+    ``ductile``: names of the variants whose bonds are so.
     """
     leading = leading_models(tables["fit"])
     ratio, mesh = ratios(tables["cases"]), min(meshes)
@@ -55,6 +61,7 @@ def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[floa
             *_fits(tables["fit"], tables["best_fit"], leading, mesh),
             *_variants(tables["capacity"], ratio),
             *_disagreements(tables["cases"]),
+            *_without_friction(tables["cases"], ductile),
             "",
             "Largest unbalanced force on a piece (or moment over a), at any peak: "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
@@ -101,6 +108,21 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     )
     for row in held[size > AGREEMENT].itertuples():
         yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
+
+
+def _without_friction(cases: pd.DataFrame, ductile: Sequence[str]) -> Iterator[str]:
+    """Limit analysis, which has no friction, against the static model, both with ductile bonds."""
+    own = cases[cases["model"].eq("limit") & cases["variant"].isin(ductile)]
+    far = own[own["difference_to_static"].abs() > AGREEMENT]
+    if far.empty:
+        return
+    yield ""
+    yield (
+        f"Ductile bonds: limit analysis, which has no friction, differs from the static model by "
+        f"more than {100 * AGREEMENT:g} % in {len(far)} of {len(own)} cases"
+    )
+    for row in far.itertuples():
+        yield f"  {row.name}: {100 * float(row.difference_to_static):+.2f} %"
 
 
 def leading_models(fit: pd.DataFrame) -> dict[str, str]:
@@ -279,4 +301,5 @@ def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
-    outputs[0].write_text(summary(arguments["results"], tables, arguments["meshes"]))
+    told = (arguments[key] for key in ("meshes", "ductile"))
+    outputs[0].write_text(summary(arguments["results"], tables, *told))

@@ -14,6 +14,7 @@ from conftest import ROOT
 from workflow.case import Case
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
+from workflow.engines.execute import EngineError, EngineNoAnswerError
 from workflow.job import run_job
 from workflow.jobs import BATCH, BATCH_TIME, Job, batches
 from workflow.lock import LockedError, lock
@@ -292,6 +293,48 @@ def test_a_job_without_a_result_leaves_no_receipt_and_is_tried_again(
     assert len(records) == 2
     assert json.loads(records[0])["error"].startswith("static: ")
     assert json.loads(records[1])["error"] is None
+
+
+def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineError) -> Job:
+    """The job of a case whose engine ends with ``error``, done."""
+
+    def ends(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("workflow.steps.engine.run_engine", ends)
+    monkeypatch.setattr("workflow.job.edited", lambda _: False)
+    monkeypatch.setattr("workflow.engines.Engine.version", lambda _: "1")
+    own = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
+    job = plan_of(read_study(own)).jobs["yade/n3-mesh0.03-e0a"]
+    run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    return job
+
+
+def test_an_engine_that_has_no_answer_is_asked_again_only_on_request(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = engine_job(tmp_path, monkeypatch, EngineNoAnswerError("no answer: it drifts off"))
+    record = tmp_path / job.outputs[0]
+    assert "it drifts off" in json.loads(record.read_text())["error"]
+    assert reason(job, tmp_path) is None
+    prepared([job], tmp_path)
+    assert record.exists()
+    other = replace(job, arguments={**job.arguments, "time_limit": 1.0})
+    assert reason(other, tmp_path) == STALE
+    prepared([job], tmp_path, retry=True)
+    assert not record.exists()
+
+
+def test_an_engine_that_breaks_down_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = engine_job(tmp_path, monkeypatch, EngineError("ended with exit code 7"))
+    assert reason(job, tmp_path) == "never made"
+
+
+def test_what_has_a_result_is_not_made_again_on_request(done: Job, tmp_path: Path) -> None:
+    prepared([done], tmp_path, retry=True)
+    assert reason(done, tmp_path) is None
 
 
 @pytest.mark.parametrize("damage", ["", "{", '{"name": "another"}'])

@@ -8,7 +8,7 @@ import pytest
 from test_analysis import record_with
 
 from analysis.beside import beside, difference
-from analysis.capacity import capacity_table
+from analysis.capacity import capacity_table, sidmacib_rows
 from analysis.collect import cases_table, weights_table
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.curves import mesh_error_words, meshes
@@ -24,6 +24,7 @@ from workflow.configuration import read_study
 from workflow.models import detailed
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
+from workflow.schema.geometry import PartSection
 from workflow.threedec import decks
 
 pytestmark = pytest.mark.study
@@ -96,6 +97,17 @@ def test_every_sample_is_fitted_to_the_models_that_run_on_it(
         "n3_fits": {"static"},
     }
     assert leading_models(tables["fit"]) == {"n3": "yade", "n3_fits": "static"}
+
+
+def test_sidmacib_is_not_fitted_to_a_model_that_runs_a_part_of_a_sample(
+    study: Study, results: list[CaseRecord]
+) -> None:
+    part = {"yade": PartSection(eccentricities=(0.0,))}
+    sample = study.samples["n3"].model_copy(update={"only": part})
+    own = study.model_copy(update={"samples": {**study.samples, "n3": sample}})
+    weights = weights_table(results)
+    rows = pd.DataFrame(sidmacib_rows(own, weights))
+    assert set(rows[rows["sample"] == "n3"]["weights_from"]) == {"static"}
 
 
 def test_cases_for_the_mesh_error_are_in_no_fit(tables: dict[str, pd.DataFrame]) -> None:

@@ -17,6 +17,7 @@ from workflow.engines.numerics import Numerics
 from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
+from workflow.schema.geometry import PartSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
 from workflow.schema.values import shown
 
@@ -48,8 +49,7 @@ def case_count(study: Study) -> int:
     """How many cases ``study`` has, without building them."""
     joint = cache(study.joint)
     return sum(
-        len(_levels(study, joint(sample), run))
-        * len(run.change.eccentricities or study.eccentricities)
+        len(_levels(study, joint(sample), run, sample)) * len(_ratios(study, run, sample))
         for run, sample in _runs(study, study.model_names)
     )
 
@@ -64,8 +64,8 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 
     for run, sample in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample, REFERENCE), run):
-            for ratio in run.change.eccentricities or study.eccentricities:
+        for mesh in _levels(study, joint(sample, REFERENCE), run, sample):
+            for ratio in _ratios(study, run, sample):
                 name = case_name(sample, mesh, ratio, run.variant)
                 yield Case(
                     name=name,
@@ -106,15 +106,39 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
                 continue
             run = _Run(model, variant, change, assembly, nodes)
             for sample in study.samples:
-                if model.name in allowed[sample] and not model.refusal(
-                    needs(study, assembly, sample)
+                if (
+                    model.name in allowed[sample]
+                    and (
+                        variant == REFERENCE or _within(variant, _part(study, run, sample).variants)
+                    )
+                    and not model.refusal(needs(study, assembly, sample))
                 ):
                     yield run, sample
 
 
-def _levels(study: Study, joint: Joint, run: _Run) -> tuple[float, ...]:
+def _part(study: Study, run: _Run, sample: str) -> PartSection:
+    """What the model runs of a sample."""
+    return study.samples[sample].only.get(run.model.name, PartSection())
+
+
+def _within(value: object, chosen: Sequence[object] | None) -> bool:
+    return chosen is None or value in chosen
+
+
+def _ratios(study: Study, run: _Run, sample: str) -> tuple[float, ...]:
+    """Eccentricities of a sample, over a."""
+    chosen = _part(study, run, sample).eccentricities
+    every = run.change.eccentricities or study.eccentricities
+    return tuple(ratio for ratio in every if _within(ratio, chosen))
+
+
+def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, ...]:
     """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
-    meshes = run.change.meshes or study.meshes
+    chosen = _part(study, run, sample).meshes
+    every = run.change.meshes or study.meshes
+    meshes = tuple(mesh for mesh in every if _within(mesh, chosen))
+    if not meshes:
+        return ()
     finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
     if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
         return meshes

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.closure import edited
-from workflow.kills import STOPPED, KilledError, begin, end
+from workflow.kills import STOPPED, KilledError, Settled, begin, end
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
@@ -45,12 +45,13 @@ def run_job(plan: dict[str, Any]) -> None:
     inputs = [results / name for name in plan["inputs"]]
     outputs = [results / name for name in plan["outputs"]]
     error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
-    if error:  # the results say so too; without a receipt the next run tries again
+    if error:  # the results say so too
         print(error, file=sys.stderr)
         if not all(path.exists() for path in outputs):
             sys.exit(1)
-        return
-    made = (*plan["outputs"], *plan["others"])
+        if not isinstance(error, Settled):  # without a receipt the next run tries again
+            return
+    made = (*plan["outputs"], *(() if error else plan["others"]))
     write_receipt(receipt, plan["name"], plan["digest"], results, made)
 
 

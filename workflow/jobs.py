@@ -13,6 +13,7 @@ from analysis.figures.catalogue import figure_files, figures_of
 from analysis.report.parts import FILES as REPORT_FILES
 from analysis.report.parts import REPORT
 from analysis.report.parts import TABLES as REPORT_TABLES
+from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case
 from workflow.closure import code_digest, described
 from workflow.engines import ENGINES, Engine
@@ -299,7 +300,15 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", of_cases),
             ),
             outputs=("summary.txt",),
-            arguments={"results": study.results, "meshes": study.meshes},
+            arguments={
+                "results": study.results,
+                "meshes": study.meshes,
+                "ductile": [
+                    name
+                    for name, change in study.every_variant.items()
+                    if change.assembly(study.assembly).failure is Failure.DUCTILE
+                ],
+            },
         ),
         Job(
             name="report",

@@ -18,6 +18,8 @@ from workflow.jobs import Job, case_jobs, deck_job, table_jobs
 from workflow.mending import mended
 from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt, write_whole
+from workflow.results.files import read_records
+from workflow.results.record import ResultError
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
 
@@ -99,13 +101,14 @@ def plan_file(job: Job, digest: str, results: Path) -> Path:
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
 
 
-def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
+def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[str, Path]:
     """Write each job's plan, and remove what must be made again; returns the plans by job.
 
     Results that are not what their job made are removed. If they were made from something else, the
     plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
     Times in the future, of a clock that has jumped, become now: what is made from such a file would
     seem older than it for ever. What stands in the way of a file is removed, and named on stderr.
+    ``retry``: make again what has no result, too.
     """
     plans: dict[str, Path] = {}
     now = time.time()
@@ -117,6 +120,8 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
         reason = fault(
             read_receipt(results / job.receipt), job.name, digest, results, job.receipted
         )
+        if retry and reason is None and _without_result(job, results):
+            reason = "to be tried again"
         text = json.dumps(job.plan(digest, results), indent=1) + "\n"
         if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -133,6 +138,16 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
     index = {name: str(path) for name, path in plans.items()}
     write_whole(_index(results), json.dumps(index) + "\n")
     return plans
+
+
+def _without_result(job: Job, results: Path) -> bool:
+    """Whether a job of a case has none, and has said why."""
+    try:
+        return bool(job.finds) and any(
+            record.error is not None for record in read_records([results / job.outputs[0]])
+        )
+    except (OSError, ResultError):
+        return False
 
 
 def _date_back(path: Path, now: float) -> None:

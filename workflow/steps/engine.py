@@ -10,9 +10,9 @@ from sidmacib.loading import lateral_load
 from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError
+from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
-from workflow.kills import KilledError, last_try
+from workflow.kills import KilledError, Settled, last_try
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
 from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 
@@ -44,7 +44,8 @@ def run(
             (folder / name).unlink(missing_ok=True)
         result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
         write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
-        return f"{case.name}: {case.model}: {error}"
+        told = f"{case.name}: {case.model}: {error}"
+        return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
     return None
 
 
