@@ -88,6 +88,17 @@ def test_a_joint_beyond_the_rule_is_told_and_drawn() -> None:
     assert pictures(state, told)["pieces"]
 
 
+def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
+    state = Playing(locks=9, young=10.0, b=20.0, h=40.0)
+    told = answers(state)
+    assert told.peak is None
+    assert told.words.startswith(
+        "9 locks, e = 0.3 a: no first failure is known. No safe rule: h / b"
+    )
+    assert pictures(state, told)["curve"]["shear"] == []
+    assert answers(Playing(locks=9, young=10.0)).peak is not None
+
+
 def test_the_drawing_has_every_piece() -> None:
     states = (Playing(locks=4, one_piece=one) for one in (False, True))
     columns, whole = (pictures(state, answers(state))["pieces"] for state in states)

@@ -9,7 +9,7 @@ from analysis.explore.state import Playing
 from analysis.looks import BLUE, GREY, look_of
 from analysis.outlines import outlines
 from sidmacib.chain.failure import first_failure
-from sidmacib.chain.rule import RULES, LawCapacity
+from sidmacib.chain.rule import RULES, LawCapacity, law
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
@@ -52,7 +52,7 @@ class Answers:
 def peak(joint: Joint, ratio: float) -> Peak | None:
     """The static model on its coarsest mesh; None if the joint carries nothing.
 
-    Of pieces that bend, where it takes minutes, the first failure of the law.
+    Of pieces that bend, where it takes minutes, the law's first failure; None where it refuses.
     """
     direction = Direction(ratio)
     return _peak(joint, direction) if joint.elastic is None else _first_failure(joint, direction)
@@ -60,6 +60,7 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     try:
+        law(joint, direction)  # refuses what nobody has looked at
         state = first_failure(joint, Loading(direction))
     except (CapacityError, ValueError):
         return None
@@ -87,9 +88,11 @@ def answers(state: Playing) -> Answers:
     """Peak, law and safe rule at the chosen eccentricity; a refusal is told, not raised."""
     joint, ratio = state.joint, state.eccentricity
     found = peak(joint, ratio)
-    what = "peak" if joint.elastic is None else "first failure"
+    rigid = joint.elastic is None
+    what = "peak" if rigid else "first failure"
+    nothing = "nothing carries the load." if rigid else "no first failure is known."
     words = f"{joint.locks} locks, e = {ratio:g} a: " + (
-        "nothing carries the load."
+        nothing
         if found is None
         else f"{what} at V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
     )
