@@ -12,7 +12,7 @@
 # make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
-# make attack  an optimiser looks for joints whose safe load is above what they carry, EVALUATIONS=1200 a start
+# make attack  an optimiser looks for joints whose safe load is above what they carry, EVALUATIONS=1800 a start
 # make scaling what a large study takes, CASES=100000: time, files, memory
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
@@ -35,7 +35,7 @@ MUTANTS ?= 200
 CASES ?= 100000
 PYTHONS ?=
 PEERS ?=
-EVALUATIONS ?= 1200
+EVALUATIONS ?= 1800
 # They reach the shell as they are, whatever is in them.
 export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin

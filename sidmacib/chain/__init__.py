@@ -1,1 +1,1 @@
-"""How many locks work: the chain of springs, its closed form, and a safe rule."""
+"""How many locks work: the chain of springs in closed form, a law, and a safe rule."""

@@ -1,4 +1,4 @@
-"""What the chain of springs says of a batch of a design's joints, in all directions."""
+"""What the law says of a batch of a design's joints, in all directions."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
