@@ -19,7 +19,7 @@ moves = st.floats(-1e-5, 1e-5)
 
 
 def dry(n: float, x: float, y: float) -> np.ndarray:
-    return np.array(node_force(NORMAL, SHEAR, FRICTION, False, n, x, y))
+    return np.array(node_force(NORMAL, SHEAR, FRICTION, 0.0, False, n, x, y))
 
 
 @given(moves, moves, moves)
@@ -46,7 +46,7 @@ def test_no_direction_along_the_face_is_special(n: float, x: float, y: float, tu
 
 @given(moves, moves, moves)
 def test_a_bonded_node_is_linear(n: float, x: float, y: float) -> None:
-    force = node_force(NORMAL, SHEAR, FRICTION, True, n, x, y)
+    force = node_force(NORMAL, SHEAR, FRICTION, 0.0, True, n, x, y)
     assert force == pytest.approx((NORMAL * n, SHEAR * x, SHEAR * y))
 
 
@@ -54,7 +54,7 @@ def test_a_bonded_node_is_linear(n: float, x: float, y: float) -> None:
 def test_a_bond_that_has_faded_is_as_much_softer_but_pressed_together(
     n: float, x: float, y: float, whole: float
 ) -> None:
-    force = node_force(NORMAL, SHEAR, FRICTION, whole, n, x, y)
+    force = node_force(NORMAL, SHEAR, FRICTION, 0.0, whole, n, x, y)
     normal = NORMAL * n if n > 0.0 else whole * NORMAL * n
     assert force == pytest.approx((normal, whole * SHEAR * x, whole * SHEAR * y))
 
@@ -66,11 +66,40 @@ def test_the_tangent_is_the_derivative_of_the_force(
     slip, step = math.hypot(x, y), 1e-11
     # Away from where the derivative jumps: opening, the edge of the cone and its tip.
     assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - FRICTION * NORMAL * n) > 1e-2)
-    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, FRICTION, whole, n, x, y)
+    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, FRICTION, 0.0, whole, n, x, y)
     expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
     for axis, move in enumerate(np.eye(3) * step):
         after, before = (
-            node_force(NORMAL, SHEAR, FRICTION, whole, n + d[0], x + d[1], y + d[2])
+            node_force(NORMAL, SHEAR, FRICTION, 0.0, whole, n + d[0], x + d[1], y + d[2])
+            for d in (move, -move)
+        )
+        derivative = (np.array(after) - np.array(before)) / (2 * step)
+        assert derivative == pytest.approx(expected[:, axis], rel=1e-3, abs=1e-3 * NORMAL)
+
+
+@given(moves, moves, moves, moves, moves, moves, st.sampled_from([0.0, 1.0]))
+def test_given_friction_makes_forces_that_have_a_convex_energy(
+    n: float, x: float, y: float, other_n: float, other_x: float, other_y: float, whole: float
+) -> None:
+    law, limit = (NORMAL, SHEAR, 0.0), 2.0
+    here, there = np.array([n, x, y]), np.array([other_n, other_x, other_y])
+    forces = [np.array(node_force(*law, limit, whole, *place)) for place in (here, there)]
+    assert (forces[1] - forces[0]) @ (there - here) >= -1e-12
+    if not whole:
+        assert all(math.hypot(force[1], force[2]) <= limit * (1 + 1e-12) for force in forces)
+
+
+@given(moves, moves, moves)
+def test_the_tangent_with_given_friction_is_the_derivative_of_the_force(
+    n: float, x: float, y: float
+) -> None:
+    limit, slip, step = 2.0, math.hypot(x, y), 1e-11
+    assume(abs(n) > 1e-8 and slip > 1e-7 and abs(SHEAR * slip - limit) > 1e-2)
+    t00, t10, t20, t11, t12, t22 = node_tangent(NORMAL, SHEAR, 0.0, limit, 0.0, n, x, y)
+    expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
+    for axis, move in enumerate(np.eye(3) * step):
+        after, before = (
+            node_force(NORMAL, SHEAR, 0.0, limit, 0.0, n + d[0], x + d[1], y + d[2])
             for d in (move, -move)
         )
         derivative = (np.array(after) - np.array(before)) / (2 * step)
@@ -83,7 +112,7 @@ def test_nodes_together_have_the_law_of_each() -> None:
     whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
     force, tangent = node_laws(stiffness, friction, whole, moved)
     for n in range(count):
-        law = (*stiffness[n], friction[n], whole[n], *moved[n])
+        law = (*stiffness[n], friction[n], 0.0, whole[n], *moved[n])
         assert force[n] == pytest.approx(node_force(*law))
         t00, t10, t20, t11, t12, t22 = node_tangent(*law)
         expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])

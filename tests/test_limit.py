@@ -47,6 +47,15 @@ def test_an_even_number_of_locks_carries_one_more_in_the_push_that_closes_all_pa
         assert found == pytest.approx(count * joint.T0, abs=1e-8 * joint.T0)
 
 
+@pytest.mark.parametrize("e_over_a", [0.0, 5.0, -5.0, math.inf, -math.inf])
+@pytest.mark.parametrize("hold_down", [HoldDown.plate(), HoldDown.weight()])
+def test_one_lock_carries_nothing_and_not_minus_nothing(
+    e_over_a: float, hold_down: HoldDown
+) -> None:
+    found = limit_of(Joint(1, hold_down=hold_down), Loading(Direction(e_over_a)))
+    assert (found, math.copysign(1.0, found)) == (0.0, 1.0)
+
+
 def test_an_inner_face_alone_carries_T0(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, 0.02)
     assert limit_load(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0)).load == pytest.approx(

@@ -14,10 +14,12 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
+from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
+    FaceMaterial,
     Failure,
     Kind,
     Loads,
@@ -216,6 +218,29 @@ def test_where_no_bond_fails_the_first_failure_is_the_last_point_and_tells_why(
     found, whole = static_first_failure(model, loads), static_peak(model, loads)
     assert not found.failing.any()
     assert (found.mode, found.point.load) == (Mode.MECHANISM, whole.peak.load)
+
+
+def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> None:
+    joint = Joint(
+        9,
+        a=0.036345,
+        h=0.0076148,
+        H=0.016506,
+        inner=replace(INNER, shear_stiffness=2.885e10),
+        dry=FaceMaterial(4.999e9, 4.999e9, 0.2535, 0.0, 0.0),
+        hold_down=HoldDown.pressure(66497.0),
+    )
+    model = assemble(joint, 0.016)
+    loads = lateral_load(joint, model, Loading(Direction(1.12)))
+    found = [
+        static_first_failure(model, loads, increment=each).point.load
+        for each in (0.1, 0.05, 0.025, 0.0125)
+    ]
+    assert found[0] == static_first_failure(model, loads).point.load
+    changes = np.diff(found)
+    assert (changes < 0.0).all() and (np.abs(changes[1:]) < 0.8 * np.abs(changes[:-1])).all()
+    with pytest.raises(ValueError, match=r"increment: 0\.0 is not possible"):
+        static_first_failure(model, loads, increment=0.0)
 
 
 SIZES = "a", "b", "h", "H"

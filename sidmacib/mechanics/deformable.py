@@ -89,10 +89,12 @@ class DeformableSolver:
         """Equilibrium under the permanent loads alone."""
         return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.law))
 
-    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
 
-        Raises `NoEquilibriumError` where Newton's method ends nowhere.
+        Raises `NoEquilibriumError` where Newton's method ends nowhere, ``thorough`` or not.
         """
         elastic = self.forces @ np.array([1.0, load])
         allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))

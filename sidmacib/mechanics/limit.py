@@ -136,6 +136,6 @@ class _Programme:
 
 
 def _rounded(load: float, scale: float, digits: int) -> float:
-    """``load`` to so many ``digits``, of itself or of ``scale`` if that is larger."""
+    """``load`` to so many ``digits``, of itself or of ``scale`` if that is larger; never -0."""
     largest = max(abs(load), scale)
-    return round(load, digits - 1 - math.floor(math.log10(largest)))
+    return round(load, digits - 1 - math.floor(math.log10(largest))) + 0.0

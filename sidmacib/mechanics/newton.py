@@ -24,7 +24,9 @@ QUICK, PATIENT = (0.1, 0), (0.01, 3)  # least share of a step, and how many may 
 class Structure(NamedTuple):
     """What does not change along a path, see `sidmacib.mechanics.springs.Springs`.
 
-    ``nodes``: normal and shear stiffness (N/m), friction coefficient and place of each, (N, 5).
+    ``nodes``: normal and shear stiffness (N/m), friction coefficient, given friction (N) and place
+    of each, (N, 6). Given friction is there whatever the normal force is, also where a node is
+    open: with it alone the nodes' energy is convex.
     ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
     ``inner`` unknowns come first, and those that share an entry of the stiffness are at most
     ``band`` apart; the ``outer`` ones behind them may share one with all.
@@ -57,11 +59,12 @@ compiled = njit(cache=True, error_model="numpy")  # division by zero gives inf, 
 
 # --- the law of a node ---------------------------------------------------------------------------
 @compiled
-def node_force(normal, shear, friction, whole, d0, d1, d2):
+def node_force(normal, shear, friction, given, whole, d0, d1, d2):
     """Force (N) of a node at displacement d (m), less its slip: return mapping to its cone.
 
     ``normal``, ``shear``: stiffness in N/m; ``whole``: the part of it that a bond still has, 0 if
-    there is none. A bond that is pressed together has all of it.
+    there is none. A bond that is pressed together has all of it. ``given``: friction in N beside
+    that of the normal force.
     """
     if whole > 0.0:
         return (
@@ -69,15 +72,16 @@ def node_force(normal, shear, friction, whole, d0, d1, d2):
             whole * shear * d1,
             whole * shear * d2,
         )
-    if d0 <= 0.0:
+    if d0 <= 0.0 and given == 0.0:
         return 0.0, 0.0, 0.0
-    size, cone = shear * np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0
+    pressed = max(d0, 0.0)
+    size, cone = shear * np.sqrt(d1 * d1 + d2 * d2), friction * normal * pressed + given
     share = shear if size <= cone else shear * (cone / size)
-    return normal * d0, share * d1, share * d2
+    return normal * pressed, share * d1, share * d2
 
 
 @compiled
-def node_tangent(normal, shear, friction, whole, d0, d1, d2):
+def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
     """Derivatives (N/m) of `node_force`.
 
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
@@ -87,8 +91,10 @@ def node_tangent(normal, shear, friction, whole, d0, d1, d2):
         along = whole * shear
         return normal if d0 > 0.0 else whole * normal, 0.0, 0.0, along, 0.0, along
     if d0 <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    slip, cone = np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0
+        if given == 0.0:
+            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        normal = 0.0
+    slip, cone = np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0 + given
     if shear * slip <= cone:
         return normal, 0.0, 0.0, shear, 0.0, shear
     x, y, across, rise = d1 / slip, d2 / slip, cone / slip, friction * normal
@@ -106,7 +112,7 @@ def node_laws(stiffness, friction, whole, displacement):
     for n in range(count):
         normal, shear = stiffness[n]
         d0, d1, d2 = displacement[n]
-        law = normal, shear, friction[n], whole[n], d0, d1, d2
+        law = normal, shear, friction[n], 0.0, whole[n], d0, d1, d2
         force[n, 0], force[n, 1], force[n, 2] = node_force(*law)
         t = tangent[n]
         t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*law)
@@ -153,9 +159,9 @@ def unbalanced(structure, slip, whole, unknowns, target, residual):
         face_motion(structure, face, unknowns, w)
         force[:] = 0.0
         for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction, p, q = structure.nodes[node]
+            normal, shear, friction, given, p, q = structure.nodes[node]
             d0, d1, d2 = node_displacement(p, q, slip, node, w)
-            f0, f1, f2 = node_force(normal, shear, friction, whole[node], d0, d1, d2)
+            f0, f1, f2 = node_force(normal, shear, friction, given, whole[node], d0, d1, d2)
             force[0] += f0
             force[1] += f1
             force[2] += f2
@@ -176,10 +182,10 @@ def face_stiffness(structure, face, slip, whole, w, k):
     """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6)."""
     k[:] = 0.0
     for node in range(structure.start[face], structure.start[face + 1]):
-        normal, shear, friction, p, q = structure.nodes[node]
+        normal, shear, friction, given, p, q = structure.nodes[node]
         d0, d1, d2 = node_displacement(p, q, slip, node, w)
         t00, t10, t20, t11, t12, t22 = node_tangent(
-            normal, shear, friction, whole[node], d0, d1, d2
+            normal, shear, friction, given, whole[node], d0, d1, d2
         )
         # All six forces of the face by the normal displacement, then its shear forces by shear.
         rises = t00, t10, t20, p * t20 - q * t10, q * t00, -p * t00
@@ -405,9 +411,9 @@ def settled(structure, slip, whole, unknowns):
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction, p, q = structure.nodes[node]
+            normal, shear, friction, given, p, q = structure.nodes[node]
             d0, d1, d2 = node_displacement(p, q, slip, node, w)
-            f0, f1, f2 = node_force(normal, shear, friction, whole[node], d0, d1, d2)
+            f0, f1, f2 = node_force(normal, shear, friction, given, whole[node], d0, d1, d2)
             force[node, 0], force[node, 1], force[node, 2] = f0, f1, f2
             if whole[node] == 0.0:
                 after[node, 0] += d1 - f1 / shear

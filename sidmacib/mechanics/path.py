@@ -39,10 +39,13 @@ class Solver(Protocol):
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
 
-    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
 
-        Raises `NoEquilibriumError` where none is found.
+        Raises `NoEquilibriumError` where none is found. ``thorough``: all that the solver can do
+        is done before it gives up, which takes longer.
         """
 
     def lift(self, point: Equilibrium, load: float) -> float:

@@ -13,7 +13,8 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium
+from sidmacib.mechanics.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium, settled
 from sidmacib.mechanics.ordering import Ordering, ordering
 from sidmacib.mechanics.path import Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs
@@ -43,31 +44,38 @@ class RigidSolver:
         self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[rows] / self.units)
         per_face = np.add.reduceat(self.law.normal_stiffness, springs.start[:-1])
-        self.floor, self.drag = FLOOR * float(per_face.max()), DRAG * float(per_face.max())
+        self.stiffness = float(per_face.max())
+        self.floor, self.drag = FLOOR * self.stiffness, DRAG * self.stiffness
         self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
         self.farthest = FARTHEST * float(np.abs(self.rest).max() + np.abs(reach).max())
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        return self.solve(0.0, self._outside(self.rest), NodeState.initial(self.law))
+        initial = NodeState.initial(self.law)
+        return self.solve(0.0, self._outside(self.rest), initial, thorough=True)
 
-    def solve(self, load: float, guess: Floats, state: NodeState) -> Equilibrium:
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
 
-        Raises `NoEquilibriumError` where Newton's method ends nowhere.
+        Raises `NoEquilibriumError` where Newton's method ends nowhere, and if ``thorough``, rounds
+        of given friction limits as well.
         """
         target = load * self.load + self.weight
         allowed = RESIDUAL * float(np.abs(target).max())
         begin = self._inside(guess * self.units)
+        limits = self.floor, allowed, self.farthest
         found, unknowns, force, slip = equilibrium(
-            self.structure,
-            self.matrix,
-            target,
-            begin,
-            state.slip,
-            state.whole,
-            (self.floor, allowed, self.farthest),
+            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
         )
+        if thorough and not found:
+            own = target, state.slip, state.whole, self.stiffness
+            problem = Problem(self.structure, self.matrix, *own, *limits)
+            settled_at = by_rounds(problem, begin)
+            if settled_at is not None:
+                found, unknowns = True, settled_at
+                force, slip = settled(self.structure, state.slip, state.whole, unknowns)
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         moved = float(self.load @ unknowns)
@@ -105,7 +113,15 @@ class RigidSolver:
 def _structure(springs: Springs, order: Ordering) -> Structure:
     law = springs.law
     return Structure(
-        np.column_stack([law.normal_stiffness, law.shear_stiffness, law.friction, springs.place]),
+        np.column_stack(
+            [
+                law.normal_stiffness,
+                law.shear_stiffness,
+                law.friction,
+                0.0 * law.friction,
+                springs.place,
+            ]
+        ),
         springs.start,
         springs.motion,
         np.where(springs.piece < 0, -1, order.begin[springs.piece]),

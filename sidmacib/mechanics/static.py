@@ -28,6 +28,7 @@ from sidmacib.mechanics.path import (
 )
 from sidmacib.mechanics.rigid import RigidSolver
 from sidmacib.mechanics.softening import Softening, settled
+from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
@@ -50,13 +51,18 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
     return RigidSolver(assembly, loads)
 
 
-def static_first_failure(assembly: Assembly, loads: Loads) -> FirstFailure:
+def static_first_failure(
+    assembly: Assembly, loads: Loads, *, increment: float = INCREMENT
+) -> FirstFailure:
     """Raise ``loads`` from 0 to the first failure of ``assembly``, on the path of `static_peak`.
 
-    Errors as there.
+    ``increment``: the largest one over the loads' scale; a smaller one follows the history of
+    friction more closely, on a path of its own. Errors as there, and ValueError unless it is
+    positive.
     """
+    require_positive(increment=increment)
     solver = solver_of(assembly, loads)
-    path, failing = _raised(solver, [solver.start()], loads.scale)
+    path, failing = _raised(solver, [solver.start()], loads.scale, increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], loads.scale)
     return FirstFailure(path[-1], failing, mode)
 
@@ -120,13 +126,15 @@ def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
 
 
 def _raised(
-    solver: Solver, path: list[Equilibrium], scale: float
+    solver: Solver, path: list[Equilibrium], scale: float, fine: float = 1.0
 ) -> tuple[list[Equilibrium], Flags]:
     """Raise the load until nodes are about to fail, in increments that suit loads of ``scale`` (N).
 
+    ``fine``: what these are multiplied by.
+
     Returns the path to there and which nodes fail: none where the load cannot rise any more. Where
     no equilibrium is found the increment is halved, and doubled again where one is: Newton's method
-    may fail from afar and arrive from nearby.
+    may fail from afar and arrive from nearby. Where it does not, the solver is thorough from there.
     """
 
     def used(point: Equilibrium) -> Floats:
@@ -135,7 +143,7 @@ def _raised(
     def least(load: float) -> float:
         return LEAST_INCREMENT * max(load, LEAST_LOAD * scale)
 
-    path, increment = list(path), INCREMENT * scale
+    path, increment, thorough = list(path), fine * INCREMENT * scale, False
     own = used(path[-1])
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
     over = own
@@ -146,14 +154,16 @@ def _raised(
         if above and above.load - low.load <= least(above.load):
             return path, over >= 1.0
         if increment <= least(low.load + increment):
-            return path, np.zeros(len(low.force), bool)
+            if thorough:
+                return path, np.zeros(len(low.force), bool)
+            thorough = True
         load = low.load + increment
         if above:  # where the utilisation, all but linear, comes just below 1
             share = (1.0 - most) / (over.max() - most) if np.isfinite(over.max()) else 0.5
             near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
             load = min(load, max(near, low.load + least(above.load) / 2))
         try:
-            point = solver.solve(load, _guess(load, path, above), low.state)
+            point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
         except NoEquilibriumError:
             increment = (load - low.load) / 2
             continue
@@ -163,7 +173,7 @@ def _raised(
         else:
             path.append(point)
             own = reached
-            increment = min(2 * increment, max(INCREMENT * scale, GROWTH * load))
+            increment = min(2 * increment, fine * max(INCREMENT * scale, GROWTH * load))
     raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
 
 
@@ -185,6 +195,6 @@ def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equili
     state = point.state
     while failing.any():
         state = replace(state, whole=np.where(failing, 0.0, state.whole))
-        after = solver.solve(point.load, point.unknowns, state)
+        after = solver.solve(point.load, point.unknowns, state, thorough=True)
         failing = utilisation(solver.law, state, after.force) > 1.0
     return after

@@ -1,0 +1,189 @@
+"""Where Newton's method gives up: rounds of given friction limits find equilibrium, or end soon."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import block_on_ground, load_on_block
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics import friction_rounds
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.newton import PATIENT, newton, settled
+from sidmacib.mechanics.path import Equilibrium, FirstFailure, Mode
+from sidmacib.mechanics.rigid import RESIDUAL, RigidSolver
+from sidmacib.mechanics.static import static_first_failure, static_peak
+from sidmacib.pieces import assemble
+
+# Number 9783 of the design `held_back` of locks.yaml: rough locks, soft roots, stiff dry faces.
+ROUGH = Joint(
+    16,
+    a=0.066531,
+    h=0.0294074,
+    H=0.0159384,
+    inner=FaceMaterial(1e10, 5.1013e7, 0.0, 8e4, 3.7e5),
+    dry=FaceMaterial(1.504817e11, 1.504817e11, 0.61608, 0.0, 0.0),
+    upper_body=UpperBody.MONOLITHIC,
+)
+# Its own weight opens and closes nodes in turn.
+SOUND = Joint(
+    12,
+    a=0.31102,
+    b=0.37215,
+    h=0.04653,
+    H=0.22903,
+    density=910.3,
+    inner=FaceMaterial(1e10, 4.532e8, 0.0, 8e4, 6.911e5),
+    dry=FaceMaterial(4.746e10, 1.935e11, 0.01096, 0.0, 0.0),
+    upper_body=UpperBody.MONOLITHIC,
+)
+
+
+def loaded(
+    joint: Joint,
+    e_over_a: float,
+    mesh: float,
+    push: Push = Push.MINUS_Y,
+    layout: NodeLayout = NodeLayout.VERTICES,
+) -> tuple[Assembly, Loads]:
+    model = assemble(joint, mesh, layout)
+    return model, lateral_load(joint, model, Loading(Direction(e_over_a), push=push))
+
+
+def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> None:
+    """The point's forces balance the loads, and no node carries what it cannot.
+
+    Nothing of the solver is used: the equilibrium matrix, and the law as inequalities.
+    """
+    rows, size = free_rows(model), row_units(model)
+    target = ((loads.permanent + point.load * loads.variable).ravel())[rows] / size
+    carried = (equilibrium_matrix(model) @ point.force.ravel())[rows] / size
+    assert np.abs(carried - target).max() <= 1e-9 * np.abs(target).max()
+    law, dry = NodeLaw.of(model), ~point.state.bonded
+    normal, shear = point.force[:, 0], np.hypot(point.force[:, 1], point.force[:, 2])
+    assert (normal[dry] >= 0.0).all()
+    assert (shear[dry] <= law.friction[dry] * normal[dry] * (1.0 + 1e-9)).all()
+    assert utilisation(law, point.state, point.force).max() <= 1.0 + 1e-9
+
+
+def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
+    found = static_first_failure(model, loads)
+    require_equilibrium(model, loads, found.point)
+    return found
+
+
+@pytest.mark.parametrize("layout", NodeLayout)
+def test_rough_locks_in_torsion_carry_until_a_bond_fails(layout: NodeLayout) -> None:
+    model, loads = loaded(ROUGH, math.inf, 0.033, layout=layout)
+    found = first_failure(model, loads)
+    assert found.mode is Mode.BONDS
+    # Four nodes on a lock, at cells' centres, miss the corners.
+    least, most = (12.0, 12.6) if layout is not NodeLayout.CENTRES else (14.0, 18.0)
+    assert least < found.point.load / ROUGH.T0 < most
+
+
+@pytest.mark.parametrize("mesh", [0.1, 0.15])
+def test_a_sound_joint_stands_under_its_own_weight(mesh: float) -> None:
+    model, loads = loaded(SOUND, 0.4984, mesh, Push.PLUS_Y, NodeLayout.LOBATTO)
+    found = first_failure(model, loads)
+    # An independent solver has 20,094 N.
+    assert found.point.load == pytest.approx(20_094.0, rel=2e-3)
+    assert found.mode is Mode.BONDS
+
+
+@pytest.mark.parametrize("locks", [3, 5])
+def test_a_joint_without_weight_carries_what_one_of_next_to_none_does(locks: int) -> None:
+    joint = Joint(locks, density=0.0, hold_down=HoldDown.weight())
+    found, light = (
+        first_failure(*loaded(each, math.inf, 0.02, Push.PLUS_Y))
+        for each in (joint, replace(joint, density=1e-6))
+    )
+    assert found.point.load == pytest.approx(light.point.load, rel=1e-6)
+    assert found.mode is light.mode is Mode.BONDS
+
+
+@settings(max_examples=8)
+@given(st.integers(9, 14), st.floats(0.3, 0.8), st.floats(0.002, 0.02))
+def test_every_equilibrium_of_rough_locks_obeys_the_law(
+    locks: int, friction: float, shear: float
+) -> None:
+    inner = replace(ROUGH.inner, shear_stiffness=1e10 * shear)
+    joint = replace(ROUGH, locks=locks, inner=inner, dry=replace(ROUGH.dry, friction=friction))
+    model, loads = loaded(joint, math.inf, 0.033)
+    found = static_peak(model, loads)
+    for point in found.path:
+        require_equilibrium(model, loads, point)
+    assert found.path[0].load == 0.0
+
+
+def problem(model: Assembly, loads: Loads, load: float) -> tuple[Problem, np.ndarray]:
+    """The search at ``load`` (N) with nothing slipped yet, and the elastic displacements."""
+    solver = RigidSolver(model, loads)
+    state = NodeState.initial(solver.law)
+    target = solver.weight + load * solver.load
+    limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.farthest
+    own = target, state.slip, state.whole, solver.stiffness, *limits
+    return Problem(solver.structure, solver.matrix, *own), solver.rest
+
+
+def test_rounds_find_what_newtons_method_does_not() -> None:
+    own, guess = problem(*loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO), 0.0)
+    limits = own.floor, own.allowed, own.farthest
+    system = own.structure, own.matrix, own.target, guess, own.slip, own.whole, limits
+    assert not newton(*system, PATIENT)[0]
+    assert by_rounds(own, guess) is not None
+
+
+def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
+    own, rest = problem(*loaded(ROUGH, math.inf, 0.033), 2.0 * ROUGH.T0)
+    limits = own.never_reached()
+    limits[np.isinf(limits)] = 3.0  # N
+    nodes = own.structure.nodes.copy()
+    nodes[:, 2], nodes[:, 3] = 0.0, limits
+    structure = own.structure._replace(nodes=nodes)
+    random, size = np.random.default_rng(1), np.abs(rest).max()
+    forces = []
+    for far in (0.0, 1.0, 1e3):
+        guess = rest + far * size * random.normal(size=len(rest))
+        found, holds = friction_rounds._given_limits(own, guess, limits)
+        assert holds
+        forces.append(settled(structure, own.slip, own.whole, found)[0])
+    largest = np.abs(forces[0]).max()
+    for force in forces[1:]:
+        assert force == pytest.approx(forces[0], abs=1e-6 * largest)
+
+
+@pytest.mark.parametrize(
+    ("force", "rounds"),
+    [((0.0, 1.0, 0.0), 1 + 2 * friction_rounds.IN_A_ROW), ((0.0, 0.0, 1.0), 1)],
+    ids=["slides", "floats away"],
+)
+def test_where_pieces_move_off_the_search_ends_soon(
+    joint: Joint,
+    force: tuple[float, float, float],
+    rounds: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    model = block_on_ground(joint, Kind.DRY, 0.02)
+    loads, counted, plain = load_on_block(model, force, 0.0), [], friction_rounds._given_limits
+
+    def counting(*given: object) -> tuple[np.ndarray, bool]:
+        counted.append(given)
+        return plain(*given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(friction_rounds, "_given_limits", counting)
+    solver = RigidSolver(model, loads)
+    start = solver.start()
+    assert not counted  # Newton's method finds this
+    with pytest.raises(NoEquilibriumError, match="no equilibrium at 100 N"):
+        solver.solve(100.0, start.unknowns, start.state, thorough=True)
+    assert 0 < len(counted) <= rounds
