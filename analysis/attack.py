@@ -35,6 +35,7 @@ SMOOTH, LIGHT = 0.2, 0.2  # parts of the joints without friction, without weight
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
 CELLS = {False: 4, True: 2}  # of the search, along a lock's shorter side; True: blocks that bend
+INCREMENT = 0.03  # of the load in the search, over T0: friction is followed more closely
 CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 4), (NodeLayout.LOBATTO, 6), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
@@ -144,7 +145,8 @@ def ratio_at(space: Space, place: Sequence[float]) -> float:
     joint = target.joint
     assembly = assemble(joint, joint.least_side / CELLS[space.elastic])
     try:
-        found = static_first_failure(assembly, lateral_load(joint, assembly, target.loading))
+        loads = lateral_load(joint, assembly, target.loading)
+        found = static_first_failure(assembly, loads, increment=INCREMENT)
     except CapacityError:
         return math.inf
     return promised / found.point.load if found.point.load > 0.0 else math.inf

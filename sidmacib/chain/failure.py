@@ -20,10 +20,19 @@ from sidmacib.mechanics.path import Equilibrium
 from sidmacib.mechanics.static import static_first_failure
 from sidmacib.pieces import assemble, lock_faces
 
-# Cells along the shorter side of a lock, so that dry faces may open in part; the finer ones show
-# how far a load depends on them. Blocks that bend cost more, and three nodes a side see them bend.
-CELLS, FINER_CELLS = 2, 3
-CELLS_THAT_BEND = 1
+
+@dataclass(frozen=True)
+class Fineness:
+    """``cells`` along the shorter side of a lock; largest ``increment`` of the load over T0."""
+
+    cells: int
+    increment: float
+
+
+# Two cells, so that dry faces may open in part; the finer ones, on smaller increments that follow
+# friction more closely, show how far a load depends on both. Blocks that bend cost more, and three
+# nodes a side see them bend.
+COARSE, FINE, BENDING = Fineness(2, 0.1), Fineness(3, 0.05), Fineness(1, 0.1)
 
 
 @dataclass(frozen=True)
@@ -48,10 +57,10 @@ class JointFailure:
         return self.cut_used > self.used.max()
 
 
-def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> JointFailure:
+def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = None) -> JointFailure:
     """The state in which the first face of ``joint`` reaches its strength.
 
-    ``cells``: along the shorter side of a lock; None: the fewest that will do. ValueError for what
+    ``fineness``: None: the coarsest that will do. ValueError for what
     the law is not made for: fewer than two locks, locks of their own, joined columns or bonds
     without strength. `CapacityError` if no face carries the load, or if the joint slides or rocks
     before a bond fails.
@@ -59,9 +68,10 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
-    cells = cells or (CELLS if joint.elastic is None else CELLS_THAT_BEND)
-    assembly = assemble(joint, joint.least_side / cells)
-    found = static_first_failure(assembly, lateral_load(joint, assembly, loading))
+    fineness = fineness or (COARSE if joint.elastic is None else BENDING)
+    assembly = assemble(joint, joint.least_side / fineness.cells)
+    loads = lateral_load(joint, assembly, loading)
+    found = static_first_failure(assembly, loads, increment=fineness.increment)
     if not found.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     if not found.failing.any():

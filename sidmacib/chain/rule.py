@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache
 
-from sidmacib.chain.failure import FINER_CELLS, first_failure
+from sidmacib.chain.failure import FINE, Fineness, first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
@@ -62,14 +62,15 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
 
     `CapacityError` too if the joint would overturn but for friction between the locks.
 
-    Of rigid pieces the first failure is found on two meshes, and what lies between them is taken
-    off the lower one: joints that are about to rock depend on the mesh by more than `SAFETY`
-    covers. Blocks that bend are solved on one mesh; `SAFETY_THAT_BENDS` covers its error as well.
+    Of rigid pieces the first failure is found twice, on two meshes and with two increments of the
+    load, and what lies between them is taken off the lower one: joints that are about to rock
+    depend on the mesh, and rough ones on the increments, by more than `SAFETY` covers. Blocks that
+    bend are solved on one mesh; `SAFETY_THAT_BENDS` covers its error as well.
     """
     load = law(joint, direction, push).load
     if joint.elastic is not None:
         return _designed(joint, direction, load / SAFETY_THAT_BENDS)
-    finer = _first_load(joint, direction, push, FINER_CELLS)
+    finer = _first_load(joint, direction, push, FINE)
     least = min(load, finer) - abs(finer - load)
     if least <= 0.0:
         raise CapacityError(
@@ -128,8 +129,10 @@ def _short(value: float) -> float:
 
 
 @lru_cache(maxsize=256)  # the safe rule asks for what the law was asked for
-def _first_load(joint: Joint, direction: Direction, push: Push, cells: int | None = None) -> float:
-    return first_failure(joint, Loading(direction, push=push), cells).load
+def _first_load(
+    joint: Joint, direction: Direction, push: Push, fineness: Fineness | None = None
+) -> float:
+    return first_failure(joint, Loading(direction, push=push), fineness).load
 
 
 def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
