@@ -4,20 +4,26 @@ import argparse
 import signal
 import subprocess
 import sys
+
+if __name__ == "__main__":  # before the imports that take long
+    from workflow.start import begin
+
+    begin()
+
 from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
 from workflow.cases import CLOSED_FORM, find_case, find_place
-from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
+from workflow.start import STOPPED
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
-STOPPED = "Stopped. The next run goes on from here."
 
 
 def snakemake(
@@ -59,6 +65,7 @@ def snakemake(
     interrupted = []
 
     def interrupt(*_: object) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is stopping already
         interrupted.append(True)
         raise KeyboardInterrupt
 
@@ -81,7 +88,7 @@ def profile_named(name: str | None) -> Path | None:
         return None
     known = sorted(path.parent.name for path in PROFILES.glob("*/config.yaml"))
     if name not in known:
-        raise ConfigError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
+        raise CallError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
     return PROFILES / name
 
 
@@ -186,7 +193,7 @@ def main() -> None:
     try:
         if arguments.what == "case":
             if not arguments.case:
-                raise ConfigError(
+                raise CallError(
                     "CASE: missing; it must be the name of a case, as in "
                     "make case CASE=n3-mesh0.02-e0.1a"
                 )
@@ -201,8 +208,10 @@ def main() -> None:
             fault = decks(arguments.config, results)
         else:
             fault = study(arguments.config, results, profile_named(arguments.profile))
-    except ConfigError as error:
+    except CallError as error:
         sys.exit(str(error))
+    except ConfigError as error:
+        sys.exit(str(error.of(arguments.config)))
     except KeyboardInterrupt:
         sys.exit(STOPPED)
     if fault:
