@@ -46,7 +46,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -117,7 +117,7 @@ format: .venv/test.ready
 	$(BIN)/ruff check --fix .
 	$(BIN)/snakefmt Snakefile workflow/rules
 
-.venv/study.ready: requirements.txt pyproject.toml | system
+.venv/study.ready: requirements.txt pyproject.toml | early system
 	python3 -m venv --clear .venv
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
 	$(BIN)/pip install --quiet --no-deps --editable .
@@ -131,7 +131,11 @@ format: .venv/test.ready
 	$(BIN)/pip install --quiet --require-hashes --requirement $<
 	@touch $@
 
-system:
+# A faulty configuration is told before minutes of installing.
+early:
+	@python3 workflow/early.py "$$CONFIG"
+
+system: early
 	@sh workflow/system.sh
 
 system-test:

@@ -1,9 +1,11 @@
 """What `make` calls: a whole study, one case, the decks or the calibration."""
 
 from workflow.stopping import STOPPED, end_when_told, end_with_make, stop, told_to_stop
+from workflow.utf8 import read_utf8
 
 if __name__ == "__main__":  # before the other imports, which take half a second
     end_when_told()
+    read_utf8()
 
 import argparse
 import subprocess
@@ -13,7 +15,7 @@ from pathlib import Path
 
 from analysis.report.parts import REPORT
 from workflow.cases import CLOSED_FORM, find_case, find_place
-from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.job import end_with_parent
 from workflow.models import WITNESS
@@ -84,7 +86,7 @@ def profile_named(name: str | None) -> Path | None:
         return None
     known = sorted(path.parent.name for path in PROFILES.glob("*/config.yaml"))
     if name not in known:
-        raise ConfigError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
+        raise CallError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
     return PROFILES / name
 
 
@@ -213,7 +215,7 @@ def main() -> None:
     try:
         if arguments.what == "case":
             if not arguments.case:
-                raise ConfigError(
+                raise CallError(
                     "CASE: missing; it must be the name of a case, as in "
                     "make case CASE=n3-mesh0.02-e0.1a"
                 )
@@ -228,8 +230,10 @@ def main() -> None:
             fault = decks(arguments.config, results)
         else:
             fault = study(arguments.config, results, profile_named(arguments.profile))
-    except ConfigError as error:
+    except CallError as error:
         sys.exit(str(error))
+    except ConfigError as error:
+        sys.exit(str(error.of(arguments.config)))
     if fault:
         sys.exit(fault)
 

@@ -10,7 +10,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.case import REFERENCE, Case, case_name, missing_level
-from workflow.configuration import ConfigError
+from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
@@ -187,7 +187,7 @@ def find_place(study: Study, name: str) -> Place:
         for mesh, ratio in product(meshes, ratios):
             places[case_name(sample, mesh, ratio, variant)] = Place(sample, mesh, ratio, variant)
     if name not in places:
-        raise ConfigError(f"CASE: {shown(name)} is no case; {_near(name, set(places))}")
+        raise CallError(f"CASE: {shown(name)} is no case; {_near(name, set(places))}")
     return places[name]
 
 
@@ -204,8 +204,8 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
     runs = [each for each in study.model_names if each not in CLOSED_FORM]
     if model not in runs:
         allowed = " or ".join((*runs, *CLOSED_FORM))
-        raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
+        raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
     if (model, name) not in cases:
         names = {own for of, own in cases if of == model}
-        raise ConfigError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
+        raise CallError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
     return cases[model, name]

@@ -29,6 +29,15 @@ class ConfigError(ValueError):
     def __str__(self) -> str:
         return "\n".join(map(str, self.args))
 
+    def of(self, path: Path) -> "ConfigError":
+        """The same, each line beginning with the file's name."""
+        name = f"{_named(path)}: "
+        return ConfigError(*(f"{name}{str(line).removeprefix(name)}" for line in self.args))
+
+
+class CallError(ConfigError):
+    """What was asked for is not in the configuration, which may be right."""
+
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
     """The study in the YAML file ``path``; ``results``: a results folder in place of its own.
@@ -39,7 +48,7 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
     try:
         return read_study(config)
     except ConfigError as error:
-        raise ConfigError(*(f"{_named(path)}: {line}" for line in error.args)) from None
+        raise error.of(path) from None
 
 
 def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
