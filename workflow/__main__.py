@@ -6,12 +6,14 @@ if __name__ == "__main__":  # before the other imports, which take half a second
     end_when_told()
 
 import argparse
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
+from workflow.caches import use_writable_caches
 from workflow.cases import find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
@@ -40,6 +42,8 @@ def snakemake(
     """
     from workflow import progress
 
+    use_writable_caches(Path(results))
+    os.environ.pop("SNAKEMAKE_PROFILE", None)  # of other workflows
     logger = progress.register()  # before the command line is read, which knows the plugins
 
     from snakemake.cli import args_to_api, parse_args
@@ -137,7 +141,6 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
     from analysis.case import describe
-    from analysis.vtk import write_path
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
@@ -151,6 +154,8 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if record.error is not None:
         return f"{name}: no result"
     if chosen.model == WITNESS:
+        from analysis.vtk import write_path  # compiles what it caches
+
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
     return None
