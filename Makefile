@@ -111,10 +111,7 @@ format: .venv/test.ready
 	$(BIN)/snakefmt Snakefile workflow/rules
 
 .venv/study.ready: requirements.txt pyproject.toml | system
-	python3 -m venv --clear .venv
-	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
-	$(BIN)/pip install --quiet --no-deps --editable .
-	@touch $@
+	@sh workflow/environment.sh
 
 .venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
@@ -138,4 +135,4 @@ lock: .venv/test.ready
 	done
 
 clean:
-	rm -rf .venv .snakemake results
+	rm -rf .venv .venv.old .snakemake results
