@@ -14,18 +14,20 @@ from pathlib import Path
 
 from analysis.report.parts import REPORT
 from workflow.caches import use_writable_caches
-from workflow.cases import find_case
+from workflow.cases import case_count, find_case
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.job import end_with_parent
 from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
+from workflow.waiting import waiting
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
 SUMMARY = "summary"  # the job of that name, and its rule
 PATIENCE = 10.0  # s, for Snakemake to clean up when it is told to end
+MANY = 5000  # cases, which take a while to plan
 TOLD = 3  # reasons at the end of a run that is incomplete
 
 
@@ -74,7 +76,9 @@ def snakemake(
     end_when_told(PATIENCE)
     done = False
     try:
-        done = bool(args_to_api(arguments, parser))
+        with waiting("Planning what has to be done") as plans:
+            progress.when_planned(plans.end)
+            done = bool(args_to_api(arguments, parser))
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
         print_exception(error)
     if told_to_stop():
@@ -96,9 +100,13 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     from workflow import progress
 
-    own = read_study_file(config, results)
+    with waiting(f"Reading {config}"):
+        own = read_study_file(config, results)
+        count = case_count(own)
     for line in notes(own):
         print(f"Note: {line}", file=sys.stderr)
+    if count > MANY:
+        print(f"{count:,} cases", file=sys.stderr)
     engines = installed_engines(own)
     if profile is None:  # a cluster's front end is not for computing
         _first_report(config, own, engines)
