@@ -101,7 +101,7 @@ same: .venv/test.ready
 	@exec $(BIN)/python tests/same_bytes.py $(PYTHONS)
 
 attack: .venv/study.ready
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
+	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
 
 scaling: .venv/test.ready
 	@exec $(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
@@ -118,10 +118,7 @@ format: .venv/test.ready
 	$(BIN)/snakefmt Snakefile workflow/rules
 
 .venv/study.ready: requirements.txt pyproject.toml | early system
-	python3 -m venv --clear .venv
-	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
-	$(BIN)/pip install --quiet --no-deps --editable .
-	@touch $@
+	@sh workflow/environment.sh
 
 .venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
@@ -149,4 +146,4 @@ lock: .venv/test.ready
 	done
 
 clean:
-	rm -rf .venv .snakemake results
+	rm -rf .venv .venv.old .snakemake results

@@ -371,3 +371,10 @@ def test_results_that_were_moved_are_not_made_again(tmp_path: Path) -> None:
     assert str(tmp_path / "after") in path.read_text()
     newest = (tmp_path / "after" / job.outputs[0]).stat().st_mtime
     assert path.stat().st_mtime < newest
+
+
+def test_every_job_has_a_time_limit_that_is_longer_than_an_engines() -> None:
+    config = {**SMALL, "dem": {"engines": ["yade"], "time_limit": 7200}}
+    limits = {name: job.time_limit for name, job in plan_of(read_study(config)).jobs.items()}
+    assert min(limits.values()) >= 3600.0
+    assert limits["yade/n3-mesh0.03-e0a"] > 2 * 3600.0

@@ -4,13 +4,15 @@ import io
 import json
 import logging
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from workflow.progress import LogHandler, Run
+from workflow import waiting
+from workflow.progress import LogHandler, Run, when_planned
 
 
 def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **own: Any) -> Any:
@@ -166,3 +168,32 @@ def test_what_was_up_to_date_or_made_in_a_run_is_its_own() -> None:
     run.heard(end(1), 1.0)
     assert run.is_made("rule")
     assert not run.is_made("other")
+
+
+def test_what_takes_long_before_anything_else_is_shown_says_that_it_is_at_work(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(waiting, "FIRST", 0.05)
+    monkeypatch.setattr(waiting, "NEXT", 0.1)
+    with waiting.waiting("Planning"):
+        time.sleep(0.3)
+    found = capsys.readouterr().err.splitlines()
+    assert found[0] == "Planning"
+    assert found[1] == "Planning, 0 s so far"
+    with waiting.waiting("Planning"):
+        pass
+    time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+
+
+def test_planning_has_ended_when_the_jobs_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    ended: list[bool] = []
+    when_planned(lambda: ended.append(True))
+    handler = LogHandler(None, None)  # type: ignore[arg-type]
+    handler.emit(begin(1, "one"))
+    assert not ended
+    for _ in range(2):
+        handler.emit(record(LogEvent.RUN_INFO, stats={"a": 1, "total": 1}))
+    assert ended == [True]
+    handler.close()

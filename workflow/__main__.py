@@ -8,24 +8,28 @@ if __name__ == "__main__":  # before the other imports, which take half a second
     read_utf8()
 
 import argparse
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
-from workflow.cases import CLOSED_FORM, find_case, find_place
+from workflow.caches import use_writable_caches
+from workflow.cases import CLOSED_FORM, case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.job import end_with_parent
 from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
+from workflow.waiting import waiting
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
 SUMMARY = "summary"  # the job of that name, and its rule
 PATIENCE = 10.0  # s, for Snakemake to clean up when it is told to end
+MANY = 5000  # cases, which take a while to plan
 TOLD = 3  # reasons at the end of a run that is incomplete
 
 
@@ -42,6 +46,8 @@ def snakemake(
     """
     from workflow import progress
 
+    use_writable_caches(Path(results))
+    os.environ.pop("SNAKEMAKE_PROFILE", None)  # of other workflows
     logger = progress.register()  # before the command line is read, which knows the plugins
 
     from snakemake.cli import args_to_api, parse_args
@@ -72,7 +78,9 @@ def snakemake(
     end_when_told(PATIENCE)
     done = False
     try:
-        done = bool(args_to_api(arguments, parser))
+        with waiting("Planning what has to be done") as plans:
+            progress.when_planned(plans.end)
+            done = bool(args_to_api(arguments, parser))
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
         print_exception(error)
     if told_to_stop():
@@ -94,9 +102,13 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     from workflow import progress
 
-    own = read_study_file(config, results)
+    with waiting(f"Reading {config}"):
+        own = read_study_file(config, results)
+        count = case_count(own)
     for line in notes(own):
         print(f"Note: {line}", file=sys.stderr)
+    if count > MANY:
+        print(f"{count:,} cases", file=sys.stderr)
     engines = installed_engines(own)
     if profile is None:  # a cluster's front end is not for computing
         _first_report(config, own, engines)
@@ -139,7 +151,6 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
     from analysis.case import describe
-    from analysis.vtk import write_path
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
@@ -155,6 +166,8 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if record.error is not None:
         return f"{name}: no result"
     if chosen.model == WITNESS:
+        from analysis.vtk import write_path  # compiles what it caches
+
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
     return None

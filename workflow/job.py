@@ -11,6 +11,7 @@ import os
 import resource
 import signal
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -81,6 +82,7 @@ def main() -> None:
     plan = json.loads(Path(sys.argv[1]).read_text())
     results, name = Path(plan["results"]), plan["name"]
     start = time.monotonic()
+    _limit(name, plan.get("time_limit"))
     begin(results, name)
     try:
         run_job(plan)
@@ -91,6 +93,19 @@ def main() -> None:
         raise
     end(results, name)
     write_times(results / ".times" / f"{name}.json", start)
+
+
+def _limit(name: str, seconds: float | None) -> None:
+    """End this process after so many ``seconds``: a job that is stuck would hold up its run."""
+
+    def late() -> None:
+        print(f"{name}: out of time after {seconds:g} s", file=sys.stderr, flush=True)
+        os._exit(1)  # and the programs that it has started with it
+
+    if seconds is not None:
+        timer = threading.Timer(seconds, late)
+        timer.daemon = True
+        timer.start()
 
 
 def _killed(*_: object) -> None:

@@ -27,6 +27,7 @@ from workflow.threedec import DECK, deck_folder
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s
+LEAST_LIMIT, STUCK = 3600.0, 30.0  # s, and over the time it should take: more is no job's
 RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
 
@@ -75,6 +76,12 @@ class Job:
         return (whole, frozenset(self.outputs)) if self.finds else (whole,)
 
     @property
+    def time_limit(self) -> float:
+        """Time (s) after which it is stuck; an engine's own limit, if it has one, comes before."""
+        own = float(self.settings.get("time_limit", 0.0))
+        return own + max(LEAST_LIMIT, STUCK * self.needs.time)
+
+    @property
     def runs(self) -> tuple[str, ...]:
         """Modules that it starts from; what they import runs too."""
         return RUNNER, self.step, *self.modules
@@ -101,6 +108,7 @@ class Job:
             "receipt": self.receipt,
             "arguments": dict(self.arguments),
             "settings": dict(self.settings),
+            "time_limit": self.time_limit,
         }
 
 

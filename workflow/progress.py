@@ -9,6 +9,7 @@ import json
 import re
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from logging import WARNING, LogRecord
@@ -178,6 +179,12 @@ def _last_line(logs: list[str]) -> str:
 
 
 _runs = [Run()]
+_planned: list[Callable[[], None]] = []
+
+
+def when_planned(call: Callable[[], None]) -> None:
+    """Have ``call`` called as soon as the jobs of the next run are known."""
+    _planned[:] = [call]
 
 
 def last_run() -> Run:
@@ -204,6 +211,9 @@ class LogHandler(LogHandlerBase):
         """Show what is new."""
         now = time.monotonic()
         before = self.run.done
+        if getattr(record, "event", None) == LogEvent.RUN_INFO:
+            while _planned:
+                _planned.pop()()
         for line in self.run.heard(record, now):
             self._print(line)
         if self.bar is not None:

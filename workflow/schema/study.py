@@ -56,7 +56,7 @@ class Study(Section):
     @property
     def interlocking(self) -> tuple[str, ...]:
         """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
-        return tuple(name for name in self.samples if self.joint(name).interlocking)
+        return tuple(name for name, sample in self.samples.items() if sample.locks > 1)
 
     def models_of(self, sample: str) -> tuple[str, ...]:
         """Those of `model_names` that run on ``sample``."""
