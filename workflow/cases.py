@@ -1,14 +1,15 @@
 """The cases of a study: one model, one joint, one mesh, one direction of loading each."""
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import REFERENCE, Case, case_name, missing_level
+from sidmacib.mesh_error import APART, cells_of
+from workflow.case import REFERENCE, Case, case_name
 from workflow.configuration import ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
@@ -20,6 +21,11 @@ from workflow.schema.numerics import NumericsChanges, NumericsSection
 from workflow.schema.values import shown
 
 MAX_CASES = 1_000_000
+DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
+BENT = (
+    2.5  # power of the number of nodes that the time of elastic pieces grows with; of rigid ones 1
+)
+WHOLE = 0.999  # of a side: a mesh must be less than it
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
@@ -44,17 +50,16 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
 
 def case_count(study: Study) -> int:
     """How many cases ``study`` has, without building them."""
-    joint = cache(study.joint)
+    joint = _joints(study)
     return sum(
-        len(_levels(study, joint(sample), run))
+        len(_levels(study, joint(sample, run.variant), run))
         * len(run.change.eccentricities or study.eccentricities)
         for run, sample in _runs(study, study.model_names)
     )
 
 
 def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
-    variants = study.every_variant
-    joint = cache(lambda sample, variant: study.joint(sample, variants[variant]))
+    joint = _joints(study)
 
     @cache
     def loading(ratio: float, assembly: AssemblySection) -> Loading:
@@ -62,7 +67,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 
     for run, sample in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample, REFERENCE), run):
+        for mesh in _levels(study, joint(sample, run.variant), run):
             for ratio in run.change.eccentricities or study.eccentricities:
                 name = case_name(sample, mesh, ratio, run.variant)
                 yield Case(
@@ -76,6 +81,12 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     loading=loading(ratio, run.assembly),
                     numerics=_numerics(run.model, numerics, study.overrides.get(name)),
                 )
+
+
+def _joints(study: Study) -> Callable[[str, str], Joint]:
+    """The joint of a sample under a variant, both by name."""
+    variants = study.every_variant
+    return cache(lambda sample, variant: study.joint(sample, variants[variant]))
 
 
 @dataclass(frozen=True)
@@ -111,12 +122,31 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
 
 
 def _levels(study: Study, joint: Joint, run: _Run) -> tuple[float, ...]:
-    """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
+    """Meshes (m) of a joint: the study's or variant's, and another one for the mesh error."""
     meshes = run.change.meshes or study.meshes
-    finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
-    if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
+    if run.model.obtained is not Obtained.SOLVED:
         return meshes
-    return *meshes, finer
+    other = second_mesh(joint, meshes, run.nodes)
+    return meshes if other is None else (*meshes, other)
+
+
+def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> float | None:
+    """The mesh (m) that ``meshes`` lack to tell a mesh error; None if they can, or nothing would.
+
+    Half the finest, or twice where the half is `DEAR`, or has too many nodes.
+    """
+    finest = min(meshes)
+    cells = cells_of(joint, finest)
+    if cells >= APART * cells_of(joint, max(meshes)):
+        return None
+    finer, coarser = finest / 2.0, min(2.0 * finest, WHOLE * joint.least_side)
+    count = node_estimate(joint, finer, nodes)
+    growth = count / node_estimate(joint, finest, nodes)
+    cost = growth if joint.elastic is None else growth**BENT
+    dear = count > MAX_NODES or cost >= DEAR
+    if dear and cells >= APART * cells_of(joint, coarser):
+        return coarser
+    return None if count > MAX_NODES else finer
 
 
 def _numerics(

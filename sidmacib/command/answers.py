@@ -12,24 +12,32 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.path import StaticSolution
+from sidmacib.mechanics.spread import StaticCapacity, static_capacity
+from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
 from sidmacib.pieces import assemble
 from sidmacib.programme import Sidmacib, capacity
 from sidmacib.revision import active
 from sidmacib.weights import lock_weights
 
 Row = dict[str, Any]
-# Meshes over the shorter side of a lock, coarse and fine: their difference is the mesh error of the
-# fine one, as errors are taken as proportional to the mesh. Pieces that bend take much longer.
+# Meshes over the shorter side of a lock, coarse and fine: they tell the mesh error of the fine one.
+# Pieces that bend take much longer.
 RIGID, BENT = (0.4995, 0.24975), (0.999, 0.4995)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A model's load (N) along a direction, and what it says beside; None: no such load."""
+    """A model's load (N) along a direction, and what it says beside; None: no such load.
+
+    ``peak_spread``: see `sidmacib.mechanics.spread`.
+    """
 
     load: float | None
     note: str = ""
+    peak_spread: float | None = None
 
 
 def _meshes(joint: Joint) -> tuple[float, float]:
@@ -52,12 +60,33 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    loading = Loading(direction, push=push)
-    coarse, fine = (load_path(joint, loading, mesh)[1] for mesh in _meshes(joint))
-    error = coarse.peak.load / fine.peak.load - 1.0
-    first = fine.first_failure_load / fine.peak.load
-    told = f"first failure at {100.0 * first:.0f} % of it; mesh error {100.0 * abs(error):.1f} %"
-    return Answer(float(fine.peak.load), f"peak; {told}")
+    loading, meshes = Loading(direction, push=push), _meshes(joint)
+    coarse = load_path(joint, loading, meshes[0])[1]
+    assembly = assemble(joint, meshes[1])
+    found = static_capacity(assembly, lateral_load(joint, assembly, loading))
+    if not (found.load > 0.0 and coarse.peak.load > 0.0):
+        return Answer(float(found.load), "nothing is carried", found.spread)
+    first, spread = found.solution.first_failure_load / found.load, 100.0 * found.spread
+    told = (
+        f"peak; first failure at {100.0 * first:.0f} % of it; peak spread {spread:.1f} %"
+        if found.is_peak
+        else f"first failure; peaks behind it spread by {spread:.0f} % or more"
+    )
+    error = 100.0 * _mesh_error(joint, coarse, found)
+    return Answer(float(found.load), f"{told}; mesh error {error:.1f} %", found.spread)
+
+
+def _mesh_error(joint: Joint, coarse: StaticSolution, found: StaticCapacity) -> float:
+    """Of what was ``found`` on the finer mesh."""
+    both = coarse, found.solution
+    cells = [cells_of(joint, mesh) for mesh in _meshes(joint)]
+    if found.is_peak:
+        kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
+        loads = [one.peak.load for one in both]
+    else:
+        kind = LoadKind.FIRST_FAILURE
+        loads = [one.first_failure_load for one in both]
+    return mesh_errors(dict(zip(cells, loads, strict=True)), NodeLayout.LOBATTO, kind)[cells[1]]
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -105,6 +134,7 @@ def capacity_rows(
                     "model": name,
                     "V (N)": None if load is None else load * direction.shear,
                     "M (N m)": None if load is None else load * direction.torque * joint.a,
+                    "peak spread": answer.peak_spread,
                     "note": answer.note,
                 }
             )
