@@ -14,7 +14,7 @@ from playwright.sync_api import sync_playwright
 from werkzeug.serving import make_server
 
 from analysis.explore.app import LOOPBACK, SLIDERS, drawn, make_app, playing, shown
-from analysis.explore.pictures import answers, drawing, peak
+from analysis.explore.pictures import answers, curve, drawing, peak
 from analysis.explore.state import Playing, as_configuration, as_python, as_query, from_query
 from sidmacib.chain.rule import law
 from sidmacib.joint import Direction
@@ -79,6 +79,16 @@ def test_the_drawing_has_every_piece() -> None:
 def test_peaks_fall_with_the_eccentricity() -> None:
     shears = [peak(Playing().joint, ratio).shear for ratio in (0.0, 0.1, 0.3, 1.0)]
     assert shears == sorted(shears, reverse=True)
+
+
+def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_too_far() -> None:
+    def legend(state: Playing) -> str:
+        return str(curve(state, answers(state)).data[0].name)
+
+    assert legend(Playing(eccentricity=0.3)).endswith("(spread 0.0 % at 0.3 a)")
+    far = legend(Playing(locks=31, eccentricity=0.3))
+    assert "peaks spread by 24 % or more: count on the first failure, V = 2" in far
+    assert "spread" not in legend(Playing(young=10.0))
 
 
 def values(state: Playing) -> list[float]:
