@@ -20,6 +20,7 @@ from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
 from analysis.looks import look_of
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.path import SPREAD_LIMIT
 from workflow.case import REFERENCE
 from workflow.models import Obtained, first_failure_only, obtained_by
 from workflow.results.tables import (
@@ -58,6 +59,7 @@ def summary(
             *_validation(tables["validation"], leading),
             *_models(tables["capacity"], ratio, mesh),
             *_mesh_errors(tables["capacity"], set(tables["cases"]["nodes"].unique())),
+            *spread_lines(tables["capacity"]),
             *_fits(tables["fit"], tables["best_fit"], leading, mesh),
             *_variants(tables["capacity"], ratio),
             *_disagreements(tables["cases"]),
@@ -214,7 +216,7 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
     if own.empty:
         return
     yield ""
-    yield "Largest mesh error, told from two meshes as if it were proportional to the mesh"
+    yield "Largest mesh error (estimate from two meshes; the true one is less in 95 % of joints)"
     for (model, mesh), rows in own.groupby(["model", "mesh_m"], sort=False):
         row = rows.loc[rows["mesh_error"].idxmax()]
         variant = "" if row["variant"] == REFERENCE else f", {row['variant']}"
@@ -229,6 +231,29 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
             "%: what rests on them may be the mesh's doing. A finer mesh lowers it"
             + (", or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
         )
+
+
+def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
+    """How far peaks move under tiny changes, and which capacities are first failures for it."""
+    own = capacity[capacity["peak_spread"].notna()]
+    if own.empty:
+        return
+    far = own[own["peak_spread"] > SPREAD_LIMIT]
+    trusted = own["peak_spread"][own["peak_spread"] <= SPREAD_LIMIT].max()
+    yield ""
+    yield (
+        f"Spread of static peaks under changes of 1e-9: {len(far)} of {len(own)} above "
+        f"{100 * SPREAD_LIMIT:g} %"
+        + ("" if pd.isna(trusted) else f", the others at most {100 * trusted:.2f} %")
+    )
+    for row in far.itertuples():
+        variant = "" if row.variant == REFERENCE else f", {row.variant}"
+        words = _too_far(float(row.peak_spread))
+        yield f"  {row.case}{variant}: {words}; the first failure is told instead"
+
+
+def _too_far(spread: float) -> str:
+    return f"peaks spread by {100 * spread:.1f} % or more"
 
 
 def _fits(

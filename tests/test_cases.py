@@ -95,9 +95,9 @@ def test_meshes_that_are_close_to_each_other_count_as_one() -> None:
     assert meshes(0.02, 0.01) == {0.02, 0.01}
 
 
-def test_half_a_mesh_that_is_too_fine_is_left_out() -> None:
+def test_a_coarser_mesh_tells_the_error_where_the_finer_one_has_too_many_nodes() -> None:
     config = merged(meshes=[0.0004], eccentricities=[0], models=["static"], dem={"engines": []})
-    assert {case.mesh for case in cases_of(read_study(config)).values()} == {0.0004}
+    assert {case.mesh for case in cases_of(read_study(config)).values()} == {0.0004, 0.0008}
 
 
 def test_a_model_runs_a_part_of_a_sample_and_the_reference_variant_always() -> None:

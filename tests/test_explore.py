@@ -5,7 +5,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.explore.pictures import answers, peak, pictures, ratios
+from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
     Playing,
@@ -121,3 +121,13 @@ def test_what_is_shown_is_of_one_joint() -> None:
 def test_peaks_fall_with_the_eccentricity() -> None:
     shears = [peak(Playing().joint, ratio).shear for ratio in (0.0, 0.1, 0.3, 1.0)]
     assert shears == sorted(shears, reverse=True)
+
+
+def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_too_far() -> None:
+    def legend(state: Playing) -> str:
+        return spread_words(state.joint, state.eccentricity)
+
+    assert legend(Playing(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
+    far = legend(Playing(locks=31, eccentricity=0.3))
+    assert "peaks spread by 24 % or more: count on the first failure, V = 2" in far
+    assert legend(Playing(young=10.0)) == ""

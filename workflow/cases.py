@@ -1,7 +1,7 @@
 """The cases of a study: one model, one joint, one mesh, one direction of loading each."""
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import product
@@ -9,7 +9,8 @@ from itertools import product
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import REFERENCE, Case, case_name, missing_level
+from sidmacib.mesh_error import APART, cells_of
+from workflow.case import REFERENCE, Case, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
@@ -23,6 +24,9 @@ from workflow.schema.values import shown
 
 MAX_CASES = 1_000_000
 CLOSED_FORM = *obtained_by(Obtained.LAW), *obtained_by(Obtained.RULE)  # models with nothing to run
+DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
+BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
+WHOLE = 0.999  # of a side: a mesh must be less than it
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
@@ -47,16 +51,16 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
 
 def case_count(study: Study) -> int:
     """How many cases ``study`` has, without building them."""
-    joint = cache(study.joint)
+    joint = _joints(study)
     return sum(
-        len(_levels(study, joint(sample), run, sample)) * len(_ratios(study, run, sample))
+        len(_levels(study, joint(sample, run.variant), run, sample))
+        * len(_ratios(study, run, sample))
         for run, sample in _runs(study, study.model_names)
     )
 
 
 def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
-    variants = study.every_variant
-    joint = cache(lambda sample, variant: study.joint(sample, variants[variant]))
+    joint = _joints(study)
 
     @cache
     def loading(ratio: float, assembly: AssemblySection) -> Loading:
@@ -64,7 +68,7 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 
     for run, sample in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample, REFERENCE), run, sample):
+        for mesh in _levels(study, joint(sample, run.variant), run, sample):
             for ratio in _ratios(study, run, sample):
                 name = case_name(sample, mesh, ratio, run.variant)
                 yield Case(
@@ -78,6 +82,12 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     loading=loading(ratio, run.assembly),
                     numerics=_numerics(run.model, numerics, study.overrides.get(name)),
                 )
+
+
+def _joints(study: Study) -> Callable[[str, str], Joint]:
+    """The joint of a sample under a variant, both by name."""
+    variants = study.every_variant
+    return cache(lambda sample, variant: study.joint(sample, variants[variant]))
 
 
 @dataclass(frozen=True)
@@ -133,16 +143,33 @@ def _ratios(study: Study, run: _Run, sample: str) -> tuple[float, ...]:
 
 
 def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, ...]:
-    """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
+    """Meshes (m) of a joint: the study's or variant's, and another one for the mesh error."""
     chosen = _part(study, run, sample).meshes
     every = run.change.meshes or study.meshes
     meshes = tuple(mesh for mesh in every if _within(mesh, chosen))
-    if not meshes:
-        return ()
-    finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
-    if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
+    if not meshes or run.model.obtained is not Obtained.SOLVED:
         return meshes
-    return *meshes, finer
+    other = second_mesh(joint, meshes, run.nodes)
+    return meshes if other is None else (*meshes, other)
+
+
+def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> float | None:
+    """The mesh (m) that ``meshes`` lack to tell a mesh error; None if they can, or nothing would.
+
+    Half the finest, or twice where the half is `DEAR`, or has too many nodes.
+    """
+    finest = min(meshes)
+    cells = cells_of(joint, finest)
+    if cells >= APART * cells_of(joint, max(meshes)):
+        return None
+    finer, coarser = finest / 2.0, min(2.0 * finest, WHOLE * joint.least_side)
+    count = node_estimate(joint, finer, nodes)
+    growth = count / node_estimate(joint, finest, nodes)
+    cost = growth if joint.elastic is None else growth**BENT
+    dear = count > MAX_NODES or cost >= DEAR
+    if dear and cells >= APART * cells_of(joint, coarser):
+        return coarser
+    return None if count > MAX_NODES else finer
 
 
 def _numerics(

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case, case_name, missing_level
-from workflow.cases import cases_of
+from workflow.case import Case, case_name
+from workflow.cases import cases_of, second_mesh
 from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
@@ -68,7 +68,7 @@ def plan_of(study: Study) -> Plan:
 def witnesses(cases: Iterable[Case]) -> list[Case]:
     """Cases of the static model that the study lacks, to compare every engine's case with.
 
-    They are on the same nodes, and where an engine has one mesh only at half of it too.
+    They are on the same nodes, and where an engine has one mesh only at another one too.
     """
     cases = list(cases)
     known = {case.physics() for case in cases if case.model == WITNESS}
@@ -81,10 +81,10 @@ def witnesses(cases: Iterable[Case]) -> list[Case]:
         witness = replace(case, model=WITNESS, numerics=None)
         series.setdefault(case.series(), {}).setdefault(case.mesh, witness)
     for own in series.values():
-        if finer := missing_level(own):
-            (case, *_) = own.values()
-            name = case_name(case.sample, finer, case.direction.eccentricity, case.variant)
-            own[finer] = replace(case, mesh=finer, name=name)
+        (case, *_) = own.values()
+        if other := second_mesh(case.joint, own, case.nodes):
+            name = case_name(case.sample, other, case.direction.eccentricity, case.variant)
+            own[other] = replace(case, mesh=other, name=name)
     every = {case.physics(): case for own in series.values() for case in own.values()}
     return [case for physics, case in every.items() if physics not in known]
 

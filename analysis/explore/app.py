@@ -18,7 +18,7 @@ from werkzeug.wrappers import Request, Response
 
 from analysis.explore.desk import Desk, SupersededError
 from analysis.explore.guard import HEADERS, in_one_line, require_own
-from analysis.explore.pictures import answers, peak, pictures, ratios
+from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
     Playing,
@@ -115,11 +115,14 @@ class Explorer:
         for ratio in ratios(state):
             with self._desk.turn(*asked.turn):
                 points.append(peak(state.joint, ratio))
+        with self._desk.turn(*asked.turn):
+            spread = spread_words(state.joint, state.eccentricity)
         known = [point for point in points if point is not None]
         return {
             **asked.echo,
             "shear": [point.shear for point in known],
             "torque": [point.torque for point in known],
+            "spread": spread,
         }
 
 

@@ -82,7 +82,7 @@ function drawCurve() {
   const own = line && isJointOf(line.values, shown.values);
   const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
   const traces = line && !own ? [{ x: line.shear, y: line.torque, name: "curve of another joint", ...style("#c9ced8") }] : [];
-  traces.push({ x: own ? line.shear : shear, y: own ? line.torque : torque, name, ...style(colour) });
+  traces.push({ x: own ? line.shear : shear, y: own ? line.torque : torque, name: own ? name + line.spread : name, ...style(colour) });
   for (const mark of shown.marks) traces.push({ x: [mark.shear], y: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } });
   plot("curve", traces, axis("shear V (N)"), axis("torque M (N m)"));
 }

@@ -13,7 +13,9 @@ from sidmacib.chain.rule import RULES, LawCapacity, law
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.spread import static_capacity
+from sidmacib.pieces import assemble
 from sidmacib.weights import lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
@@ -69,6 +71,30 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
         for lock, x, y in zip(joint.numbers, state.force_x, state.force_y, strict=True)
     )
     return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
+
+
+@lru_cache(maxsize=512)
+def spread_words(joint: Joint, ratio: float) -> str:
+    """How far the static model's peak spreads along e / a, and what counts where it is too far.
+
+    It takes longer than the peak: it stands in the legend of the curve, which is drawn last. Empty
+    where there is no such peak.
+    """
+    if joint.elastic is not None:
+        return ""
+    direction = Direction(ratio)
+    assembly = assemble(joint, COARSE * joint.least_side)
+    try:
+        found = static_capacity(assembly, lateral_load(joint, assembly, Loading(direction)))
+    except CapacityError:
+        return ""
+    spread = 100.0 * found.spread
+    if found.is_peak:
+        return f" (spread {spread:.1f} % at {ratio:g} a)"
+    return (
+        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: count on the first failure, "
+        f"V = {found.load * direction.shear:.4g} N)"
+    )
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:

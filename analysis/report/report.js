@@ -141,7 +141,7 @@ function drawOrder(path, step) {
   Plotly.react("order-plot", traces, Object.assign({}, LAYOUT, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest use of what is bonded", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${short(last.load)} N.`;
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {
