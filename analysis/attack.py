@@ -34,10 +34,10 @@ STIFFEST = 5e3  # E over Kn b of blocks that bend: stiffer ones are rigid
 SMOOTH, LIGHT = 0.2, 0.2  # parts of the joints without friction, without weight
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
-CELLS = {False: 4, True: 2}  # of the search, along a lock's shorter side; True: blocks that bend
-INCREMENT = 0.03  # of the load in the search, over T0: friction is followed more closely
+CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: blocks that bend
+INCREMENT = 0.1  # of the load in the search, over T0
 CHECKS = {  # of the worst joints
-    False: ((NodeLayout.LOBATTO, 4), (NodeLayout.LOBATTO, 6), (NodeLayout.VERTICES, 8)),
+    False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
 }
 

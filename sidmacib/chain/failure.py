@@ -32,7 +32,7 @@ class Fineness:
 # Two cells, so that dry faces may open in part; the finer ones, on smaller increments that follow
 # friction more closely, show how far a load depends on both. Blocks that bend cost more, and three
 # nodes a side see them bend.
-COARSE, FINE, BENDING = Fineness(2, 0.1), Fineness(3, 0.05), Fineness(1, 0.1)
+COARSE, FINE, BENDING = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.validation import refused, require_positive
 
-SAFETY, SAFETY_THAT_BENDS = 1.08, 1.12
+SAFETY, SAFETY_THAT_BENDS = 1.06, 1.12
 SPANS = {
     "locks": (2.0, 31.0),
     "a / b": (0.5, 3.0),
