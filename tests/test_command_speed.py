@@ -15,8 +15,8 @@ SOLVERS = {"cvxpy", "numba", "matplotlib", "pandas", "scipy"}
     [
         (["--help"], 0.4, set()),
         (["capacity", "--help"], 0.4, set()),
-        (["law", "-n", "5"], 1.0, {"scipy"}),
-        (["capacity", "-m", "safe", "-m", "law"], 1.0, {"scipy"}),
+        (["law", "-n", "5"], 1.0, {"scipy", "numba"}),
+        (["capacity", "-m", "safe", "-m", "law"], 1.0, {"scipy", "numba"}),
     ],
 )
 def test_a_quick_answer_loads_no_solver_of_others(

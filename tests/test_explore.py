@@ -128,6 +128,6 @@ def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_to
         return spread_words(state.joint, state.eccentricity)
 
     assert legend(Playing(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
-    far = legend(Playing(locks=31, eccentricity=0.3))
-    assert "peaks spread by 24 % or more: count on the first failure, V = 2" in far
+    far = legend(Playing(locks=13, eccentricity=1.0))
+    assert "peaks spread by 5 % or more: count on the first failure, V = 101" in far
     assert legend(Playing(young=10.0)) == ""

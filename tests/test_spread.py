@@ -23,39 +23,39 @@ from workflow.results.record import CaseRecord
 from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved
 
-NODES = NodeLayout.LOBATTO
+NODES, FINE = NodeLayout.LOBATTO, 0.0125
 
 
-def loaded(locks: int, ratio: float) -> tuple[Assembly, Loads]:
+def loaded(locks: int, ratio: float, mesh: float = 0.02) -> tuple[Assembly, Loads]:
     joint = Joint(locks)
-    assembly = assemble(joint, 0.02, NODES)
+    assembly = assemble(joint, mesh, NODES)
     return assembly, lateral_load(joint, assembly, Loading(Direction(ratio)))
 
 
 @pytest.fixture(scope="module")
 def far() -> StaticCapacity:
-    """Of 15 locks at e = a: a long cascade."""
-    return static_capacity(*loaded(15, 1.0))
+    """Of 13 locks at e = a on a fine mesh: a long cascade."""
+    return static_capacity(*loaded(13, 1.0, FINE))
 
 
-def record(locks: int, ratio: float) -> CaseRecord:
+def record(locks: int, ratio: float, mesh: float = 0.02) -> CaseRecord:
     loading = Loading(Direction(ratio))
-    case = Case("n", "static", "reference", "n", Joint(locks), 0.02, NODES, loading, None)
+    case = Case("n", "static", "reference", "n", Joint(locks), mesh, NODES, loading, None)
     return solved(case, solve)[0]
 
 
 # --- what it is ----------------------------------------------------------------------------------
 def test_the_peak_after_a_long_cascade_spreads_and_its_first_failure_does_not() -> None:
-    assembly, loads = loaded(21, 1.0)
+    assembly, loads = loaded(13, 1.0, FINE)
     whole = static_peak(assembly, loads)
-    assert peak_spread(assembly, loads, whole) > 0.1
+    assert peak_spread(assembly, loads, whole) > 0.04
     for seed in range(3):
         first = static_peak(changed(assembly, seed), loads).first_failure_load
         assert first == pytest.approx(whole.first_failure_load, rel=1e-7)
 
 
-def test_a_peak_that_is_the_same_on_all_meshes_may_spread_all_the_same() -> None:
-    """Nine tall locks in one piece, 421 to 424 N on four meshes; another solver has 512.6 N."""
+def test_a_peak_that_newtons_method_alone_misses_is_found_and_does_not_spread() -> None:
+    """Nine tall locks in one piece: another solver has 512.6 N, Newton's method alone 421 to 424."""
     joint = Joint(
         9,
         a=0.1119038,
@@ -67,9 +67,8 @@ def test_a_peak_that_is_the_same_on_all_meshes_may_spread_all_the_same() -> None
     )
     assembly = assemble(joint, 0.04995, NODES)
     found = static_capacity(assembly, lateral_load(joint, assembly, Loading(Direction(0.3))))
-    assert found.solution.peak.load == pytest.approx(423.0, rel=0.01)
-    assert found.spread > 0.2
-    assert found.load == pytest.approx(407.1, rel=0.001)
+    assert found.load == pytest.approx(512.6, rel=0.02)
+    assert found.spread < SPREAD_LIMIT
 
 
 def test_the_peak_after_a_short_cascade_does_not_spread() -> None:
@@ -105,7 +104,7 @@ def test_the_capacity_is_the_first_failure_where_the_peak_spreads(far: StaticCap
 
 
 def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_load_that_is_told() -> None:
-    found = record(15, 1.0)
+    found = record(13, 1.0, FINE)
     assert found.peak_spread is not None and found.peak_spread > SPREAD_LIMIT and not found.is_peak
     assert found.load_N == found.first_failure_load_N == found.path[-1][0]
     assert found.failed_load_N is not None and found.failed_load_N > 1.1 * found.load_N
@@ -122,7 +121,7 @@ def test_designs_leave_the_spread_out() -> None:
 
 
 def test_first_failures_are_held_against_each_other_where_peaks_spread() -> None:
-    static = record(15, 1.0)
+    static = record(13, 1.0, FINE)
     other = replace(static, model="yade", load_N=200.0, first_failure_load_N=143.0)
     assert held_against(other, static) == (static.first_failure_load_N, 143.0)
     steady = replace(static, peak_spread=0.01)

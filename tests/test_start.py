@@ -103,8 +103,8 @@ def test_every_study_of_this_checkout_passes_the_first_look() -> None:
 def test_make_looks_at_the_configuration_first() -> None:
     command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
     told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    lines = [line for line in told.splitlines() if "early.py" in line or "pip install" in line]
-    assert "early.py" in lines[0] and "pip install" in lines[1]
+    lines = [line for line in told.splitlines() if re.search(r"early\.py|environment\.sh", line)]
+    assert "early.py" in lines[0] and "environment.sh" in lines[1]
 
 
 def test_a_fault_is_told_with_the_files_name_once() -> None:

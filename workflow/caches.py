@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from workflow.configuration import ConfigError
+from workflow.configuration import CallError
 
 FOLDERS = {  # in the environment, and where they are by default
     "XDG_CACHE_HOME": Path("~/.cache"),
@@ -15,12 +15,12 @@ SNAKEMAKE = ".snakemake"  # in the working directory
 def use_writable_caches(results: Path) -> None:
     """Keep caches in the folder ``results`` where the usual places cannot be written to.
 
-    Raises `ConfigError` where ``results`` or the working directory cannot be, either.
+    Raises `CallError` where ``results`` or the working directory cannot be, either.
     """
     for place, what in ((results, "results"), (Path(SNAKEMAKE), "the working directory")):
         if not writable(place):
             shown = results if place == results else Path.cwd()
-            raise ConfigError(f"{what}: {shown} cannot be written to: permission denied")
+            raise CallError(f"{what}: {shown} cannot be written to: permission denied")
     for name, place in FOLDERS.items():
         if name not in os.environ and not writable(place.expanduser()):
             os.environ[name] = str(Path(results, ".cache", place.name).absolute())
