@@ -55,7 +55,7 @@ def test_the_peak_after_a_long_cascade_spreads_and_its_first_failure_does_not() 
 
 
 def test_a_peak_that_newtons_method_alone_misses_is_found_and_does_not_spread() -> None:
-    """Nine tall locks in one piece: another solver has 512.6 N, Newton's method alone 421 to 424."""
+    """Nine tall locks in one piece: another solver has 512.6 N, Newton's method alone 421 N."""
     joint = Joint(
         9,
         a=0.1119038,
