@@ -59,9 +59,9 @@ SPACES = (
     Space("pressure", Hold.PRESSURE),
     Space("force", Hold.FORCE),
     Space("weight", Hold.WEIGHT),
-    Space("elastic columns", Hold.PLATE, True, UpperBody.COLUMNS, (2, 9), 0.06),
-    Space("elastic one piece", Hold.PLATE, True, UpperBody.MONOLITHIC, (2, 9), 0.06),
-    Space("elastic, pressure", Hold.PRESSURE, True, None, (2, 9), 0.06),
+    Space("elastic columns", Hold.PLATE, True, UpperBody.COLUMNS, (2, 7), 0.06),
+    Space("elastic one piece", Hold.PLATE, True, UpperBody.MONOLITHIC, (2, 7), 0.06),
+    Space("elastic, pressure", Hold.PRESSURE, True, None, (2, 7), 0.06),
 )
 
 
