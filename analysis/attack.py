@@ -268,13 +268,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ]
         for job in jobs:
             rows.append(job.result())
+            write(rows, given.table)  # what is known so far, whatever comes
             last = rows[-1]
             print(
                 f"{last['space']}, seed {last['seed']}: {last['evaluations']} joints, "
                 f"{last['answered']} answered, largest ratio {last['safe_over_first_failure']:.4f}",
                 flush=True,
             )
-    write(rows, given.table)
     worst = max(float(str(row["safe_over_first_failure"])) for row in rows)
     total = sum(int(str(row["evaluations"])) for row in rows)
     print(f"{total} joints; largest safe load over first failure {worst:.4f}; {given.table}")
