@@ -20,6 +20,7 @@
 # make lint    ruff, snakefmt and mypy alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
+# Cases that have no answer once more, although nothing has changed: make study RETRY=1
 
 CONFIG ?= config.yaml
 RESULTS ?=
@@ -27,6 +28,7 @@ CASE ?=
 MODEL ?=
 BASE ?=
 PROFILE ?=
+RETRY ?=
 FAULTS ?= 500
 FUZZ ?= 100000
 MUTANTS ?= 200
@@ -35,14 +37,16 @@ PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1800
 # They reach the shell as they are, whatever is in them.
-export CONFIG RESULTS CASE MODEL BASE PROFILE FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
-WORKFLOW = @$(BIN)/python -m workflow
+# `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: so does ^C
+# before Python has begun, as it looks whether make was told to end.
+WORKFLOW = @trap '' INT; exec $(BIN)/python -m workflow --end-with-parent
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -61,7 +65,7 @@ report: .venv/study.ready
 	$(WORKFLOW) report $(TO)
 
 explore: .venv/study.ready
-	@$(BIN)/python -m analysis.explore.app
+	@exec $(BIN)/python -m analysis.explore.app
 
 decks: .venv/study.ready
 	$(WORKFLOW) decks $(TO)
@@ -71,7 +75,7 @@ docs: .venv/test.ready
 	@echo "Pages: build/docs/index.html"
 
 bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
-	@$(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
 	$(BIN)/pytest
@@ -85,22 +89,22 @@ test-container: .venv/test.ready
 	MULTILOCK_MACHINE=1 $(BIN)/pytest -m machine tests/test_container.py
 
 faults: .venv/test.ready
-	@$(BIN)/python tests/faults.py --faults "$$FAULTS"
+	@exec $(BIN)/python tests/faults.py --faults "$$FAULTS"
 
 fuzz: .venv/test.ready
-	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
+	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 exec $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
 
 mutants: .venv/test.ready .venv/mutants.ready
-	@$(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
+	@exec $(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
 
 same: .venv/test.ready
-	@$(BIN)/python tests/same_bytes.py $(PYTHONS)
+	@exec $(BIN)/python tests/same_bytes.py $(PYTHONS)
 
 attack: .venv/study.ready
-	@OPENBLAS_NUM_THREADS=1 $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
+	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
 
 scaling: .venv/test.ready
-	@$(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
@@ -113,11 +117,8 @@ format: .venv/test.ready
 	$(BIN)/ruff check --fix .
 	$(BIN)/snakefmt Snakefile workflow/rules
 
-.venv/study.ready: requirements.txt pyproject.toml | system
-	python3 -m venv --clear .venv
-	$(BIN)/pip install --quiet --require-hashes --requirement requirements.txt
-	$(BIN)/pip install --quiet --no-deps --editable .
-	@touch $@
+.venv/study.ready: requirements.txt pyproject.toml | early system
+	@sh workflow/environment.sh
 
 .venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
 	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
@@ -127,7 +128,11 @@ format: .venv/test.ready
 	$(BIN)/pip install --quiet --require-hashes --requirement $<
 	@touch $@
 
-system:
+# A faulty configuration is told before minutes of installing.
+early:
+	@python3 workflow/early.py "$$CONFIG"
+
+system: early
 	@sh workflow/system.sh
 
 system-test:
@@ -141,4 +146,4 @@ lock: .venv/test.ready
 	done
 
 clean:
-	rm -rf .venv .snakemake results
+	rm -rf .venv .venv.old .snakemake results

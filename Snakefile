@@ -1,5 +1,6 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
+import os
 import re
 import shlex
 import sys
@@ -24,7 +25,8 @@ try:
     STUDY = read_study(CONFIG)
     PLAN = plan_of(STUDY)
 except ConfigError as error:
-    sys.exit(f"Error in the configuration: {error}")
+    path = FILES[0] if FILES else Path(CHECKOUT, "config.yaml")
+    sys.exit(f"Error in the configuration: {error.of(path)}")
 
 RESULTS = STUDY.results
 if workflow.is_main_process and not workflow.dryrun:
@@ -35,7 +37,7 @@ if workflow.is_main_process and not workflow.dryrun:
 JOBS = PLAN.jobs
 # Jobs on other machines read this file too: they take the plans as they are.
 if workflow.is_main_process:
-    PLANS = prepared(JOBS.values(), Path(RESULTS))
+    PLANS = prepared(JOBS.values(), Path(RESULTS), retry=bool(os.environ.get("RETRY")))
     if not workflow.dryrun:
         forget(Path(RESULTS))
 else:
@@ -66,7 +68,7 @@ def last_try(attempt):
 # `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
 # of linear algebra on small matrices only wait for each other.
 RUN = (
-    f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
+    f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONUTF8=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
     f"exec {shlex.quote(sys.executable)} -m workflow.job "
     "{input.plan:q} > {log:q} 2>&1"
 )

@@ -9,8 +9,7 @@ import pandas as pd
 
 from analysis.published import Published, read_published
 from analysis.pure_shear import pure_shear_weights
-from sidmacib.chain.rule import RULES
-from sidmacib.errors import CapacityError
+from analysis.rule import ERRORS, law_capacity
 from sidmacib.joint import Direction
 from sidmacib.polygon import envelope
 from sidmacib.programme import Sidmacib, capacities
@@ -40,7 +39,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
         read = {
             source: own
             for source, own in pure_shear_weights(study, weights, sample).items()
-            if source[0] in detailed_models
+            if source[0] in detailed_models and study.whole_curve(sample, source[0])
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
         for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):
@@ -82,12 +81,12 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
     for name, sample, ratio in product(chosen, study.samples, study.eccentricities):
         if name not in study.models_of(sample):
             continue
-        joint, direction = study.joint(sample), Direction(ratio)
+        joint = study.joint(sample)
         told: dict[str, Any] = {"load_N": None, "shear_N": None, "torque_Nm": None, "error": None}
         try:
-            found = RULES[name](joint, direction, study.assembly.push)
+            found = law_capacity(study, name, sample, ratio)
             told |= {"load_N": found.load, "shear_N": found.shear, "torque_Nm": found.torque}
-        except (CapacityError, ValueError) as error:
+        except ERRORS as error:
             told["error"] = str(error)
         for mesh in study.meshes:
             yield {

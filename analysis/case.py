@@ -4,7 +4,7 @@ from workflow.results.record import CaseRecord
 
 
 def describe(record: CaseRecord) -> str:
-    """Peak load and lock weights of a case, or the reason why it has none."""
+    """Capacity and lock weights of a case, or the reason why it has none."""
     if record.error is not None:
         return f"{record.name} ({record.model}): no result: {record.error}"
     first = record.first_failure_load_N
@@ -15,6 +15,11 @@ def describe(record: CaseRecord) -> str:
         f"{record.failed_load_N:.2f} N is not"
         + ("" if first is None else f"; first failure at {first:.2f} N"),
     ]
+    if record.peak_spread is not None:
+        lines.append(
+            f"  spread of the peak: {100 * record.peak_spread:.2f} %"
+            + ("" if record.is_peak else ", too far to rely on: the first failure is told instead")
+        )
     if record.weights:
         lines.append("  lock  block  weight  mean shear / tau  largest / tau")
     lines += [

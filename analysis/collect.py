@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.mesh_error import errors_of
+from analysis.mesh_error import MeshErrors, errors_of
 from workflow.case import REFERENCE
 from workflow.models import WITNESS, first_failure_only
 from workflow.results.files import read_records
@@ -41,7 +41,7 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
 
     ``witnesses``: results of the static model for the same joints, nodes and loads. Models that go
     no further than to the first failure are held against its first failure, others against its
-    peak.
+    peak, or where peaks spread too far both first failures against each other.
     """
     witnesses = list(witnesses)
     mesh_errors = errors_of([*witnesses, *records])
@@ -49,26 +49,33 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
     rows = []
     for record in records:
         other = static.get(record.physics) if record.model != WITNESS else None
-        first = first_failure_only(record.model)
-        witness = other and (other.first_failure_load_N if first else other.load_N)
+        witness, own = held_against(record, other) if other else (None, None)
         row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }
         row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
         row["static_load_N"] = witness
-        row["difference_to_static"] = (
-            record.load_N / witness - 1.0 if witness and record.load_N else None
-        )
-        row["mesh_error"] = mesh_errors.get((record.model, record.name))
+        row["difference_to_static"] = own / witness - 1.0 if witness and own else None
+        errors = mesh_errors.get((record.model, record.name), MeshErrors())
+        row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
     for column in ("load_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
         table[column] = table[column].astype(float)
-    for column in ("shear_N", "torque_Nm", "unbalanced_share"):
+    for column in ("shear_N", "torque_Nm", "unbalanced_share", "peak_spread"):
         table[column] = table[column].astype(float)
-    for column in ("difference_to_static", "mesh_error"):
+    for column in ("difference_to_static", "mesh_error", "first_failure_mesh_error"):
         table[column] = table[column].astype(float)
     return table
+
+
+def held_against(record: CaseRecord, other: CaseRecord) -> tuple[float | None, float | None]:
+    """Load (N) of the static model, ``other``, that a record is held against, and the record's."""
+    if first_failure_only(record.model):
+        return other.first_failure_load_N, record.load_N
+    if other.is_peak or record.first_failure_load_N is None:
+        return other.load_N, record.load_N
+    return other.first_failure_load_N, record.first_failure_load_N
 
 
 def friction_share(record: CaseRecord) -> float:
@@ -108,8 +115,9 @@ def models_table(
             columns
             | {
                 "load_N": record.load_N,
-                "mesh_error": mesh_errors.get((record.model, record.name)),
+                "mesh_error": mesh_errors.get((record.model, record.name), MeshErrors()).load,
                 "first_failure_load_N": failure,
+                "peak_spread": record.peak_spread,
                 "friction_share": friction_share(record),
                 "given_load_N": load,
             }
@@ -122,7 +130,7 @@ def models_table(
     if not rows:
         return pd.DataFrame(columns=[*MODELS.columns, "case"])
     table = pd.DataFrame(rows)
-    for column in ("first_failure_load_N", "mesh_error"):
+    for column in ("first_failure_load_N", "mesh_error", "peak_spread"):
         table[column] = table[column].astype(float)
     order = table.groupby("case", sort=False).ngroup()
     return table.iloc[np.argsort(order, kind="stable")]

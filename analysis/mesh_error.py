@@ -1,43 +1,34 @@
-"""How far capacities are from those at an ever finer mesh, told from two meshes."""
+"""Mesh errors of the results of a study, each told from those of the same joint on other meshes."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
+from dataclasses import dataclass
 
-from workflow.case import APART
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from workflow.models import Obtained, obtained_by
 from workflow.results.record import CaseRecord
 
-DIGITS = 9  # after the decimal point, of a relative error; less is rounding
+
+@dataclass(frozen=True)
+class MeshErrors:
+    """Relative mesh errors of a result's load and of its first failure; None: not known."""
+
+    load: float | None = None
+    first_failure: float | None = None
 
 
-def mesh_errors(loads: Mapping[float, float]) -> dict[float, float]:
-    """Relative error of the loads (N) at some meshes (m), by mesh; empty if they cannot tell.
+def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors]:
+    """Mesh errors of results by model and name of the case; results without any are left out.
 
-    Errors are taken as proportional to the mesh. That of the finest mesh then follows from the
-    next one that is `APART` from it; those of the others are their differences to the finest and
-    its error.
-    """
-    finest = min(loads)
-    coarser = [mesh for mesh in loads if mesh >= APART * finest]
-    if not coarser:
-        return {}
-    change = {mesh: abs(load / loads[finest] - 1.0) for mesh, load in loads.items()}
-    error = change[min(coarser)] / (min(coarser) / finest - 1.0)
-    return {mesh: round(own + error, DIGITS) for mesh, own in change.items()}
-
-
-def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], float]:
-    """Mesh errors of results by model and name of the case.
-
-    A model that has one mesh only takes the error of a model that is solved in this process, the
+    A model that has one mesh only takes the errors of a model that is solved in this process, the
     static one if there is one, of the same joint on the same nodes under the same load.
     """
     records = [record for record in records if record.load_N is not None]
-    series: dict[tuple[str, str, str], dict[float, float]] = {}
+    series: dict[tuple[str, str, str], list[CaseRecord]] = {}
     for r in records:
-        assert r.load_N is not None
-        series.setdefault((r.model, r.variant, r.series), {})[r.mesh_m] = r.load_N
-    own = {key: mesh_errors(loads) for key, loads in series.items()}
-    lent: dict[tuple[str, float], float] = {}
+        series.setdefault((r.model, r.variant, r.series), []).append(r)
+    own = {key: _errors_of_one(rows) for key, rows in series.items()}
+    lent: dict[tuple[str, float], MeshErrors] = {}
     for lender in obtained_by(Obtained.SOLVED):
         for (model, _, joint), errors in own.items():
             if model == lender:
@@ -50,4 +41,23 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], float]:
         )
         for r in records
     }
-    return {case: error for case, error in found.items() if error is not None}
+    return {case: errors for case, errors in found.items() if errors is not None}
+
+
+def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
+    """Mesh errors of results of one joint and model, by mesh (m).
+
+    Where peaks spread too far the load is the first failure, and so is its error.
+    """
+    records = list(records)
+    layout = NodeLayout(records[0].nodes)
+    told = {r.cells: r.load_N for r in records if r.load_N is not None}
+    kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)
+    load = mesh_errors(told, layout, kind)
+    known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
+    first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
+    return {
+        r.mesh_m: MeshErrors((load if r.is_peak else first).get(r.cells), first.get(r.cells))
+        for r in records
+        if r.cells in load
+    }

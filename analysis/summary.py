@@ -7,9 +7,20 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from analysis.answers import (
+    DESIGN,
+    MESH_LIMIT,
+    PEAK_ACCURACY,
+    answers,
+    direction_words,
+    percent,
+    ratios,
+)
 from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
 from analysis.looks import look_of
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.path import SPREAD_LIMIT
 from workflow.case import REFERENCE
 from workflow.models import Obtained, first_failure_only, obtained_by
 from workflow.results.tables import (
@@ -22,24 +33,37 @@ from workflow.results.tables import (
     read_table,
 )
 
-# Smaller errors count as none: the distinct elements' peaks are not known more accurately.
-PEAK_ACCURACY = 0.0025
-MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
+BESIDE = 4  # samples beside each other
+MOST_SAMPLES = 12  # whose loads are listed
 
 
-def summary(results: str, tables: dict[str, pd.DataFrame], meshes: Sequence[float]) -> str:
-    """The text, one finding per line; ``meshes``: the study's (m)."""
+def summary(
+    results: str,
+    tables: dict[str, pd.DataFrame],
+    meshes: Sequence[float],
+    ductile: Sequence[str] = (),
+) -> str:
+    """The text: what has failed, answers to what is asked, then the findings, model by model.
+
+    ``meshes``: the study's (m); loads and fits are those at the finest, the tables have all.
+    ``ductile``: names of the variants whose bonds are so.
+    """
     leading = leading_models(tables["fit"])
+    ratio, mesh = ratios(tables["cases"]), min(meshes)
     return "\n".join(
         [
             *_failed(tables["cases"]),
+            *answers(tables, leading, mesh),
+            "",
             *_validation(tables["validation"], leading),
-            *_models(tables["capacity"], meshes),
-            *_mesh_errors(tables["capacity"]),
-            *_fits(tables["fit"], tables["best_fit"], leading),
-            *_variants(tables["capacity"]),
+            *_models(tables["capacity"], ratio, mesh),
+            *_mesh_errors(tables["capacity"], set(tables["cases"]["nodes"].unique())),
+            *spread_lines(tables["capacity"]),
+            *_fits(tables["fit"], tables["best_fit"], leading, mesh),
+            *_variants(tables["capacity"], ratio),
             *_disagreements(tables["cases"]),
+            *_without_friction(tables["cases"], ductile),
             "",
             "Largest unbalanced force on a piece (or moment over a), at any peak: "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
@@ -88,6 +112,21 @@ def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
         yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
 
 
+def _without_friction(cases: pd.DataFrame, ductile: Sequence[str]) -> Iterator[str]:
+    """Limit analysis, which has no friction, against the static model, both with ductile bonds."""
+    own = cases[cases["model"].eq("limit") & cases["variant"].isin(ductile)]
+    far = own[own["difference_to_static"].abs() > AGREEMENT]
+    if far.empty:
+        return
+    yield ""
+    yield (
+        f"Ductile bonds: limit analysis, which has no friction, differs from the static model by "
+        f"more than {100 * AGREEMENT:g} % in {len(far)} of {len(own)} cases"
+    )
+    for row in far.itertuples():
+        yield f"  {row.name}: {100 * float(row.difference_to_static):+.2f} %"
+
+
 def leading_models(fit: pd.DataFrame) -> dict[str, str]:
     """The detailed model that each sample's fits are told of: the first one."""
     first = fit.drop_duplicates("sample")
@@ -115,36 +154,69 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
             yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
-def _models(capacity: pd.DataFrame, meshes: Sequence[float]) -> Iterator[str]:
-    """Largest loads of all models of the joint's pieces, direction by direction."""
-    asked = capacity["model"].isin(obtained_by(Obtained.LAW)) & capacity["load_N"].notna()
-    found = capacity["failed_load_N"].notna() | asked
-    own = capacity[found & (capacity["variant"] == REFERENCE)]
-    # Not those for the mesh error only.
-    own = own[np.isclose(own["mesh_m"].to_numpy()[:, None], meshes).any(axis=1)]
-    models = list(own["model"].unique())
-    yield ""
-    names = [look_of(m).name + (" (first failure)" * first_failure_only(m)) for m in models]
-    yield f"Largest load along each direction (N): {', '.join(names)}; largest mesh error"
-    keys = ["sample", "mesh_m", "eccentricity_m"]
-    for _, rows in own.groupby("case", sort=False):
-        sample, mesh, eccentricity = rows[keys].iloc[0]
-        loads = rows.set_index("model")["load_N"]
-        cells = "".join(f"{loads[m]:>10.2f}" if m in loads else " " * 10 for m in models)
-        error = rows["mesh_error"].max()
-        told = "" if pd.isna(error) else f"{100 * error:>8.2f} %"
-        where = "torsion" if np.isinf(eccentricity) else f"e = {eccentricity:g} m"
-        place = f"{sample} mesh {mesh:g} m, {where}"
-        yield f"  {place:<34}{cells}{told}"
+def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> Iterator[str]:
+    """V and M that each model gives at the finest mesh, direction by direction."""
+    laws = obtained_by(Obtained.LAW)
+    own = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(laws)]
+    own = own[(own["variant"] == REFERENCE) & np.isclose(own["mesh_m"], mesh)]
+    own = own[own["case"].isin(ratio)]  # not of a sample whose engines are all missing
+    samples = list(own["sample"].unique())
+    # What to design for comes first, then the law, then models of the pieces.
+    models = sorted(own["model"].unique(), key=lambda m: (m != DESIGN, m not in laws))
+    for model in models:
+        rows = own[own["model"] == model]
+        first = " (first failure)" * (first_failure_only(model) or model == "law")
+        at = "" if model in laws else f", mesh {mesh:g} m"
+        yield ""
+        name = look_of(model).name
+        yield f"{name[0].upper()}{name[1:]}{first}{at}: V (N) and M (N m)"
+        for start in range(0, min(len(samples), MOST_SAMPLES), BESIDE):
+            yield from _loads(rows, ratio, samples[start : start + BESIDE])
+        yield from _refusals(rows, ratio)
+    if len(samples) > MOST_SAMPLES:
+        yield f"  ({MOST_SAMPLES} of {len(samples)} samples; tables/capacity.csv has all)"
 
 
-def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
-    """The largest mesh error of each model at each mesh, and what to do where it is large."""
+def _loads(rows: pd.DataFrame, ratio: Mapping[str, float], samples: Sequence[str]) -> Iterator[str]:
+    """V and M of some samples beside each other, a line for each direction."""
+    found = {
+        (row.sample, ratio[row.case]): (row.shear_N, row.torque_Nm) for row in rows.itertuples()
+    }
+    there = [sample for sample in samples if sample in set(rows["sample"])]
+    if not there:
+        return
+    yield f"  {'e/a':<8}" + "".join(f"{sample:>22}" for sample in there)
+    for each in sorted({direction for sample, direction in found if sample in there}):
+        cells = "".join(_cell(found.get((sample, each))) for sample in there)
+        yield f"  {'torsion' if np.isinf(each) else f'{each:g}':<8}{cells}".rstrip()
+
+
+def _cell(loads: tuple[float, float] | None) -> str:
+    if loads is None or pd.isna(loads[0]):
+        return f"{'-':>12}{'-':>10}"
+    return f"{loads[0]:>12.5g}{loads[1]:>10.5g}"
+
+
+def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
+    """Why a model gives nothing, sample by sample."""
+    for (sample, reason), own in rows[rows["load_N"].isna()].groupby(
+        ["sample", "error"], sort=False
+    ):
+        where = ", ".join(direction_words(ratio[case]) for case in own["case"])
+        everywhere = len(own) == (rows["sample"] == sample).sum()
+        yield f"  - {sample}{'' if everywhere else f' at {where}'}: {reason}"
+
+
+def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
+    """The largest mesh error of each model at each mesh, and what to do where it is large.
+
+    ``nodes``: the layouts that there are.
+    """
     own = capacity[capacity["mesh_error"].notna()]
     if own.empty:
         return
     yield ""
-    yield "Largest mesh error, told from two meshes as if it were proportional to the mesh"
+    yield "Largest mesh error (estimate from two meshes; the true one is less in 95 % of joints)"
     for (model, mesh), rows in own.groupby(["model", "mesh_m"], sort=False):
         row = rows.loc[rows["mesh_error"].idxmax()]
         variant = "" if row["variant"] == REFERENCE else f", {row['variant']}"
@@ -156,37 +228,68 @@ def _mesh_errors(capacity: pd.DataFrame) -> Iterator[str]:
     if len(high):
         yield (
             f"  {len(high)} of {len(own)} capacities have a mesh error above {100 * MESH_LIMIT:g} "
-            "%: what rests on them may be the mesh's doing. A finer mesh lowers it, or nodes: "
-            "lobatto."
+            "%: what rests on them may be the mesh's doing. A finer mesh lowers it"
+            + (", or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
         )
 
 
-def _fits(fit: pd.DataFrame, best: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str]:
+def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
+    """How far peaks move under tiny changes, and which capacities are first failures for it."""
+    own = capacity[capacity["peak_spread"].notna()]
+    if own.empty:
+        return
+    far = own[own["peak_spread"] > SPREAD_LIMIT]
+    trusted = own["peak_spread"][own["peak_spread"] <= SPREAD_LIMIT].max()
+    yield ""
+    yield (
+        f"Spread of static peaks under changes of 1e-9: {len(far)} of {len(own)} above "
+        f"{100 * SPREAD_LIMIT:g} %"
+        + ("" if pd.isna(trusted) else f", the others at most {100 * trusted:.2f} %")
+    )
+    for row in far.itertuples():
+        variant = "" if row.variant == REFERENCE else f", {row.variant}"
+        words = _too_far(float(row.peak_spread))
+        yield f"  {row.case}{variant}: {words}; the first failure is told instead"
+
+
+def _too_far(spread: float) -> str:
+    return f"peaks spread by {100 * spread:.1f} % or more"
+
+
+def _fits(
+    fit: pd.DataFrame, best: pd.DataFrame, leading: Mapping[str, str], mesh: float
+) -> Iterator[str]:
     if not leading:  # no sample that SiDMACIB is a model of
         return
     yield ""
-    yield f"SiDMACIB against {' and '.join(dict.fromkeys(leading.values()))}, all directions"
-    fit, best = (rows[rows["model"] == rows["sample"].map(leading)] for rows in (fit, best))
-    for (model, sample, mesh), own in fit.groupby(["model", "sample", "mesh_m"], sort=False):
+    yield (
+        f"SiDMACIB against {' and '.join(dict.fromkeys(leading.values()))}, all directions, mesh "
+        f"{mesh:g} m (others: tables/fit.csv)"
+    )
+    fit, best = (
+        rows[(rows["model"] == rows["sample"].map(leading)) & np.isclose(rows["mesh_m"], mesh)]
+        for rows in (fit, best)
+    )
+    for (model, sample), own in fit.groupby(["model", "sample"], sort=False):
         safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
         choices = {"best": own, "best safe": safe}
         if (own["reduction"] == "half").any():
             choices["best by (n-1)/2"] = own[own["reduction"] == "half"]
         for words, rows in choices.items():
             if rows.empty:
-                yield f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}none"
+                yield f"  {model} {sample}, {words + ':':17}none"
                 continue
             row = winner(rows, sample, mesh)
             friction = "friction" if row["friction"] else "no friction"
             yield (
-                f"  {model} {sample} mesh {mesh:g} m, {words + ':':17}{row['option']}, {friction}, "
-                f"{row['reduction']}: misfit {100 * row['misfit']:.1f} %, unsafe by up to "
-                f"{100 * row['largest_unsafe_error']:.1f} %, safe by up to "
-                f"{100 * row['largest_safe_error']:.1f} %{_within(row['largest_mesh_error'])}"
+                f"  {model} {sample}, {words + ':':17}{row['option']}, {friction}, "
+                f"{row['reduction']}: misfit {percent(row['misfit'])}, unsafe by up to "
+                f"{percent(row['largest_unsafe_error'])}, safe by up to "
+                f"{percent(row['largest_safe_error'])}{_within(row['largest_mesh_error'])}"
             )
     for row in best[best["friction"] == False].itertuples():  # noqa: E712
         yield (
-            f"  {row.model} {row.sample} mesh {row.mesh_m:g} m, free fit:        d = "
+            f"  {row.model} {row.sample}, free fit:        d = "
             f"{row.distance_over_a:.3f} a, {row.locks_that_count:.2f} locks count: misfit "
             f"{100 * float(row.misfit):.1f} %"
         )
@@ -196,7 +299,7 @@ def _within(mesh_error: float) -> str:
     return "" if pd.isna(mesh_error) else f" (mesh error up to {100 * mesh_error:.1f} %)"
 
 
-def _variants(capacity: pd.DataFrame) -> Iterator[str]:
+def _variants(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
     engines = capacity[capacity["failed_load_N"].notna()]
     keys = ["model", "case"]
     reference = engines.loc[engines["variant"] == REFERENCE, [*keys, "load_N"]]
@@ -207,16 +310,21 @@ def _variants(capacity: pd.DataFrame) -> Iterator[str]:
     both["change"] = 100 * (both["load_N"] / both["load_N_reference"] - 1)
     yield ""
     yield "Variants against the reference variant, load along the direction"
-    groups = both.groupby(["model", "sample", "mesh_m", "variant"], sort=False)
-    for (model, sample, mesh, variant), rows in groups:
-        low, high = rows["change"].min(), rows["change"].max()
-        change = f"{low:+.1f} %" if len(rows) == 1 else f"{low:+.1f} to {high:+.1f} %"
-        where = ", ".join(f"{e:g}" for e in rows["eccentricity_m"])
-        yield f"  {model} {sample} mesh {mesh:g} m, {variant}: {change} at e = {where} m"
+    for (model, mesh, variant), rows in both.groupby(["model", "mesh_m", "variant"], sort=False):
+        told = ", ".join(_change(sample, own) for sample, own in rows.groupby("sample", sort=False))
+        places = sorted({ratio[case] for case in rows["case"]})
+        where = ", ".join("torsion" if np.isinf(e) else f"{e:g}" for e in places)
+        yield f"  {model} mesh {mesh:g} m, {variant}: {told} (e/a = {where})"
+
+
+def _change(sample: object, rows: pd.DataFrame) -> str:
+    low, high = rows["change"].min(), rows["change"].max()
+    return f"{sample} {low:+.1f}" + (" %" if len(rows) == 1 else f" to {high:+.1f} %")
 
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
-    outputs[0].write_text(summary(arguments["results"], tables, arguments["meshes"]))
+    told = (arguments[key] for key in ("meshes", "ductile"))
+    outputs[0].write_text(summary(arguments["results"], tables, *told))

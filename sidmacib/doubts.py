@@ -1,5 +1,6 @@
 """Sizes, stiffnesses and strengths that are possible, but look as if they were in another unit."""
 
+import math
 from collections.abc import Iterator
 
 from sidmacib.joint import Joint
@@ -10,6 +11,7 @@ STRENGTH = (100.0, 1e9)
 STIFFNESS = (1e6, 1e15)
 MODULUS = (1e6, 1e13)
 DENSITY = (10.0, 3e4)
+ROUGHEST = 1.2  # friction of masonry and concrete is 0.5 to 1
 
 
 def doubts(joint: Joint) -> Iterator[str]:
@@ -30,3 +32,14 @@ def doubts(joint: Joint) -> Iterator[str]:
         if value and not least <= value <= most:
             what = "small" if value < least else "large"
             yield f"{name}: {value:g} {unit} is very {what}; is it in {unit}?"
+    for name, friction in (("friction", dry.friction), ("friction of inner faces", inner.friction)):
+        if friction > ROUGHEST:
+            yield f"{name}: {friction:g} is very large; {_angle(friction)}"
+
+
+def _angle(friction: float) -> str:
+    """What a coefficient may have been: an angle below the steepest that faces have."""
+    if not friction < 90.0:
+        return f"a coefficient of friction is hardly ever above {ROUGHEST:g}"
+    told = f"{math.tan(math.radians(friction)):.3g}"
+    return f"is it an angle in degrees? tan({friction:g}°) = {told}"

@@ -184,6 +184,23 @@ def test_models_that_disagree_are_named_in_the_summary(study, results) -> None:
     assert "n3-mesh0.02-e0a (yade): -1.96 %" in text
 
 
+def test_limit_analysis_of_ductile_bonds_says_that_it_has_no_friction(study, results) -> None:
+    capacity, weights, cases = (
+        capacity_of(study, results),
+        weights_table(results),
+        cases_table(results, []),
+    )
+    far, near = (
+        cases.iloc[[0]].assign(model="limit", variant="ductile", name=name, difference_to_static=d)
+        for name, d in (("torsion", -0.4), ("shear", -0.001))
+    )
+    tables = tables_of(study, capacity, weights, pd.concat([cases, far, near]))
+    text = summary("there", tables, [0.02], ["ductile"])
+    assert "no friction, differs from the static model by more than 1 % in 1 of 2 cases" in text
+    assert "  torsion: -40.00 %" in text
+    assert "Ductile bonds" not in summary("there", tables, [0.02])
+
+
 # --- fit -----------------------------------------------------------------------------------------
 def test_errors_are_unsafe_where_the_model_promises_more() -> None:
     found = misfit(np.array([110.0, 95.0]), np.array([100.0, 100.0]))

@@ -23,8 +23,9 @@ from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
-from workflow.models import detailed
+from workflow.models import Obtained, detailed, obtained_by
 
+SOLVED = obtained_by(Obtained.SOLVED)
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
 
@@ -40,8 +41,10 @@ def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
     assert len(printed) == 4 * 2 * 2 * 9
     assert {case.model for case in printed} == {"yade", "liggghts", "static", "limit"}
     fitted = [case for case in reference if case.sample in ("n3_fits", "n5_fits")]
-    assert len(fitted) == len(reference) - len(printed) == 2 * 2 * 2 * 9
-    assert {case.model for case in fitted} == {"static", "limit"}
+    assert len(fitted) == len(reference) - len(printed) == 3 * 2 * 2 * 9 + 2 * 2 * 2
+    partly = [case for case in fitted if case.model == "liggghts"]
+    assert {case.direction.eccentricity for case in partly} == {0, 0.5}
+    assert {case.model for case in fitted} == {"yade", "liggghts", "static", "limit"}
     assert {case.joint.dry.friction for case in fitted} == {0.005236}
     assert {case.joint.dry.friction for case in printed} == {0.3}
     directions = {0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf}
@@ -79,7 +82,7 @@ def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> Non
     study = read_study(merged(meshes=[0.02], eccentricities=[0]))
     found = {(model, case.mesh) for (model, _), case in cases_of(study).items()}
     engines = {(engine, 0.02) for engine in study.dem.engines}
-    assert found == engines | {(model, mesh) for model in study.models for mesh in (0.02, 0.01)}
+    assert found == engines | {(model, mesh) for model in SOLVED for mesh in (0.02, 0.01)}
     assert case_count(study) == len(cases_of(study))
 
 
@@ -92,9 +95,30 @@ def test_meshes_that_are_close_to_each_other_count_as_one() -> None:
     assert meshes(0.02, 0.01) == {0.02, 0.01}
 
 
-def test_half_a_mesh_that_is_too_fine_is_left_out() -> None:
+def test_a_coarser_mesh_tells_the_error_where_the_finer_one_has_too_many_nodes() -> None:
     config = merged(meshes=[0.0004], eccentricities=[0], models=["static"], dem={"engines": []})
-    assert {case.mesh for case in cases_of(read_study(config)).values()} == {0.0004}
+    assert {case.mesh for case in cases_of(read_study(config)).values()} == {0.0004, 0.0008}
+
+
+def test_a_model_runs_a_part_of_a_sample_and_the_reference_variant_always() -> None:
+    only = {
+        "yade": {"variants": []},
+        "liggghts": {"meshes": [0.02], "eccentricities": [0], "variants": ["half"]},
+    }
+    study = read_study(
+        {
+            "samples": {"n3": {"locks": 3, "only": only}},
+            "eccentricities": [0, 0.5],
+            "variants": {"half": {"numerics": {"ramp_periods": 80}, "meshes": [0.02]}},
+        }
+    )
+    cases = cases_of(study)
+    found = {model: [n for m, n in cases if m == model] for model in ("yade", "liggghts")}
+    assert found["liggghts"] == ["n3-mesh0.02-e0a", "n3-mesh0.02-e0a-half"]
+    assert found["yade"] == [f"n3-mesh{mesh}-e{e}a" for mesh in (0.02, 0.005) for e in (0, 0.5)]
+    assert case_count(study) == len(cases)
+    assert study.whole_curve("n3", "yade")
+    assert not study.whole_curve("n3", "liggghts")
 
 
 def test_a_sample_has_faces_and_models_of_its_own() -> None:
@@ -160,7 +184,9 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
     study = read_study(merged(dem={"engines": []}))
     assert find_case(study, "n3-mesh0.02-e0a").model == "static"
     assert find_case(study, "n3-mesh0.02-e0a", "limit").model == "limit"
-    with pytest.raises(ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit$"):
+    with pytest.raises(
+        ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit or law .*"
+    ):
         find_case(study, "n3-mesh0.02-e0a", "yade")
     with pytest.raises(ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case of static; it must"):
         find_case(study, "n3-mesh0.2-e0a")

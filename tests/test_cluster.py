@@ -8,6 +8,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -140,13 +141,14 @@ def run(arguments, inputs, outputs):
 """
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Signals) -> None:
+def sleeping(tmp_path: Path, **more: Any) -> subprocess.Popen[str]:
+    """A job that does nothing for a minute."""
     (tmp_path / "sleeper.py").write_text(SLEEPER)
     plan = {
         **{"name": "a/job", "digest": "x", "step": "sleeper", "results": str(tmp_path)},
         **{"inputs": [], "outputs": [], "others": [], "receipt": ".receipts/a/job.json"},
         **{"arguments": {}, "settings": {}},
+        **more,
     }
     path = tmp_path / "plan.json"
     code = "import workflow.job as j; j.main()"
@@ -161,6 +163,19 @@ def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Sig
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "asleep\n"
+    return process
+
+
+def test_a_job_that_is_stuck_ends_at_its_time_limit(tmp_path: Path) -> None:
+    process = sleeping(tmp_path, time_limit=0.5)
+    _, told = process.communicate(timeout=10)
+    assert process.returncode == 1
+    assert told == "a/job: out of time after 0.5 s\n"
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Signals) -> None:
+    process = sleeping(tmp_path)
     assert was_killed(tmp_path, "a/job")
     process.send_signal(number)
     process.communicate(timeout=10)

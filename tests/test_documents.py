@@ -16,6 +16,7 @@ from click.testing import CliRunner
 from conftest import ROOT
 
 from sidmacib.command.main import main
+from sidmacib.yaml_text import parsed
 from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
@@ -23,7 +24,6 @@ from workflow.plan import plan_of
 from workflow.results.files import CASE, OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
-from workflow.yaml_text import parsed
 
 MADE = {"configuration.md"}  # by the site, from the schema
 PAGES = [

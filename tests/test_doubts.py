@@ -26,6 +26,22 @@ def test_the_published_joint_raises_no_doubt() -> None:
             Joint(5, inner=replace(Joint(5).inner, cohesion=0.08)),
             "cohesion: 0.08 Pa is very small; is it in Pa?",
         ),
+        (
+            Joint(5, dry=replace(Joint(5).dry, friction=30.0)),
+            "friction: 30 is very large; is it an angle in degrees? tan(30°) = 0.577",
+        ),
+        (
+            Joint(5, dry=replace(Joint(5).dry, friction=3.0)),
+            "friction: 3 is very large; is it an angle in degrees? tan(3°) = 0.0524",
+        ),
+        (
+            Joint(5, dry=replace(Joint(5).dry, friction=90.0)),
+            "friction: 90 is very large; a coefficient of friction is hardly ever above 1.2",
+        ),
+        (
+            Joint(5, inner=replace(Joint(5).inner, friction=35.0)),
+            "friction of inner faces: 35 is very large; is it an angle in degrees? tan(35°) = 0.7",
+        ),
         (Joint(5, density=1.4), "density: 1.4 kg/m3 is very small; is it in kg/m3?"),
     ],
 )
@@ -38,6 +54,11 @@ def test_joints_of_any_usual_size_and_strength_are_not(a: float, b: float, cohes
     joint = Joint(3, a=a, b=b)
     inner = replace(joint.inner, cohesion=cohesion, tensile_strength=5 * cohesion)
     assert list(doubts(replace(joint, inner=inner))) == []
+
+
+@given(st.floats(0.0, 1.2))
+def test_a_friction_that_masonry_may_have_is_not_doubted(friction: float) -> None:
+    assert list(doubts(Joint(5, dry=replace(Joint(5).dry, friction=friction)))) == []
 
 
 def test_a_study_says_which_sample_is_doubted() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,7 +17,7 @@ from conftest import block_on_ground
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
 from workflow.engines import ENGINES, Engine
-from workflow.engines.execute import OUTPUTS, EngineError, execute
+from workflow.engines.execute import OUTPUTS, EngineError, EngineNoAnswerError, execute
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.run import refusal
 
@@ -72,6 +73,19 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
         execute(python_engine(), folder, 1)
     assert not any((folder / name).exists() for name in OUTPUTS)
     assert not list(folder.glob("running-*"))
+
+
+def test_a_script_that_gives_a_reason_is_told_from_one_that_breaks_down(tmp_path: Path) -> None:
+    text = "from scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
+    folder = folder_with(tmp_path, text)
+    (folder / MODULES.name).rmdir()
+    shutil.copytree(MODULES, folder / MODULES.name)
+    with pytest.raises(EngineNoAnswerError, match=r"(?s)^no answer; end of .*\n.*it drifts off$"):
+        execute(python_engine(), folder, 60)
+    (folder / ENGINES["yade"].script).write_text("raise ValueError")
+    with pytest.raises(EngineError) as error:
+        execute(python_engine(), folder, 60)
+    assert not isinstance(error.value, EngineNoAnswerError)
 
 
 def test_a_missing_program_is_named_with_its_package(tmp_path: Path) -> None:
@@ -140,6 +154,8 @@ def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
     ductile = replace(assembly, failure=Failure.DUCTILE)
     assert "ductile" in str(refusal(ENGINES["liggghts"], ductile))
     assert refusal(ENGINES["yade"], ductile) is None
+    softening = replace(assembly, failure=Failure.SOFTENING)
+    assert "no engine has bonds that fade" in str(refusal(ENGINES["yade"], softening))
     material = replace(assembly.faces[0].material, shear_stiffness=1e9)
     soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
     assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))

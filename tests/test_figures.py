@@ -22,7 +22,7 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     kinds = ("joint", "options", "shear_stress", "torsion_stress", "revised", "models")
     samples = ("n3", "n5", "n3_fits", "n5_fits")
     per_sample = {f"{kind}-{sample}" for kind in kinds for sample in samples}
-    of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[2:4] for sample in ("n3", "n5")}
+    of_liggghts = {f"{kind}-{sample}-liggghts" for kind in kinds[2:4] for sample in samples}
     assert set(figures) == per_sample | of_liggghts | {"meshes", "side_by_side"}
     assert {spec.kind for spec in figures.values()} == set(DRAWN_BY) - {
         "stiffness",
@@ -52,6 +52,15 @@ def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh()
     figures = figures_of(study, detailed(study.model_names))
     assert figures["shear_stress-n3"].case.name == "n3-mesh0.005-e0a"
     assert figures["torsion_stress-n3"].case.name == "n3-mesh0.005-e0.5a"
+
+
+def test_what_runs_a_part_of_a_sample_leads_no_figure_and_shows_what_it_has() -> None:
+    only = {"yade": {"eccentricities": [0]}, "liggghts": {"meshes": [0.02]}}
+    study = read_study({"samples": {"n3": {"locks": 3, "only": only}}})
+    figures = figures_of(study, detailed(study.model_names))
+    assert figures["shear_stress-n3"].case.model == "static"
+    assert figures["torsion_stress-n3-yade"].case.name == "n3-mesh0.005-e0a"
+    assert "shear_stress-n3-liggghts" not in figures
 
 
 def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:

@@ -1,6 +1,7 @@
 """Limit analysis of the whole joint."""
 
 import math
+import resource
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from conftest import block_on_ground, load_on_block, renumbered
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.errors import CapacityError, InfeasibleError, UnboundedError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
@@ -314,3 +315,13 @@ def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: 
     applied = (loads.permanent + found.load * loads.variable).ravel()
     rows = free_rows(assembly)
     assert np.abs(residual - applied)[rows].max() < 1e-6 * loads.scale
+
+
+def test_a_joint_whose_equations_take_too_much_memory_is_refused_before_they_are_made() -> None:
+    joint = Joint(500)
+    assembly = assemble(joint, 0.02)
+    loads = lateral_load(joint, assembly, Loading(Direction(0)))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(CapacityError, match=r"pieces with .* nodes would take .* 2 GiB or less"):
+        limit_load(assembly, loads)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300_000  # kB

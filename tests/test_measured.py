@@ -52,6 +52,10 @@ def test_a_load_is_given_by_its_shear_or_its_torque(
         ({"eccentricity": 0.5, "shear": 1.0, "torque": 3.0}, "one of shear"),
         ({"eccentricity": "torsion", "shear": 1.0}, "torque alone in torsion"),
         ({"eccentricity": 0, "shear": -1.0}, "shear: -1.0 is not allowed"),
+        *(
+            ({"eccentricity": 0, "shear": 1.0, "specimen": text}, "specimen: .* not begin with = ")
+            for text in ("=cmd|'/c calc'!A1", "+1", "-1", "@SUM(A1)", "\t=1")
+        ),
         ({"eccentricity": 0.1, "shear": 1.0}, "must be one of eccentricities"),
         ({"sample": "n9", "eccentricity": 0, "shear": 1.0}, "must be one of samples: n3"),
     ],

@@ -94,6 +94,27 @@ def test_published_numbers_stand_beside_computed_ones(
     assert "static model" in text
 
 
+def test_samples_of_as_many_locks_stand_below_each_other(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    loads = {("n3", "yade"): 248.0, ("n3", "static"): 248.2}
+    loads |= {("n3_fits", "yade"): 240.0, ("n3_fits", "static"): 240.3}
+    table = pd.DataFrame(
+        {
+            **{"model": model, "sample": sample, "case": f"{sample}-mesh0.01-e0a", "locks": 3},
+            **{"mesh_m": 0.01, "load_N": load, "first_failure_load_N": load},
+            "eccentricity_over_a": 0.0,
+        }
+        for (sample, model), load in loads.items()
+    )
+    monkeypatch.setattr(published, "table_in", lambda *_: table)
+    rows = [row for row in published.models(tmp_path).splitlines() if row.startswith("| n3")]
+    assert rows == [
+        "| n3 | 0 | 248.00, 248.00 | 248.20, 248.20 |",
+        "| n3_fits | 0 | 240.00, 240.00 | 240.30, 240.30 |",
+    ]
+
+
 def test_growth_has_a_row_for_each_number_of_cases(tmp_path: Path) -> None:
     (tmp_path / "tables").mkdir()
     columns = [column for column, _ in scaling.COLUMNS.values()]

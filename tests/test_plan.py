@@ -14,6 +14,7 @@ from conftest import ROOT
 from workflow.case import Case
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
+from workflow.engines.execute import EngineError, EngineNoAnswerError
 from workflow.job import run_job
 from workflow.jobs import BATCH, BATCH_TIME, Job, batches
 from workflow.lock import LockedError, lock
@@ -45,7 +46,9 @@ def done(study: Study, tmp_path: Path) -> Job:
 
 
 def reason(job: Job, results: Path) -> str | None:
-    return fault(read_receipt(results / job.receipt), job.name, job.digest(), results)
+    return fault(
+        read_receipt(results / job.receipt), job.name, job.digest(), results, job.receipted
+    )
 
 
 def test_what_was_made_holds(done: Job, tmp_path: Path) -> None:
@@ -85,6 +88,103 @@ def test_a_receipt_that_is_lost_garbled_or_anothers_does_not_count(
     assert reason(done, tmp_path) == "never made"
 
 
+@pytest.mark.parametrize("number", [0, 2])
+def test_a_receipt_that_names_too_few_or_too_many_files_does_not_count(
+    done: Job, tmp_path: Path, number: int
+) -> None:
+    path = tmp_path / done.receipt
+    told = json.loads(path.read_text())
+    some = dict([*told["outputs"].items()][:number])
+    for outputs in (some, told["outputs"] | {"\0": "x"}, told["outputs"] | {"/dev/zero": "x"}):
+        path.write_text(json.dumps({**told, "outputs": outputs}))
+        (tmp_path / done.outputs[2]).write_text("forged")
+        assert reason(done, tmp_path) == "a receipt of other files"
+    path.write_text("[" * 100_000)
+    assert reason(done, tmp_path) == "never made"
+
+
+def in_place_of(path: Path, kind: str, target: Path) -> None:
+    """Put something that is no file where a file is."""
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "folder":
+        path.mkdir()
+        (path / "mine").write_text("mine")
+    else:
+        path.symlink_to("/dev/zero" if kind == "device" else target)
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "link", "folder"])
+@pytest.mark.parametrize("what", ["output", "receipt", "log", "plan", "index", "mark", "times"])
+def test_what_is_no_file_makes_way_with_a_line_and_the_job_is_done_again(
+    done: Job, tmp_path: Path, kind: str, what: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    places = {
+        "output": done.outputs[1],
+        "receipt": done.receipt,
+        "log": f"logs/{done.name}.log",
+        "plan": str(prepared([done], tmp_path)[done.name].relative_to(tmp_path)),
+        "index": ".plan/index.json",
+        "mark": f".begun/{done.name}.job",
+        "times": f".times/{done.name}.json",
+    }
+    path, mine = tmp_path / places[what], tmp_path.with_name(f"{tmp_path.name}-mine")
+    mine.write_text("mine")
+    in_place_of(path, kind, mine)
+    prepared([done], tmp_path)
+    assert capsys.readouterr().err.startswith(f"{path} was ")
+    assert mine.read_text() == "mine"
+    assert not path.is_dir()
+    assert not path.is_symlink()
+    if kind == "folder":
+        assert (path.with_name(f"{path.name}.aside1") / "mine").read_text() == "mine"
+    run_job(json.loads(json.dumps(done.plan(done.digest(), tmp_path))))
+    assert reason(done, tmp_path) is None
+    prepared([done], tmp_path)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize("name", ["cases", "cases/static", "cases/static/batch", ".receipts"])
+def test_what_is_no_folder_makes_way_and_a_link_is_not_written_through(
+    done: Job, tmp_path: Path, name: str
+) -> None:
+    path, mine = tmp_path / name, tmp_path.with_name(f"{tmp_path.name}-mine")
+    mine.mkdir()
+    for replace_it in (lambda: path.symlink_to(mine), path.touch, lambda: os.mkfifo(path)):
+        shutil.rmtree(path)
+        replace_it()
+        prepared([done], tmp_path)
+        run_job(json.loads(json.dumps(done.plan(done.digest(), tmp_path))))
+        assert reason(done, tmp_path) is None
+    assert not [*mine.iterdir()]
+
+
+def test_links_that_people_put_beside_decks_or_results_stay(done: Job, tmp_path: Path) -> None:
+    for name in ("mine", "decks/3dec/n3/results.txt"):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).symlink_to("/etc/hostname")
+    prepared([replace(done, outputs=(*done.outputs, "decks/3dec/n3/joint.dat"))], tmp_path)
+    assert (tmp_path / "mine").is_symlink()
+    assert (tmp_path / "decks/3dec/n3/results.txt").is_symlink()
+
+
+@pytest.mark.parametrize("kind", ["pipe", "device", "link", "folder"])
+def test_a_lock_that_is_no_file_makes_way(
+    tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine"
+    mine.write_text("mine")
+    in_place_of(tmp_path / "r/.lock", kind, mine)
+    lock(tmp_path / "r").close()
+    assert mine.read_text() == "mine"
+    assert capsys.readouterr().err.startswith(f"{tmp_path}/r/.lock was ")
+
+
 def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path: Path) -> None:
     receipt = read_receipt(tmp_path / done.receipt)
     for other in (
@@ -93,9 +193,9 @@ def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path
         replace(done, versions={"yade": "2"}),
         replace(done, files=("config.yaml",)),
     ):
-        assert fault(receipt, done.name, other.digest(), tmp_path) == STALE
+        assert fault(receipt, done.name, other.digest(), tmp_path, done.receipted) == STALE
     same = replace(done, settings={"time_limit": 1.0})
-    assert fault(receipt, done.name, same.digest(), tmp_path) is None
+    assert fault(receipt, done.name, same.digest(), tmp_path, done.receipted) is None
 
 
 def test_what_was_changed_by_hand_is_taken_away_before_a_run(
@@ -195,6 +295,48 @@ def test_a_job_without_a_result_leaves_no_receipt_and_is_tried_again(
     assert json.loads(records[1])["error"] is None
 
 
+def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineError) -> Job:
+    """The job of a case whose engine ends with ``error``, done."""
+
+    def ends(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("workflow.steps.engine.run_engine", ends)
+    monkeypatch.setattr("workflow.job.edited", lambda _: False)
+    monkeypatch.setattr("workflow.engines.Engine.version", lambda _: "1")
+    own = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
+    job = plan_of(read_study(own)).jobs["yade/n3-mesh0.03-e0a"]
+    run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    return job
+
+
+def test_an_engine_that_has_no_answer_is_asked_again_only_on_request(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = engine_job(tmp_path, monkeypatch, EngineNoAnswerError("no answer: it drifts off"))
+    record = tmp_path / job.outputs[0]
+    assert "it drifts off" in json.loads(record.read_text())["error"]
+    assert reason(job, tmp_path) is None
+    prepared([job], tmp_path)
+    assert record.exists()
+    other = replace(job, arguments={**job.arguments, "time_limit": 1.0})
+    assert reason(other, tmp_path) == STALE
+    prepared([job], tmp_path, retry=True)
+    assert not record.exists()
+
+
+def test_an_engine_that_breaks_down_is_tried_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    job = engine_job(tmp_path, monkeypatch, EngineError("ended with exit code 7"))
+    assert reason(job, tmp_path) == "never made"
+
+
+def test_what_has_a_result_is_not_made_again_on_request(done: Job, tmp_path: Path) -> None:
+    prepared([done], tmp_path, retry=True)
+    assert reason(done, tmp_path) is None
+
+
 @pytest.mark.parametrize("damage", ["", "{", '{"name": "another"}'])
 def test_a_plan_that_was_cut_or_changed_is_written_again(tmp_path: Path, damage: str) -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
@@ -229,3 +371,10 @@ def test_results_that_were_moved_are_not_made_again(tmp_path: Path) -> None:
     assert str(tmp_path / "after") in path.read_text()
     newest = (tmp_path / "after" / job.outputs[0]).stat().st_mtime
     assert path.stat().st_mtime < newest
+
+
+def test_every_job_has_a_time_limit_that_is_longer_than_an_engines() -> None:
+    config = {**SMALL, "dem": {"engines": ["yade"], "time_limit": 7200}}
+    limits = {name: job.time_limit for name, job in plan_of(read_study(config)).jobs.items()}
+    assert min(limits.values()) >= 3600.0
+    assert limits["yade/n3-mesh0.03-e0a"] > 2 * 3600.0

@@ -4,13 +4,15 @@ import io
 import json
 import logging
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from workflow.progress import LogHandler, Run
+from workflow import waiting
+from workflow.progress import LogHandler, Run, when_planned
 
 
 def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **own: Any) -> Any:
@@ -124,3 +126,74 @@ def test_a_job_that_did_better_when_it_was_tried_again_did_not_fail(tmp_path: Pa
     assert run.failed == ["one"]
     run.heard(end(1), 2.0)
     assert run.failed == []
+
+
+def test_what_a_signal_ended_is_told_with_the_signal_and_stands_in_its_log(tmp_path: Path) -> None:
+    """As where memory is short: the job itself says nothing."""
+    run, log = started(), tmp_path / "job.log"
+    log.touch()
+    text = f"RuleException:\nCommand 'python > {log} 2>&1' died with <Signals.SIGKILL: 9>."
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    assert run.heard(record(LogEvent.ERROR, logging.ERROR, text), 1.0) == []
+    found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    words = "killed by SIGKILL, as the system does where memory is short"
+    assert found == [f"Failed: one: {words}; log: {log}"]
+    assert log.read_text() == f"{words}\n"
+
+
+def test_a_job_that_ends_without_a_word_is_a_reason(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.touch()
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    assert run.reasons == [f"Failed: one: ended without a word; log: {log}"]
+
+
+def test_that_cases_lack_results_is_a_reason_only_where_no_case_gave_one(tmp_path: Path) -> None:
+    run, log = started(), tmp_path / "job.log"
+    log.write_text("n3 (static): no\n")
+    for job, name in ((1, "Check that every case has a result"), (2, "one")):
+        run.heard(begin(job, name, log=str(log)), 0.0)
+        run.heard(record(LogEvent.JOB_ERROR, jobid=job, rule_name="rule"), 1.0)
+        assert [reason.split(": ")[1] for reason in run.reasons] == [name]
+
+
+def test_what_was_up_to_date_or_made_in_a_run_is_its_own() -> None:
+    assert not Run().is_made("summary")  # nothing is known of it
+    run = Run()
+    run.heard(record(LogEvent.RUN_INFO, stats={"rule": 1, "other": 1, "total": 2}), 0.0)
+    assert run.is_made("summary")
+    assert not run.is_made("rule")
+    run.heard(begin(1, "one"), 0.0)
+    run.heard(end(1), 1.0)
+    assert run.is_made("rule")
+    assert not run.is_made("other")
+
+
+def test_what_takes_long_before_anything_else_is_shown_says_that_it_is_at_work(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(waiting, "FIRST", 0.05)
+    monkeypatch.setattr(waiting, "NEXT", 0.1)
+    with waiting.waiting("Planning"):
+        time.sleep(0.3)
+    found = capsys.readouterr().err.splitlines()
+    assert found[0] == "Planning"
+    assert found[1] == "Planning, 0 s so far"
+    with waiting.waiting("Planning"):
+        pass
+    time.sleep(0.1)
+    assert capsys.readouterr().err == ""
+
+
+def test_planning_has_ended_when_the_jobs_are_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", io.StringIO())
+    ended: list[bool] = []
+    when_planned(lambda: ended.append(True))
+    handler = LogHandler(None, None)  # type: ignore[arg-type]
+    handler.emit(begin(1, "one"))
+    assert not ended
+    for _ in range(2):
+        handler.emit(record(LogEvent.RUN_INFO, stats={"a": 1, "total": 1}))
+    assert ended == [True]
+    handler.close()

@@ -28,7 +28,7 @@ from workflow.results.files import (
     stress_to_force,
     write_record,
 )
-from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+from workflow.results.record import CaseRecord, ResultError, check_bracket, failed_record, record_of
 from workflow.solvers import limit, static
 from workflow.steps.solve import solved
 
@@ -222,6 +222,46 @@ def test_a_result_that_is_none_is_refused(tmp_path: Path, told: dict, words: str
     (tmp_path / RESULT).write_text(json.dumps(whole | told))
     with pytest.raises(ResultError, match=words):
         read_outcome(tmp_path, assembly)
+
+
+def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    whole = json.loads((tmp_path / RESULT).read_text())
+    loads = {key: 1.04 * whole[key] for key in ("peak_load_N", "failed_load_N")}
+    (tmp_path / RESULT).write_text(json.dumps(whole | loads))
+    words = r"peak load .* N is not possible; .* a load at equilibrium of history\.csv"
+    with pytest.raises(ResultError, match=words):
+        read_outcome(tmp_path, assembly)
+
+
+@pytest.mark.parametrize("row", ["1e308,1e-6", "1,1e308"])
+def test_a_history_of_what_cannot_be_is_refused(tmp_path: Path, row: str) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    text = (tmp_path / HISTORY).read_text()
+    (tmp_path / HISTORY).write_text(f"{text}{row},equilibrium\n")
+    with pytest.raises(ResultError, match=r"history.csv: .* m at .* N is not possible"):
+        read_outcome(tmp_path, assembly)
+
+
+@pytest.mark.parametrize(
+    ("peak", "failed", "refused"),
+    [(100.0, 100.1, False), (100.0, 100.2, True), (1.0, 1.02, False), (1.0, 10.0, True)],
+)
+def test_the_load_that_failed_is_held_against_the_tolerance(
+    peak: float, failed: float, refused: bool
+) -> None:
+    found = Outcome((State(peak),), failed)
+    with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
+        check_bracket(found, 0.001, 20.0)
+
+
+def test_what_is_nested_deeply_is_refused(tmp_path: Path) -> None:
+    assembly = write_engine_files(tmp_path, case_of())
+    (tmp_path / RESULT).write_text("[" * 100_000)
+    with pytest.raises(ResultError, match=r"result\.json: unreadable"):
+        read_outcome(tmp_path, assembly)
+    with pytest.raises(ResultError, match="not a case's record"):
+        CaseRecord.from_json("[" * 100_000)
 
 
 def test_records_are_read_line_by_line(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from offline import WATCH, leaving_in_browser, leaving_in_html
 from playwright.sync_api import Page, sync_playwright
 
 from analysis.report import paths
@@ -47,6 +48,10 @@ def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> Non
     own = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
     assert not re.search(r"""(src|href)=["'](https?:)?//""", own)
     assert "@import" not in own
+
+
+def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
+    assert leaving_in_html(report.read_text()) == []
 
 
 def test_data_cannot_end_their_script(study: Study) -> None:
@@ -123,6 +128,25 @@ def opened(browser: Any, report: Path) -> Iterator[Opened]:
 def test_it_opens_without_an_error_or_a_request(opened: Opened) -> None:
     assert opened.errors == []
     assert [url for url in opened.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+
+
+@needs_browser
+def test_no_button_leaves_the_machine(browser: Any, report: Path) -> None:
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    page.add_init_script(WATCH)
+    page.goto(report.as_uri())
+    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    assert page.locator(".modebar-btn").count() > 6
+    assert leaving_in_browser(page) == []
+    page.close()
+
+
+@needs_browser
+def test_no_request_is_possible(opened: Opened) -> None:
+    """Whatever a later version of the plotting library tries."""
+    sent = "fetch('http://127.0.0.1:9/').then(() => 'sent', (error) => error.message)"
+    assert opened.page.evaluate(sent) == "Failed to fetch"
+    assert any("Content Security Policy" in error for error in opened.errors)
 
 
 @needs_browser
@@ -204,6 +228,18 @@ def test_tables_sort_filter_and_download(opened: Opened, tmp_path: Path) -> None
         rows = list(csv.DictReader(stream))
     assert rows
     assert {row["sample"] for row in rows} == {"n5"}
+
+
+@needs_browser
+def test_a_name_is_no_formula_in_a_download(opened: Opened, tmp_path: Path) -> None:
+    page = opened.page
+    page.evaluate("DATA.tables.cases.rows[0][0] = '=1+1'; DATA.tables.cases.rows[1][0] = -1.5")
+    page.select_option("#table-name", "cases")
+    with page.expect_download() as waiting:
+        page.click("#table-csv")
+    waiting.value.save_as(tmp_path / "table.csv")
+    first = [row[0] for row in csv.reader((tmp_path / "table.csv").open())]
+    assert first[1:3] == ["'=1+1", "-1.5"]
 
 
 @needs_browser

@@ -21,10 +21,11 @@ LOCKS = {
 PIN = re.compile(
     r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
 )
-# Used, but not by an import: programs, a plugin of a page's theme, an engine of pandas.
+# Used, but not by an import: programs, a plugin of a page's theme, an engine of pandas; and what
+# builds this project.
 NOT_IMPORTED = {
     *("furo", "mypy", "myst-parser", "ruff", "snakefmt", "sphinx", "types-pyyaml", "uv"),
-    *("highspy", "snakemake-executor-plugin-slurm"),
+    *("highspy", "setuptools", "snakemake-executor-plugin-slurm"),
 }
 
 
@@ -89,3 +90,10 @@ def test_the_library_needs_no_more_than_it_imports() -> None:
     used = {canonicalize_name(own) for name in imported for own in known.get(name, ())}
     asked = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
     assert asked - NOT_IMPORTED == used - {"multilock"}
+
+
+def test_the_project_is_built_by_what_is_pinned() -> None:
+    """Of the study's environment, which the build is not isolated from."""
+    (needed,) = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
+    assert needed in STUDY
+    assert "--no-build-isolation" in (ROOT / "workflow/environment.sh").read_text()

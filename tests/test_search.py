@@ -168,6 +168,15 @@ def test_what_neither_breaks_nor_moves_off_is_no_failure() -> None:
         peak_by_increments(Breaking([69.4], 1, drifts_at=43.5), search())
 
 
+def test_what_moves_off_too_slowly_to_see_just_above_the_peak_has_one() -> None:
+    slow = Breaking([500.0], 1, slides_at=44.5, drifts_at=43.5)
+    peak = peak_by_increments(slow, search())
+    assert peak.load <= 43.5 < peak.failed_load <= 1.001 * peak.load
+    assert peak.mode == MECHANISM
+    with pytest.raises(SystemExit, match="no bond breaks"):  # it is the bonds that fail above
+        peak_by_increments(Breaking([44.5], 1, drifts_at=43.5), search())
+
+
 def test_equilibria_that_contacts_cannot_represent_end_the_search() -> None:
     with pytest.raises(SystemExit, match="not flat"):
         peak_by_increments(Breaking([100.0], 1, flat_up_to=50.0), search())

@@ -45,7 +45,7 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    own = {"locks", "first", "different", "inner", "dry", "models"}
+    own = {"locks", "first", "different", "inner", "dry", "models", "only"}
     assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
     assert [*LockSection.model_fields] == [field.name for field in fields(OwnLock)]
     for changes, section in ((InnerChanges, InnerFaceSection), (DryChanges, DryFaceSection)):
@@ -263,11 +263,30 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             {"samples": {"n": {"locks": 3, "models": ["magic"]}}},
-            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit",
+            "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit or law .*",
         ),
         (
             {"samples": {"n": {"locks": 3, "models": ["limit"]}}},
             "samples.n.models: limit is not enough; it must have yade or liggghts or static",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "only": {"law": {}}}}},
+            "samples.n.only: 'law' is not allowed; it must be yade or .* or limit",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "only": {"yade": {"meshes": [0.01]}}}}},
+            "samples.n.only.yade.meshes: 0.01 is not allowed; it must be one of meshes: 0.02, .*",
+        ),
+        (
+            {"samples": {"n": {"locks": 3, "only": {"yade": {"variants": ["v"]}}}}},
+            "samples.n.only.yade.variants: 'v' is not allowed; .* one of variants: nothing",
+        ),
+        (
+            {
+                "samples": {"n": {"locks": 3, "only": {"static": {"eccentricities": [0]}}}},
+                "dem": {"engines": []},
+            },
+            "samples.n.only: static run a part only; one of them must run at all meshes and .*",
         ),
         (
             merged(

@@ -252,7 +252,10 @@ def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Work
     assert found.returncode == 0, found.stderr
     capacity = pd.read_csv(workspace.results / "tables/capacity.csv")
     assert capacity.loc[capacity["model"] == "3dec", "shear_N"].tolist() == [245.5]
-    assert "static model, limit analysis, 3DEC" in (workspace.results / "summary.txt").read_text()
+    heads = re.findall(
+        r"^(.+), mesh 0.03 m: V", (workspace.results / "summary.txt").read_text(), re.M
+    )
+    assert heads == ["Static model", "Limit analysis", "3DEC"]
     # What came back is wrong now: it is named, and everything else is there.
     (folder / "results.txt").write_text(returned(case, float("inf")))
     found = workspace.snakemake()
@@ -340,6 +343,21 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
     assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
     assert workspace.snakemake().returncode == 0
     assert pd.read_csv(workspace.results / "tables/cases.csv")["error"].isna().all()
+
+
+@pytest.mark.engine
+def test_an_engine_that_has_no_answer_is_asked_again_only_with_retry(
+    workspace: Workspace, tmp_path: Path
+) -> None:
+    asked, python = tmp_path / "asked", tmp_path / "python"
+    python.write_text(f"#!/bin/sh\necho once >> {asked}\necho no peak: it drifts off; exit 3\n")
+    python.chmod(0o755)
+    result = workspace.results / "cases/yade/n3-mesh0.03-torsion/result.json"
+    for retry, times in (("", 1), ("", 1), ("1", 2)):
+        target = str(result.relative_to(workspace.folder))
+        assert workspace.snakemake(target, YADE_PYTHON=str(python), RETRY=retry).returncode == 0
+        assert json.loads(result.read_text())["error"].endswith("no answer: no peak: it drifts off")
+        assert len(asked.read_text().splitlines()) == times
 
 
 def test_a_study_without_its_engine_says_what_to_install(workspace: Workspace) -> None:

@@ -1,15 +1,22 @@
 """The distinct elements in YADE, against theory. All of these are real runs, small ones."""
 
 import json
+import math
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
-from conftest import a_case, run_case
+from conftest import a_case, block_on_ground, run_case
 
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading, LoadShare
-from sidmacib.mechanics.assembly import Failure
+from sidmacib.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.loading import Loading, LoadShare, lateral_load
+from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static import static_peak
+from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS
 
@@ -81,6 +88,38 @@ def test_a_ductile_joint_carries_half_its_locks_and_friction_and_fails_as_a_mech
     result = json.loads((folder / "result.json").read_text())
     assert 2 * joint.T0 < result["peak_load_N"] < 2.15 * joint.T0
     assert result["mode"] == "mechanism"
+
+
+def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
+    """Pulled upwards beside its middle, it reaches the plastic limit but for the last rotation."""
+    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    block = replace(block_on_ground(joint, Kind.INNER, 0.01), failure=Failure.DUCTILE)
+    variable = np.zeros((2, 6))
+    variable[1, 2], variable[1, 3] = 1.0, 0.02  # N upwards, and N m for each of them
+    loads = Loads(self_weight(block.pieces), variable, joint.T0)
+    result = json.loads((run_block("yade", block, loads) / "result.json").read_text())
+    assert result["peak_load_N"] == pytest.approx(limit_load(block, loads).load, rel=0.05)
+    assert (
+        result["peak_load_N"]
+        > 1.3 * static_peak(replace(block, failure=Failure.BRITTLE), loads).peak.load
+    )
+
+
+@pytest.mark.parametrize(("locks", "eccentricity"), [(5, 0.5), (7, math.inf), (9, 0.1)])
+def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(
+    tmp_path: Path, locks: int, eccentricity: float
+) -> None:
+    """Both have friction, by which they carry more than limit analysis, which has none."""
+    joint = Joint(locks, failure=Failure.DUCTILE)
+    case = a_case("yade", joint, Loading(Direction(eccentricity)), 0.02, NodeLayout.VERTICES)
+    folder = run_case(case, tmp_path)
+    result = json.loads((folder / "result.json").read_text())
+    assembly = assemble(joint, case.mesh, case.nodes)
+    loads = lateral_load(joint, assembly, case.loading)
+    assert result["peak_load_N"] == pytest.approx(static_peak(assembly, loads).peak.load, rel=0.02)
+    assert result["peak_load_N"] > 1.05 * limit_load(assembly, loads).load
+    history = pd.read_csv(folder / "history.csv")
+    assert not history.filter(like="_broken_share").to_numpy().any()
 
 
 # --- the engine ----------------------------------------------------------------------------------

@@ -1,23 +1,36 @@
 """What `make` calls: a whole study, one case, the decks or the calibration."""
 
+from workflow.stopping import STOPPED, end_when_told, end_with_make, stop, told_to_stop
+from workflow.utf8 import read_utf8
+
+if __name__ == "__main__":  # before the other imports, which take half a second
+    end_when_told()
+    read_utf8()
+
 import argparse
-import signal
+import os
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
-from workflow.cases import find_case
-from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.caches import use_writable_caches
+from workflow.cases import CLOSED_FORM, case_count, find_case, find_place
+from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
+from workflow.job import end_with_parent
 from workflow.models import WITNESS
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
+from workflow.waiting import waiting
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
-STOPPED = "Stopped. The next run goes on from here."
+SUMMARY = "summary"  # the job of that name, and its rule
+PATIENCE = 10.0  # s, for Snakemake to clean up when it is told to end
+MANY = 5000  # cases, which take a while to plan
+TOLD = 3  # reasons at the end of a run that is incomplete
 
 
 def snakemake(
@@ -33,10 +46,16 @@ def snakemake(
     """
     from workflow import progress
 
+    use_writable_caches(Path(results))
+    os.environ.pop("SNAKEMAKE_PROFILE", None)  # of other workflows
     logger = progress.register()  # before the command line is read, which knows the plugins
 
     from snakemake.cli import args_to_api, parse_args
     from snakemake.exceptions import print_exception
+    from snakemake.scheduling.job_scheduler import JobScheduler
+
+    # Told to end, it would wait for the jobs that are running.
+    JobScheduler.exit_gracefully = staticmethod(stop)
 
     options = [
         "--snakefile",
@@ -56,21 +75,15 @@ def snakemake(
     # has ended: a tenth of a core after a hundred of them. A cluster is glad of one.
     if profile is None:
         arguments.max_jobs_per_timespan = None
-    interrupted = []
-
-    def interrupt(*_: object) -> None:
-        interrupted.append(True)
-        raise KeyboardInterrupt
-
-    signal.signal(signal.SIGINT, interrupt)
+    end_when_told(PATIENCE)
     done = False
     try:
-        done = bool(args_to_api(arguments, parser))
-    except KeyboardInterrupt:
-        pass
+        with waiting("Planning what has to be done") as plans:
+            progress.when_planned(plans.end)
+            done = bool(args_to_api(arguments, parser))
     except Exception as error:  # whatever it is, as Snakemake's own command tells it
         print_exception(error)
-    if interrupted:
+    if told_to_stop():
         sys.exit(STOPPED)
     return done
 
@@ -81,23 +94,44 @@ def profile_named(name: str | None) -> Path | None:
         return None
     known = sorted(path.parent.name for path in PROFILES.glob("*/config.yaml"))
     if name not in known:
-        raise ConfigError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
+        raise CallError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
     return PROFILES / name
 
 
 def study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
-    own = read_study_file(config, results)
+    from workflow import progress
+
+    with waiting(f"Reading {config}"):
+        own = read_study_file(config, results)
+        count = case_count(own)
     for line in notes(own):
         print(f"Note: {line}", file=sys.stderr)
+    if count > MANY:
+        print(f"{count:,} cases", file=sys.stderr)
     engines = installed_engines(own)
     if profile is None:  # a cluster's front end is not for computing
         _first_report(config, own, engines)
     whole = snakemake(config, own.results, (), engines, profile)
-    summary = Path(own.results, "summary.txt")
-    if summary.is_file():
-        print(summary.read_text(), end="")
-    return None if whole else f"{own.results}: the study is incomplete, see above"
+    path = Path(own.results, "summary.txt")
+    ours = whole or progress.last_run().is_made(SUMMARY)
+    if ours and path.is_file():
+        print(path.read_text(), end="")
+    if whole:
+        return None
+    old = f" ({path.name} is of an earlier run)" if path.is_file() and not ours else ""
+    return f"{own.results}: the study is incomplete{old}{_because()}"
+
+
+def _because() -> str:
+    """Why the last run of Snakemake did not end well, for the end of a line."""
+    from workflow import progress
+
+    reasons = progress.last_run().reasons
+    if not reasons:
+        return ", see above"
+    more = f"\n  and {len(reasons) - TOLD} more, see above" if len(reasons) > TOLD else ""
+    return ":\n  " + "\n  ".join(reasons[:TOLD]) + more
 
 
 def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
@@ -109,29 +143,46 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
     if engines and WITNESS in own.models and not path.exists():
         print("First, a report without the engines", file=sys.stderr)
         # In a process of its own, whose lock of the results folder ends with it.
-        told = ["report", str(config), f"--results={own.results}", "--without-engines"]
+        told = ["report", str(config), f"--results={own.results}"]
+        told += ["--without-engines", "--end-with-parent"]
         subprocess.run([sys.executable, "-m", "workflow", *told], check=False)
 
 
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
     from analysis.case import describe
-    from analysis.vtk import write_path
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
+    if model in CLOSED_FORM:
+        return _rule(own, name, model)
     chosen = find_case(own, name, model)
     folder = Path(own.results, case_folder(chosen.model, chosen.name))
     engines = list(own.dem.engines)
     if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
-        return f"{name}: no result, see above"
+        return f"{name}: no result{_because()}"
     (record,) = read_records([folder / RECORD])
     print(f"{describe(record)}\n  files: {folder}")
     if record.error is not None:
         return f"{name}: no result"
     if chosen.model == WITNESS:
+        from analysis.vtk import write_path  # compiles what it caches
+
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
+    return None
+
+
+def _rule(own: Study, name: str, model: str) -> str | None:
+    """Print what a rule in closed form says of a case; returns why it says nothing."""
+    from analysis.rule import ERRORS, describe
+
+    try:
+        print(f"{name}, {describe(own, model, find_place(own, name))}")
+    except ConfigError:
+        raise
+    except ERRORS as error:
+        return f"{name} ({model}): no result: {error}"
     return None
 
 
@@ -140,7 +191,7 @@ def report(config: Path, results: str | None, engines: bool = True) -> str | Non
     own = read_study_file(config, results)
     path = str(Path(own.results, REPORT))
     if not snakemake(config, own.results, (path,), installed_engines(own) if engines else ()):
-        return "no report, see above"
+        return f"no report{_because()}"
     print(f"Report: {path}")
     return None
 
@@ -149,7 +200,7 @@ def decks(config: Path, results: str | None) -> str | None:
     """Write the decks for 3DEC; returns why there are none."""
     own = read_study_file(config, results)
     if not snakemake(config, own.results, ("decks",), list(own.dem.engines)):
-        return "no decks, see above"
+        return f"no decks{_because()}"
     print(f"Decks: {own.results}/decks/3dec")
     return None
 
@@ -166,12 +217,18 @@ def main() -> None:
     parser.add_argument(
         "--without-engines", action="store_true", help="a report of what needs no engine"
     )
+    parser.add_argument(
+        "--end-with-parent", action="store_true", help="end when the process that started it ends"
+    )
     arguments = parser.parse_args()
+    if arguments.end_with_parent:
+        end_with_parent()
+        end_with_make()
     results = arguments.results or None
     try:
         if arguments.what == "case":
             if not arguments.case:
-                raise ConfigError(
+                raise CallError(
                     "CASE: missing; it must be the name of a case, as in "
                     "make case CASE=n3-mesh0.02-e0.1a"
                 )
@@ -186,10 +243,10 @@ def main() -> None:
             fault = decks(arguments.config, results)
         else:
             fault = study(arguments.config, results, profile_named(arguments.profile))
-    except ConfigError as error:
+    except CallError as error:
         sys.exit(str(error))
-    except KeyboardInterrupt:
-        sys.exit(STOPPED)
+    except ConfigError as error:
+        sys.exit(str(error.of(arguments.config)))
     if fault:
         sys.exit(fault)
 

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import math
-from collections.abc import Collection
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,13 +13,6 @@ from workflow.engines.numerics import Numerics
 from workflow.plain import read_plain
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
-APART = 1.5  # ratio of two meshes, at least, to tell a mesh error: closer ones may give equal cells
-
-
-def missing_level(meshes: Collection[float]) -> float | None:
-    """The mesh (m) that ``meshes`` lack to tell a mesh error: half the finest, None if they can."""
-    finest = min(meshes)
-    return finest / 2.0 if max(meshes) < APART * finest else None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,25 +1,32 @@
 """The cases of a study: one model, one joint, one mesh, one direction of loading each."""
 
 import difflib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import product
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import REFERENCE, Case, case_name, missing_level
-from workflow.configuration import ConfigError
+from sidmacib.mesh_error import APART, cells_of
+from workflow.case import REFERENCE, Case, case_name
+from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
 from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
+from workflow.schema.geometry import PartSection
 from workflow.schema.numerics import NumericsChanges, NumericsSection
 from workflow.schema.values import shown
 
 MAX_CASES = 1_000_000
+CLOSED_FORM = *obtained_by(Obtained.LAW), *obtained_by(Obtained.RULE)  # models with nothing to run
+DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
+BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
+WHOLE = 0.999  # of a side: a mesh must be less than it
 
 
 def cases_of(study: Study) -> dict[tuple[str, str], Case]:
@@ -44,17 +51,16 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
 
 def case_count(study: Study) -> int:
     """How many cases ``study`` has, without building them."""
-    joint = cache(study.joint)
+    joint = _joints(study)
     return sum(
-        len(_levels(study, joint(sample), run))
-        * len(run.change.eccentricities or study.eccentricities)
+        len(_levels(study, joint(sample, run.variant), run, sample))
+        * len(_ratios(study, run, sample))
         for run, sample in _runs(study, study.model_names)
     )
 
 
 def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
-    variants = study.every_variant
-    joint = cache(lambda sample, variant: study.joint(sample, variants[variant]))
+    joint = _joints(study)
 
     @cache
     def loading(ratio: float, assembly: AssemblySection) -> Loading:
@@ -62,8 +68,8 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
 
     for run, sample in _runs(study, models):
         numerics = _changed(study.dem.numerics, run.change.numerics)
-        for mesh in _levels(study, joint(sample, REFERENCE), run):
-            for ratio in run.change.eccentricities or study.eccentricities:
+        for mesh in _levels(study, joint(sample, run.variant), run, sample):
+            for ratio in _ratios(study, run, sample):
                 name = case_name(sample, mesh, ratio, run.variant)
                 yield Case(
                     name=name,
@@ -76,6 +82,12 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     loading=loading(ratio, run.assembly),
                     numerics=_numerics(run.model, numerics, study.overrides.get(name)),
                 )
+
+
+def _joints(study: Study) -> Callable[[str, str], Joint]:
+    """The joint of a sample under a variant, both by name."""
+    variants = study.every_variant
+    return cache(lambda sample, variant: study.joint(sample, variants[variant]))
 
 
 @dataclass(frozen=True)
@@ -93,7 +105,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
     """Each model with the variants that change its results, and each sample that it can run."""
     allowed = {name: sample.models or models for name, sample in study.samples.items()}
     for model in (MODELS[name] for name in models):
-        if model.obtained is Obtained.LAW:  # not of pieces
+        if model.name in CLOSED_FORM:  # not of pieces
             continue
         for variant, change in study.every_variant.items():
             assembly = change.assembly(study.assembly)
@@ -104,19 +116,60 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
                 continue
             run = _Run(model, variant, change, assembly, nodes)
             for sample in study.samples:
-                if model.name in allowed[sample] and not model.refusal(
-                    needs(study, assembly, sample)
+                if (
+                    model.name in allowed[sample]
+                    and (
+                        variant == REFERENCE or _within(variant, _part(study, run, sample).variants)
+                    )
+                    and not model.refusal(needs(study, assembly, sample))
                 ):
                     yield run, sample
 
 
-def _levels(study: Study, joint: Joint, run: _Run) -> tuple[float, ...]:
-    """Meshes (m) of a joint: the study's or variant's, and a finer one for the mesh error."""
-    meshes = run.change.meshes or study.meshes
-    finer = missing_level(meshes) if run.model.obtained is Obtained.SOLVED else None
-    if finer is None or node_estimate(joint, finer, run.nodes) > MAX_NODES:
+def _part(study: Study, run: _Run, sample: str) -> PartSection:
+    """What the model runs of a sample."""
+    return study.samples[sample].only.get(run.model.name, PartSection())
+
+
+def _within(value: object, chosen: Sequence[object] | None) -> bool:
+    return chosen is None or value in chosen
+
+
+def _ratios(study: Study, run: _Run, sample: str) -> tuple[float, ...]:
+    """Eccentricities of a sample, over a."""
+    chosen = _part(study, run, sample).eccentricities
+    every = run.change.eccentricities or study.eccentricities
+    return tuple(ratio for ratio in every if _within(ratio, chosen))
+
+
+def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, ...]:
+    """Meshes (m) of a joint: the study's or variant's, and another one for the mesh error."""
+    chosen = _part(study, run, sample).meshes
+    every = run.change.meshes or study.meshes
+    meshes = tuple(mesh for mesh in every if _within(mesh, chosen))
+    if not meshes or run.model.obtained is not Obtained.SOLVED:
         return meshes
-    return *meshes, finer
+    other = second_mesh(joint, meshes, run.nodes)
+    return meshes if other is None else (*meshes, other)
+
+
+def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> float | None:
+    """The mesh (m) that ``meshes`` lack to tell a mesh error; None if they can, or nothing would.
+
+    Half the finest, or twice where the half is `DEAR`, or has too many nodes.
+    """
+    finest = min(meshes)
+    cells = cells_of(joint, finest)
+    if cells >= APART * cells_of(joint, max(meshes)):
+        return None
+    finer, coarser = finest / 2.0, min(2.0 * finest, WHOLE * joint.least_side)
+    count = node_estimate(joint, finer, nodes)
+    growth = count / node_estimate(joint, finest, nodes)
+    cost = growth if joint.elastic is None else growth**BENT
+    dear = count > MAX_NODES or cost >= DEAR
+    if dear and cells >= APART * cells_of(joint, coarser):
+        return coarser
+    return None if count > MAX_NODES else finer
 
 
 def _numerics(
@@ -140,6 +193,31 @@ def _near(name: str, names: set[str]) -> str:
     return f"it must be one of the study's, such as {', '.join(close)}"
 
 
+@dataclass(frozen=True)
+class Place:
+    """Where a case is in a study, whatever its model; ``ratio`` is e / a."""
+
+    sample: str
+    mesh: float
+    ratio: float
+    variant: str
+
+
+def find_place(study: Study, name: str) -> Place:
+    """The place of the case ``name``; raises `ConfigError`."""
+    places: dict[str, Place] = {}
+    for sample, (variant, change) in product(study.samples, study.every_variant.items()):
+        meshes, ratios = (
+            change.meshes or study.meshes,
+            change.eccentricities or study.eccentricities,
+        )
+        for mesh, ratio in product(meshes, ratios):
+            places[case_name(sample, mesh, ratio, variant)] = Place(sample, mesh, ratio, variant)
+    if name not in places:
+        raise CallError(f"CASE: {shown(name)} is no case; {_near(name, set(places))}")
+    return places[name]
+
+
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
     """The case ``name``, of the first installed model that has it if none is named.
 
@@ -150,10 +228,11 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
     among = there or leading
     model = model or next((m for m in among if (m, name) in cases), among[0])
-    if model not in study.model_names:
-        allowed = " or ".join(study.model_names)
-        raise ConfigError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
+    runs = [each for each in study.model_names if each not in CLOSED_FORM]
+    if model not in runs:
+        allowed = " or ".join((*runs, *CLOSED_FORM))
+        raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
     if (model, name) not in cases:
         names = {own for of, own in cases if of == model}
-        raise ConfigError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
+        raise CallError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
     return cases[model, name]

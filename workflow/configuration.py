@@ -8,12 +8,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import faults, needs
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Obtained, obtained_by
 from workflow.schema import Study
 from workflow.schema.values import shown, shown_key
-from workflow.yaml_text import MAX_BYTES, TextError, parsed
 
 MAX_LINES, MAX_LINE = 20, 380
 
@@ -29,6 +29,15 @@ class ConfigError(ValueError):
     def __str__(self) -> str:
         return "\n".join(map(str, self.args))
 
+    def of(self, path: Path) -> "ConfigError":
+        """The same, each line beginning with the file's name."""
+        name = f"{_named(path)}: "
+        return ConfigError(*(f"{name}{str(line).removeprefix(name)}" for line in self.args))
+
+
+class CallError(ConfigError):
+    """What was asked for is not in the configuration, which may be right."""
+
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
     """The study in the YAML file ``path``; ``results``: a results folder in place of its own.
@@ -39,7 +48,7 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
     try:
         return read_study(config)
     except ConfigError as error:
-        raise ConfigError(*(f"{_named(path)}: {line}" for line in error.args)) from None
+        raise error.of(path) from None
 
 
 def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -53,14 +62,8 @@ def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]
 def read_config_text(path: Path) -> dict[str, Any]:
     """The keys and values in the YAML file ``path``; raises `ConfigError`."""
     try:
-        if not path.is_file():  # folders, pipes and devices, some of which have no end
-            path.stat()  # says whether anything is there
-            raise TextError("not a file")
-        with path.open("rb") as stream:
-            config = parsed(stream.read(MAX_BYTES + 1))
-    except OSError as error:
-        raise ConfigError(f"{_named(path)}: {error.strerror}") from None
-    except ValueError as error:  # also for NUL in the file's name
+        config = read_yaml(path)
+    except TextError as error:
         raise ConfigError(f"{_named(path)}: {error}") from None
     if config is None:
         return {}
@@ -116,7 +119,8 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
     dem = config.get("dem", {})
     if isinstance(dem, Mapping):
         dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
-    return {"models": obtained_by(Obtained.SOLVED), **config, "dem": dem}
+    models = *obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW)
+    return {"models": models, **config, "dem": dem}
 
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
@@ -130,7 +134,8 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
         )
 
     def able(names: tuple[str, ...]) -> tuple[str, ...]:
-        return tuple(name for name in names if not refused(name))
+        law = obtained_by(Obtained.LAW)  # which tell in the tables why they cannot
+        return tuple(name for name in names if name in law or not refused(name))
 
     if "models" not in config:
         study = study.model_copy(update={"models": able(study.models)})

@@ -1,10 +1,11 @@
 """Checks across the sections of a study, and of what it asks of the models that it names."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from sidmacib.doubts import doubts
 from sidmacib.joint import Joint, UpperBody
+from sidmacib.loading import LoadShare
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.mechanics.quadrature import RULES
 from sidmacib.revision import REDUCTIONS
@@ -12,6 +13,7 @@ from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
+from workflow.schema.geometry import PartSection
 from workflow.schema.materials import InnerFaceSection
 from workflow.schema.numerics import NumericsSection
 from workflow.schema.values import shown, shown_key
@@ -41,6 +43,7 @@ def faults(study: Study) -> Iterator[str]:
     yield from _models(study)
     for name, sample in study.samples.items():
         yield from _models_of_sample(study, name, sample.models)
+        yield from _parts(study, name, sample.only)
     yield from _calibration(study)
     if study.figures.mesh not in (None, *study.meshes):
         yield (
@@ -76,6 +79,8 @@ def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, .
         found.append(Need(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid"))
     else:
         found.append(Need(Ability.RIGID, "assembly.pieces", "rigid", "elastic"))
+    if assembly.load_share is not LoadShare.FACE:
+        found.append(Need(Ability.SHARED, "assembly.load_share", str(assembly.load_share), "face"))
     if assembly.upper_body is UpperBody.JOINED:
         allowed = "columns or monolithic"
         found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
@@ -226,7 +231,8 @@ def _models(study: Study) -> Iterator[str]:
         MODELS[name].refusal(needs(study, study.assembly, sample))
         for sample in study.samples
         for name in study.models_of(sample)
-        if name in known
+        # A rule that cannot do a joint says so in its rows of the tables.
+        if name in known and MODELS[name].obtained is not Obtained.LAW
     )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
@@ -249,6 +255,33 @@ def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) ->
     can = detailed(name for name in study.model_names if name in MODELS)
     if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
         yield f"{key}: {_some(own)} is not enough; it must have {' or '.join(can)}"
+
+
+def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterator[str]:
+    """What models run of a sample must be of the study, and one model must run the whole of it."""
+    solved = (name for name in study.models if name in obtained_by(Obtained.SOLVED))
+    known = (*obtained_by(Obtained.ENGINE), *solved)
+    for name, part in only.items():
+        key = f"samples.{sample}.only"
+        if name not in known:
+            yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(known)}"
+        for what, chosen, allowed in (
+            ("meshes", part.meshes, study.meshes),
+            ("eccentricities", part.eccentricities, study.eccentricities),
+            ("variants", part.variants, tuple(study.variants)),
+        ):
+            for value in chosen or ():
+                if value not in allowed:
+                    yield (
+                        f"{key}.{name}.{what}: {shown(value)} is not allowed; it must be one of "
+                        f"{what}: {_some(allowed)}"
+                    )
+    own = detailed(name for name in study.models_of(sample) if name in MODELS)
+    if own and not any(study.whole_curve(sample, name) for name in own):
+        yield (
+            f"samples.{sample}.only: {_some(own)} run a part only; one of them must run at all "
+            "meshes and eccentricities"
+        )
 
 
 def _calibration(study: Study) -> Iterator[str]:

@@ -11,15 +11,17 @@ import os
 import resource
 import signal
 import sys
+import threading
 import time
 from pathlib import Path
 from typing import Any
 
 from workflow.closure import edited
-from workflow.kills import STOPPED, KilledError, begin, end
+from workflow.kills import STOPPED, KilledError, Settled, begin, end
 from workflow.receipts import write_receipt
 
 PR_SET_PDEATHSIG = 1
+SIGNALS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 SELF, CHILDREN = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
 
 
@@ -44,12 +46,13 @@ def run_job(plan: dict[str, Any]) -> None:
     inputs = [results / name for name in plan["inputs"]]
     outputs = [results / name for name in plan["outputs"]]
     error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
-    if error:  # the results say so too; without a receipt the next run tries again
+    if error:  # the results say so too
         print(error, file=sys.stderr)
         if not all(path.exists() for path in outputs):
             sys.exit(1)
-        return
-    made = (*plan["outputs"], *plan["others"])
+        if not isinstance(error, Settled):  # without a receipt the next run tries again
+            return
+    made = (*plan["outputs"], *(() if error else plan["others"]))
     write_receipt(receipt, plan["name"], plan["digest"], results, made)
 
 
@@ -72,12 +75,14 @@ def write_times(path: Path, start: float) -> None:
 
 def main() -> None:
     """Command line: the plan of the job, a file."""
-    for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
-        signal.signal(number, _killed)
+    for number in SIGNALS:
+        if number == signal.SIGTERM or signal.getsignal(number) != signal.SIG_IGN:  # as by nohup
+            signal.signal(number, _killed)
     end_with_parent()
     plan = json.loads(Path(sys.argv[1]).read_text())
     results, name = Path(plan["results"]), plan["name"]
     start = time.monotonic()
+    _limit(name, plan.get("time_limit"))
     begin(results, name)
     try:
         run_job(plan)
@@ -90,7 +95,22 @@ def main() -> None:
     write_times(results / ".times" / f"{name}.json", start)
 
 
+def _limit(name: str, seconds: float | None) -> None:
+    """End this process after so many ``seconds``: a job that is stuck would hold up its run."""
+
+    def late() -> None:
+        print(f"{name}: out of time after {seconds:g} s", file=sys.stderr, flush=True)
+        os._exit(1)  # and the programs that it has started with it
+
+    if seconds is not None:
+        timer = threading.Timer(seconds, late)
+        timer.daemon = True
+        timer.start()
+
+
 def _killed(*_: object) -> None:
+    for number in SIGNALS:  # nothing disturbs the end of what the job has started
+        signal.signal(number, signal.SIG_IGN)
     raise KilledError(STOPPED)
 
 

@@ -13,6 +13,7 @@ from analysis.figures.catalogue import figure_files, figures_of
 from analysis.report.parts import FILES as REPORT_FILES
 from analysis.report.parts import REPORT
 from analysis.report.parts import TABLES as REPORT_TABLES
+from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case
 from workflow.closure import code_digest, described
 from workflow.engines import ENGINES, Engine
@@ -26,6 +27,7 @@ from workflow.threedec import DECK, deck_folder
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s
+LEAST_LIMIT, STUCK = 3600.0, 30.0  # s, and over the time it should take: more is no job's
 RUNNER = "workflow.job"
 TABLES = ("weights", "weight_sums", "cases", "models")  # collected from the cases' records
 
@@ -63,6 +65,23 @@ class Job:
         return f".receipts/{self.name}.json"
 
     @property
+    def made(self) -> tuple[str, ...]:
+        """All files that it makes where it has a result."""
+        return (*self.outputs, *self.others)
+
+    @property
+    def receipted(self) -> tuple[frozenset[str], ...]:
+        """Which files its receipt may name: those of a result, or of a case that has none."""
+        whole = frozenset(self.made)
+        return (whole, frozenset(self.outputs)) if self.finds else (whole,)
+
+    @property
+    def time_limit(self) -> float:
+        """Time (s) after which it is stuck; an engine's own limit, if it has one, comes before."""
+        own = float(self.settings.get("time_limit", 0.0))
+        return own + max(LEAST_LIMIT, STUCK * self.needs.time)
+
+    @property
     def runs(self) -> tuple[str, ...]:
         """Modules that it starts from; what they import runs too."""
         return RUNNER, self.step, *self.modules
@@ -89,6 +108,7 @@ class Job:
             "receipt": self.receipt,
             "arguments": dict(self.arguments),
             "settings": dict(self.settings),
+            "time_limit": self.time_limit,
         }
 
 
@@ -288,7 +308,15 @@ def table_jobs(study: Study, cases: Iterable[Case], found: Mapping[str, Job]) ->
                 *("tables/capacity.csv", of_cases),
             ),
             outputs=("summary.txt",),
-            arguments={"results": study.results, "meshes": study.meshes},
+            arguments={
+                "results": study.results,
+                "meshes": study.meshes,
+                "ductile": [
+                    name
+                    for name, change in study.every_variant.items()
+                    if change.assembly(study.assembly).failure is Failure.DUCTILE
+                ],
+            },
         ),
         Job(
             name="report",

@@ -17,6 +17,10 @@ class KilledError(SystemExit):
     """The job was killed from outside, or a program of its was: it has no result to speak of."""
 
 
+class Settled(str):
+    """Why a job has no result, where it would say the same if it were done again."""
+
+
 def _mark(results: Path, job: str) -> Path:
     return results / ".begun" / f"{job}.job"
 

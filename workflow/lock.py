@@ -2,8 +2,11 @@
 
 import fcntl
 import os
+import sys
 from pathlib import Path
 from typing import TextIO
+
+from workflow.mending import cleared
 
 LOCK = ".lock"
 
@@ -19,7 +22,11 @@ def lock(results: Path) -> TextIO:
     """
     try:
         results.mkdir(parents=True, exist_ok=True)
-        stream = (results / LOCK).open("a+")
+        path = results / LOCK
+        if path.is_symlink() or (path.exists() and not path.is_file()):
+            print(cleared(path), file=sys.stderr)
+        flags = os.O_RDWR | os.O_CREAT | os.O_APPEND | os.O_NOFOLLOW | os.O_CLOEXEC
+        stream = os.fdopen(os.open(path, flags, 0o666), "a+")
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise LockedError(f"results: {results} cannot be written to: {reason}") from None

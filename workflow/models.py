@@ -37,6 +37,7 @@ class Ability(StrEnum):
     RIGID = auto()  # pieces
     ELASTIC = auto()  # pieces
     JOINED = auto()  # columns without the compliance of a joint
+    SHARED = auto()  # a load that does not act on the whole lateral face
     RANKS = auto()  # runs one case on several processes
     STRESSES = auto()  # gives them at all nodes
     DISPLACEMENTS = auto()  # gives the one that the load does work on
@@ -108,7 +109,7 @@ def _of_engine(engine: Engine) -> Model:
 WITNESS = "static"  # every engine is compared with it, on the same nodes
 _OF_THE_PIECES = {
     *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES),
-    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
+    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
 }
 
 MODELS = {
@@ -158,8 +159,8 @@ MODELS = {
             frozenset(
                 {
                     *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE),
-                    Ability.TWO_STIFFNESSES,
-                    *(Ability.FRICTION, Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
+                    *(Ability.TWO_STIFFNESSES, Ability.FRICTION, Ability.SHARED),
+                    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED),
                 }
             ),
         ),

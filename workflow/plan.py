@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 import time
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
@@ -9,16 +10,20 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case, case_name, missing_level
-from workflow.cases import cases_of
+from workflow.case import Case, case_name
+from workflow.cases import cases_of, second_mesh
 from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
+from workflow.mending import mended
 from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt, write_whole
+from workflow.results.files import read_records
+from workflow.results.record import ResultError
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
 
+INDEX = ".plan/index.json"
 CLOCKS_APART = 5.0  # s, at most, of the machines of a cluster
 
 
@@ -63,7 +68,7 @@ def plan_of(study: Study) -> Plan:
 def witnesses(cases: Iterable[Case]) -> list[Case]:
     """Cases of the static model that the study lacks, to compare every engine's case with.
 
-    They are on the same nodes, and where an engine has one mesh only at half of it too.
+    They are on the same nodes, and where an engine has one mesh only at another one too.
     """
     cases = list(cases)
     known = {case.physics() for case in cases if case.model == WITNESS}
@@ -76,12 +81,19 @@ def witnesses(cases: Iterable[Case]) -> list[Case]:
         witness = replace(case, model=WITNESS, numerics=None)
         series.setdefault(case.series(), {}).setdefault(case.mesh, witness)
     for own in series.values():
-        if finer := missing_level(own):
-            (case, *_) = own.values()
-            name = case_name(case.sample, finer, case.direction.eccentricity, case.variant)
-            own[finer] = replace(case, mesh=finer, name=name)
+        (case, *_) = own.values()
+        if other := second_mesh(case.joint, own, case.nodes):
+            name = case_name(case.sample, other, case.direction.eccentricity, case.variant)
+            own[other] = replace(case, mesh=other, name=name)
     every = {case.physics(): case for own in series.values() for case in own.values()}
     return [case for physics, case in every.items() if physics not in known]
+
+
+def files_of(job: Job, digest: str) -> tuple[str, ...]:
+    """All that a job writes, or that is written for it, under a name that is known beforehand."""
+    name = job.name
+    of_run = (job.receipt, f"logs/{name}.log", f".times/{name}.json", f".begun/{name}.job")
+    return (*job.made, *of_run, INDEX, str(plan_file(job, digest, Path())))
 
 
 def plan_file(job: Job, digest: str, results: Path) -> Path:
@@ -89,20 +101,27 @@ def plan_file(job: Job, digest: str, results: Path) -> Path:
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
 
 
-def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
+def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[str, Path]:
     """Write each job's plan, and remove what must be made again; returns the plans by job.
 
     Results that are not what their job made are removed. If they were made from something else, the
     plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
     Times in the future, of a clock that has jumped, become now: what is made from such a file would
-    seem older than it for ever.
+    seem older than it for ever. What stands in the way of a file is removed, and named on stderr.
+    ``retry``: make again what has no result, too.
     """
     plans: dict[str, Path] = {}
     now = time.time()
-    for job in jobs:
-        digest = job.digest()
+    found = [(job, job.digest()) for job in jobs]
+    for line in mended(results, (name for each in found for name in files_of(*each))):
+        print(line, file=sys.stderr)
+    for job, digest in found:
         path = plans[job.name] = plan_file(job, digest, results)
-        reason = fault(read_receipt(results / job.receipt), job.name, digest, results)
+        reason = fault(
+            read_receipt(results / job.receipt), job.name, digest, results, job.receipted
+        )
+        if retry and reason is None and _without_result(job, results):
+            reason = "to be tried again"
         text = json.dumps(job.plan(digest, results), indent=1) + "\n"
         if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -119,6 +138,16 @@ def prepared(jobs: Iterable[Job], results: Path) -> dict[str, Path]:
     index = {name: str(path) for name, path in plans.items()}
     write_whole(_index(results), json.dumps(index) + "\n")
     return plans
+
+
+def _without_result(job: Job, results: Path) -> bool:
+    """Whether a job of a case has none, and has said why."""
+    try:
+        return bool(job.finds) and any(
+            record.error is not None for record in read_records([results / job.outputs[0]])
+        )
+    except (OSError, ResultError):
+        return False
 
 
 def _date_back(path: Path, now: float) -> None:
@@ -142,4 +171,4 @@ def planned(results: Path) -> dict[str, Path]:
 
 
 def _index(results: Path) -> Path:
-    return results / ".plan" / "index.json"
+    return results / INDEX

@@ -6,8 +6,11 @@ ends badly are named once, with the reason and where the log is.
 
 import importlib
 import json
+import re
 import sys
 import time
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from logging import WARNING, LogRecord
 from pathlib import Path
@@ -26,6 +29,14 @@ SPARSE = 10  # lines of a run in a file, about,
 SELDOM = 120.0  # and seconds after which there is another
 SHOWN = 2  # jobs that are running, by name
 MINUTE = 60.0
+COMPLETE = "Check that every case has a result"  # a job, whose fault is that of others
+WORDLESS = (STOPPED, "KeyboardInterrupt", "")  # last lines of jobs that may have done nothing wrong
+DIED = re.compile(r"died with <Signals\.(\w+): \d+>")
+REPEATED = (
+    "RuleException",
+    "Exiting because a job execution failed.",
+    "WorkflowError:\nAt least one job did not complete successfully.",
+)
 
 
 @dataclass
@@ -36,8 +47,23 @@ class Run:
     done: int = 0
     begun: float = 0.0
     told: dict[int, tuple[str, list[str], list[str]]] = field(default_factory=dict)
+    rule_of: dict[int, str] = field(default_factory=dict)
     running: dict[int, str] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
+    lines: dict[str, str] = field(default_factory=dict)  # on what went wrong, by job
+    rules: frozenset[str] = frozenset()  # of jobs to be done
+    killed: list[str] = field(default_factory=list)  # Snakemake's words on commands
+    ended: set[str] = field(default_factory=set)  # rules of which a job has ended well
+
+    @property
+    def reasons(self) -> list[str]:
+        """What went wrong, a line each; that cases have no result only if none of them says so."""
+        names = [name for name in self.lines if name != COMPLETE] or list(self.lines)
+        return [self.lines[name] for name in names]
+
+    def is_made(self, rule: str) -> bool:
+        """Whether what the only job of a rule makes is of this run, or was up to date before it."""
+        return bool(self.rules) and (rule not in self.rules or rule in self.ended)
 
     def words(self, now: float) -> str:
         """Where the run is, in one line, ``now`` in s."""
@@ -68,14 +94,17 @@ class Run:
         event, own = getattr(record, "event", None), record.__dict__
         if event == LogEvent.RUN_INFO:
             self.total = sum(count for job, count in own["stats"].items() if job != "total")
-            self.begun = now
+            self.begun, self.rules = now, frozenset(own["stats"])
         elif event == LogEvent.JOB_INFO:
             name = own["rule_msg"] or own["rule_name"]
             self.told[own["jobid"]] = (str(name), list(own["output"]), list(own["log"]))
+            self.rule_of[own["jobid"]] = str(own["rule_name"])
             self.running[own["jobid"]] = str(name)
         elif event == LogEvent.JOB_FINISHED:
             self.done += 1
             name = self.told.get(own["job_id"], ("", [], []))[0]
+            self.ended.add(self.rule_of.get(own["job_id"], ""))
+            self.lines.pop(name, None)
             if name in self.failed:  # and was tried again
                 self.failed.remove(name)
             self.running.pop(own["job_id"], None)
@@ -85,8 +114,10 @@ class Run:
             return self._ended_badly(own)
         elif record.levelno >= WARNING and event in (None, LogEvent.ERROR):
             text = record.getMessage() if record.msg else ""
-            # The command of a job that ended badly, which has been named.
-            return [] if not text or text.startswith("RuleException") else [text]
+            if DIED.search(text):
+                self.killed.append(text)
+            # Jobs that ended badly have been named, or are about to be.
+            return [] if not text or text.startswith(REPEATED) else [text]
         return []
 
     def _without_result(self, job: int) -> list[str]:
@@ -95,20 +126,43 @@ class Run:
         for path in (Path(each) for each in outputs if Path(each).name == RECORD):
             try:
                 error = json.loads(path.read_text()).get("error")
-            except (OSError, ValueError, AttributeError):
+            except (OSError, ValueError, AttributeError, RecursionError):
                 continue
             if error:
                 self.failed.append(name)
-                return [f"No result: {name}: {error}; log: {', '.join(logs)}"]
+                self.lines[name] = f"No result: {name}: {error}; log: {', '.join(logs)}"
+                return [self.lines[name]]
         return []
 
     def _ended_badly(self, own: dict[str, Any]) -> list[str]:
         name, _, logs = self.told.get(own["jobid"], (own["rule_name"], [], []))
         reason = _last_line(logs)
-        if reason in (STOPPED, ""):  # told to end, or never begun, as in a group that failed
+        if killed := next((word for word in self.killed if logs and logs[0] in word), None):
+            self.killed.remove(killed)
+            reason = _by_signal(killed)
+            _append(logs[0], reason)
+        shown = f"Failed: {name}: {reason or 'ended without a word'}; log: {', '.join(logs)}"
+        if reason in WORDLESS:  # told to end, or never begun, as in a group that failed
+            if reason or any(Path(log).exists() for log in logs):
+                self.lines[name] = shown
             return []
         self.failed.append(name)
-        return [f"Failed: {name}: {reason}; log: {', '.join(logs)}"]
+        self.lines[name] = shown
+        return [shown]
+
+
+def _by_signal(text: str) -> str:
+    """What Snakemake says of a command that a signal ended, in a few words."""
+    found = DIED.search(text)
+    assert found is not None, "only such texts are kept"
+    short = ", as the system does where memory is short" if found[1] == "SIGKILL" else ""
+    return f"killed by {found[1]}{short}"
+
+
+def _append(log: str, words: str) -> None:
+    """Add the last words of a job that could not say them."""
+    with suppress(OSError), Path(log).open("a") as stream:
+        print(words, file=stream)
 
 
 def _last_line(logs: list[str]) -> str:
@@ -124,11 +178,26 @@ def _last_line(logs: list[str]) -> str:
     return ""
 
 
+_runs = [Run()]
+_planned: list[Callable[[], None]] = []
+
+
+def when_planned(call: Callable[[], None]) -> None:
+    """Have ``call`` called as soon as the jobs of the next run are known."""
+    _planned[:] = [call]
+
+
+def last_run() -> Run:
+    """The run of Snakemake in this process that was begun last."""
+    return _runs[-1]
+
+
 class LogHandler(LogHandlerBase):
     """Snakemake's log, as a bar or as a few lines."""
 
     def __post_init__(self) -> None:
         self.run = Run()
+        _runs[:] = [self.run]
         self.stream: TextIO = sys.stderr
         self.last, self.lines = -SELDOM, 0
         self.bar: Progress | None = None
@@ -142,6 +211,9 @@ class LogHandler(LogHandlerBase):
         """Show what is new."""
         now = time.monotonic()
         before = self.run.done
+        if getattr(record, "event", None) == LogEvent.RUN_INFO:
+            while _planned:
+                _planned.pop()()
         for line in self.run.heard(record, now):
             self._print(line)
         if self.bar is not None:

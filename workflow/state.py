@@ -30,7 +30,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
             continue
         found = _records(job, folder)
         receipt = read_receipt(folder / job.receipt)
-        valid = fault(receipt, job.name, job.digest(), folder) is None
+        valid = fault(receipt, job.name, job.digest(), folder, job.receipted) is None
         rows += [
             {"model": model, "case": name, **_state(found.get((model, name)), valid)}
             for model, name in job.finds

@@ -41,7 +41,7 @@ for engine in $engines; do
     install "$engine" || echo "Not installed; on Debian, ask for: apt-get install $engine" >&2
 done
 
-python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
+python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || {
     echo "python3: $(python3 -V) is too old; it must be 3.11 or newer" >&2
     exit 1
 }

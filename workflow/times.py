@@ -18,6 +18,6 @@ def read_times(results: Path) -> Iterator[tuple[str, dict[str, float]]]:
         try:
             told: Any = json.loads(path.read_text())
             times = {key: float(told[key]) for key in KEYS}
-        except (OSError, ValueError, TypeError, KeyError):
+        except (OSError, ValueError, TypeError, KeyError, RecursionError):
             continue
         yield path.relative_to(results / FOLDER).parts[0].removesuffix(".json"), times

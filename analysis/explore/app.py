@@ -1,170 +1,215 @@
 """The page, served to this machine only: sliders on one side, what follows on the other."""
 
 import argparse
-import logging
+import json
 import sys
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from threading import Thread
 from typing import Any
 
-import dash
-import plotly.graph_objects as go
-from dash import Input, Output, dcc, html
-from werkzeug.serving import make_server
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from plotly.offline import get_plotlyjs, get_plotlyjs_version
+from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, NotFound
+from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
+from werkzeug.wrappers import Request, Response
 
-from analysis.explore.pictures import answers, curve, drawing, weights
-from analysis.explore.state import Playing, as_configuration, as_python, as_query, from_query
+from analysis.explore.desk import Desk, SupersededError
+from analysis.explore.guard import HEADERS, in_one_line, require_own
+from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
+from analysis.explore.state import (
+    SLIDERS,
+    Playing,
+    Understood,
+    as_configuration,
+    as_python,
+    as_query,
+    from_query,
+    understood,
+)
 
+HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
-SLIDERS = {  # least, most, step, and words
-    "locks": (2, 31, 1, "locks n"),
-    "a": (15.0, 150.0, 1.0, "length of a lock a (mm)"),
-    "b": (20.0, 100.0, 1.0, "width of a lock b (mm)"),
-    "h": (3.0, 40.0, 0.5, "height of a lock h (mm)"),
-    "H": (15.0, 150.0, 1.0, "height of the body H (mm)"),
-    "cohesion": (10.0, 300.0, 5.0, "cohesion (kPa)"),
-    "friction": (0.0, 0.8, 0.01, "friction"),
-    "young": (0.0, 50.0, 1.0, "E (GPa), 0: rigid"),
-    "pressure": (0.0, 200.0, 5.0, "pressure on top (kPa), 0: fixed plate"),
-    "eccentricity": (0.0, 3.0, 0.05, "eccentricity e / a"),
-    "one_piece": (0, 1, 1, "upper body: columns (0), one piece (1)"),
-}
+PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
+SCRIPT, STYLE = "text/javascript", "text/css"
+LONGEST_ID = 40  # letters, of a page
+SUPERSEDED = 204  # no content: a browser takes it for no error
+MOST_PORT = 65535
+PATIENCE = 20.0  # seconds, for the rest of a request
 ABOUT = (
-    "Peaks of the static model on its coarsest mesh, of pieces that bend the law's first failure. "
+    "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
     "Law and safe rule are those of docs/law.md, within the spans of their study; the tensile "
     "strength goes with the cohesion; the first lock is on the left. Nothing leaves this machine."
 )
-STYLE = {
-    "fontFamily": "system-ui, sans-serif",
-    "maxWidth": "80rem",
-    "margin": "0 auto",
-    "padding": "1rem",
-}
-SIDES = {"display": "flex", "flexWrap": "wrap", "gap": "1.5rem"}
-PLOT = {"height": "19rem"}
 
 
-def _slider(name: str, state: Playing) -> html.Div:
-    """A slider of the browser's own: it comes with keys, focus and a label that is read out."""
-    least, most, step, words = SLIDERS[name]
-    slider = dcc.Input(
-        id=name,
-        type="range",
-        min=least,
-        max=most,
-        step=step,
-        value=float(getattr(state, name)),
-        style={"width": "100%"},
+class Explorer:
+    """The page as a WSGI application."""
+
+    def __init__(self) -> None:
+        self._desk = Desk()
+        self._posts: dict[str, Callable[[Request], Any]] = {
+            "/answer": self._answer,
+            "/curve": self._curve,
+        }
+
+    def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
+        """Answer a request; a fault of the request, or of a model, is told in a line."""
+        request = Request(environ)
+        try:
+            require_own(request, int(environ["SERVER_PORT"]))
+            response = self._respond(request)
+        except HTTPException as error:
+            response = Response(in_one_line(error), error.code)
+        except SupersededError:
+            response = Response(status=SUPERSEDED)
+        for name, value in HEADERS.items():
+            response.headers.setdefault(name, value)
+        return response(environ, start_response)
+
+    def warm_up(self) -> None:
+        """Have the static model compiled before somebody waits for it."""
+        with self._desk.turn("", 0):
+            answers(Playing())
+
+    def _respond(self, request: Request) -> Response:
+        if request.path in self._posts:
+            if request.method != "POST":
+                raise MethodNotAllowed(["POST"])
+            found = self._posts[request.path](request)
+            return Response(json.dumps(found, allow_nan=False), mimetype="application/json")
+        if request.method == "POST":
+            raise NotFound(f"A post goes to {' or '.join(self._posts)}.")
+        if request.path == "/":
+            link = from_query(request.query_string.decode("ascii", "replace"))
+            return Response(page(link), mimetype="text/html")
+        if request.path == PLOTLY:
+            kept = {"Cache-Control": "max-age=86400"}
+            return Response(_plotly(), mimetype=SCRIPT, headers=kept)
+        for name, kind in (("explore.js", SCRIPT), ("explore.css", STYLE)):
+            if request.path == f"/{name}":
+                return Response((HERE / name).read_bytes(), mimetype=kind)
+        raise NotFound("There is one page only, /.")
+
+    def _answer(self, request: Request) -> dict[str, Any]:
+        """What follows the sliders at once."""
+        asked = _asked(request)
+        state = asked.joint.state
+        with self._desk.turn(*asked.turn):
+            told = answers(state)
+        return {
+            **asked.echo,
+            "words": told.words,
+            **pictures(state, told),
+            "yaml": as_configuration(state),
+            "python": as_python(state),
+            "link": f"{request.host_url}?{as_query(state)}".rstrip("?"),
+        }
+
+    def _curve(self, request: Request) -> dict[str, Any]:
+        """The curve, which takes as long as all else for each of its directions."""
+        asked = _asked(request)
+        state, points = asked.joint.state, []
+        for ratio in ratios(state):
+            with self._desk.turn(*asked.turn):
+                points.append(peak(state.joint, ratio))
+        with self._desk.turn(*asked.turn):
+            spread = spread_words(state.joint, state.eccentricity)
+        known = [point for point in points if point is not None]
+        return {
+            **asked.echo,
+            "shear": [point.shear for point in known],
+            "torque": [point.torque for point in known],
+            "spread": spread,
+        }
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What a page asks for: a joint, and which of its requests this is."""
+
+    page: str
+    number: int
+    joint: Understood
+
+    @property
+    def turn(self) -> tuple[str, int]:
+        """What it waits with."""
+        return self.page, self.number
+
+    @property
+    def echo(self) -> dict[str, Any]:
+        """What each answer begins with: what it was computed for."""
+        return {
+            "number": self.number,
+            "values": self.joint.state.values,
+            "told": list(self.joint.told),
+        }
+
+
+def _asked(request: Request) -> _Asked:
+    """The request's JSON; `BadRequest` for any other."""
+    try:
+        told = json.loads(request.get_data(cache=False))
+    except (ValueError, RecursionError):
+        raise BadRequest("The post is not JSON that this page would send.") from None
+    if not isinstance(told, dict):
+        raise BadRequest("The post must be an object with page, number and values.")
+    page, number, values = (told.get(name) for name in ("page", "number", "values"))
+    if not isinstance(page, str) or not 0 < len(page) <= LONGEST_ID:
+        raise BadRequest(f"page must be a text of 1 to {LONGEST_ID} letters.")
+    if not isinstance(number, int) or isinstance(number, bool) or number < 0:
+        raise BadRequest("number must be a whole number of at least 0.")
+    if not isinstance(values, dict):
+        raise BadRequest("values must be an object with a number for each slider.")
+    return _Asked(page, number, understood(values))
+
+
+def page(link: Understood) -> str:
+    """The page as HTML, with the sliders as ``link`` has them."""
+    files = FileSystemLoader(HERE)
+    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
+    return environment.get_template("page.html.j2").render(
+        sliders=SLIDERS, values=link.state.values, told=link.told, about=ABOUT, plotly=PLOTLY
     )
-    told = html.Span(id=f"{name}-told", style={"float": "right"})
-    return html.Div([html.Label([words, told], htmlFor=name, style={"display": "block"}), slider])
 
 
-def layout(state: Playing) -> html.Div:
-    """The page for a joint."""
-    controls = [_slider(name, state) for name in SLIDERS]
-    copies = [
-        html.Div(
-            [
-                html.H2(words, style={"fontSize": "1rem"}),
-                dcc.Clipboard(target_id=name, title=f"copy as {words}"),
-                html.Pre(id=name, tabIndex="0", style={"overflow": "auto", "fontSize": "0.8rem"}),
-            ]
-        )
-        for name, words in (("yaml", "configuration"), ("python", "Python"), ("link", "link"))
-    ]
-    plots = [
-        dcc.Graph(id=name, style=PLOT, config={"displaylogo": False})
-        for name in ("curve", "drawing", "weights")
-    ]
-    return html.Div(
-        [
-            dcc.Location(id="place", refresh=False),
-            dcc.Store(id="values"),
-            html.Header(html.H1("A joint to play with", style={"fontSize": "1.4rem"})),
-            html.Main(
-                [
-                    html.Div(id="words", role="status", style={"flex": "1 1 100%"}),
-                    html.Div(controls, style={"flex": "1 1 18rem"}),
-                    html.Div(plots, style={"flex": "3 1 30rem"}),
-                    html.Div(copies, style={"flex": "1 1 18rem", "minWidth": "0"}),
-                    html.P(ABOUT),
-                ],
-                style=SIDES,
-            ),
-        ],
-        style=STYLE,
-    )
+@cache
+def _plotly() -> bytes:
+    return str(get_plotlyjs()).encode()
 
 
-def playing(values: Iterable[float]) -> Playing:
-    """The state of the page for the sliders' values, in their order."""
-    given: dict[str, Any] = dict(zip(SLIDERS, map(float, values), strict=True))
-    return Playing(**given | {"locks": int(given["locks"]), "one_piece": bool(given["one_piece"])})
+class _Quiet(WSGIRequestHandler):
+    """Not a line for each request, and no thread for one that never ends."""
+
+    timeout = PATIENCE
+
+    def log(self, type: str, message: str, *args: object) -> None:
+        if type == "error":
+            super().log(type, message, *args)
 
 
-def shown(*values: float) -> tuple[Any, ...]:
-    """What follows the sliders at once: pictures, words, three ways to copy it, and the values.
-
-    The curve is drawn after it: it takes as long as all else for each of its directions.
-    """
-    state = playing(values)
-    told = answers(state)
-    return (
-        list(values),
-        drawing(state),
-        weights(told),
-        told.words,
-        as_configuration(state),
-        as_python(state),
-        f"?{as_query(state)}",
-        *(f"{float(value):g}" for value in values),
-    )
-
-
-def drawn(values: Iterable[float]) -> go.Figure:
-    """The curve for the sliders' values."""
-    state = playing(values)
-    return curve(state, answers(state))
-
-
-def make_app() -> dash.Dash:
-    """The page as an application; its scripts are served from here."""
-    app = dash.Dash(
-        "multilock", title="multilock: a joint to play with", serve_locally=True, update_title=""
-    )
-    app.index_string = app.index_string.replace("<html>", '<html lang="en">')
-    app.layout = layout(Playing())
-    names = list(SLIDERS)
-
-    def begin(search: str) -> list[float]:
-        state = from_query(search or "")
-        return [float(getattr(state, name)) for name in SLIDERS]
-
-    app.callback(
-        [
-            Output("values", "data"),
-            *(Output(name, "figure") for name in ("drawing", "weights")),
-            *(Output(name, "children") for name in ("words", "yaml", "python", "link")),
-            *(Output(f"{name}-told", "children") for name in SLIDERS),
-        ],
-        [Input(name, "value") for name in names],
-    )(shown)
-    app.callback(Output("curve", "figure"), Input("values", "data"))(drawn)
-    app.callback([Output(name, "value") for name in names], Input("place", "search"))(begin)
-    return app
+def serve(port: int) -> tuple[BaseWSGIServer, Explorer]:
+    """The page on a port of this machine, any free one for 0; `SystemExit` if it is taken."""
+    explorer = Explorer()
+    return make_server(LOOPBACK, port, explorer, threaded=True, request_handler=_Quiet), explorer
 
 
 def main() -> None:
     """Serve the page until it is stopped."""
     parser = argparse.ArgumentParser(prog="make explore", description=__doc__)
-    parser.add_argument("--port", type=int, default=8050)
+    parser.add_argument("--port", type=int, default=8050, help="0: any that is free")
     arguments = parser.parse_args()
-    logging.getLogger("werkzeug").setLevel(logging.ERROR)  # not a line for each request
+    if not 0 <= arguments.port <= MOST_PORT:
+        sys.exit(f"--port must be from 0 to {MOST_PORT} (got {arguments.port})")
     try:
-        server = make_server(LOOPBACK, arguments.port, make_app().server, threaded=True)
+        server, explorer = serve(arguments.port)
     except SystemExit:  # it has said why
         sys.exit(f"port {arguments.port} is taken; choose another with --port")
-    print(f"Open http://{LOOPBACK}:{arguments.port} (stop with Ctrl+C)", flush=True)
+    Thread(target=explorer.warm_up, daemon=True).start()
+    print(f"Open http://{LOOPBACK}:{server.port} (stop with Ctrl+C)", flush=True)
     server.serve_forever()  # until Ctrl+C
 
 

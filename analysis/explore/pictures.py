@@ -1,25 +1,26 @@
-"""What the page shows of a joint: its V-M curve, its locks' weights, and a drawing."""
+"""What the page shows of a joint: its V-M curve, its locks' weights, and a drawing, as data."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import lru_cache
-
-import plotly.graph_objects as go
+from typing import Any
 
 from analysis.explore.state import Playing
 from analysis.looks import BLUE, GREY, look_of
-from analysis.outlines import MM, outlines
+from analysis.outlines import outlines
 from sidmacib.chain.failure import first_failure
-from sidmacib.chain.rule import RULES, LawCapacity
+from sidmacib.chain.rule import RULES, LawCapacity, law
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.spread import static_capacity
+from sidmacib.pieces import assemble
 from sidmacib.weights import lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
-FONT = {"size": 13}
+SYMBOLS = {"law": "x", "safe": "star"}
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Answers:
 def peak(joint: Joint, ratio: float) -> Peak | None:
     """The static model on its coarsest mesh; None if the joint carries nothing.
 
-    Of pieces that bend, where it takes minutes, the first failure of the law.
+    Of pieces that bend, where it takes minutes, the law's first failure; None where it refuses.
     """
     direction = Direction(ratio)
     return _peak(joint, direction) if joint.elastic is None else _first_failure(joint, direction)
@@ -61,6 +62,7 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     try:
+        law(joint, direction)  # refuses what nobody has looked at
         state = first_failure(joint, Loading(direction))
     except (CapacityError, ValueError):
         return None
@@ -69,6 +71,30 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
         for lock, x, y in zip(joint.numbers, state.force_x, state.force_y, strict=True)
     )
     return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
+
+
+@lru_cache(maxsize=512)
+def spread_words(joint: Joint, ratio: float) -> str:
+    """How far the static model's peak spreads along e / a, and what counts where it is too far.
+
+    It takes longer than the peak: it stands in the legend of the curve, which is drawn last. Empty
+    where there is no such peak.
+    """
+    if joint.elastic is not None:
+        return ""
+    direction = Direction(ratio)
+    assembly = assemble(joint, COARSE * joint.least_side)
+    try:
+        found = static_capacity(assembly, lateral_load(joint, assembly, Loading(direction)))
+    except CapacityError:
+        return ""
+    spread = 100.0 * found.spread
+    if found.is_peak:
+        return f" (spread {spread:.1f} % at {ratio:g} a)"
+    return (
+        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: count on the first failure, "
+        f"V = {found.load * direction.shear:.4g} N)"
+    )
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
@@ -88,12 +114,13 @@ def answers(state: Playing) -> Answers:
     """Peak, law and safe rule at the chosen eccentricity; a refusal is told, not raised."""
     joint, ratio = state.joint, state.eccentricity
     found = peak(joint, ratio)
-    what = "peak" if joint.elastic is None else "first failure"
-    words = (
-        f"At e = {ratio:g} a nothing carries the load."
+    rigid = joint.elastic is None
+    what = "peak" if rigid else "first failure"
+    nothing = "nothing carries the load." if rigid else "no first failure is known."
+    words = f"{joint.locks} locks, e = {ratio:g} a: " + (
+        nothing
         if found is None
-        else f"At e = {ratio:g} a the {what} is at V = {found.shear:.4g} N, M = {found.torque:.3g} "
-        "N m."
+        else f"{what} at V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
     )
     rules: dict[str, LawCapacity] = {}
     try:
@@ -106,88 +133,41 @@ def answers(state: Playing) -> Answers:
     return Answers(found, rules, words)
 
 
-def curve(state: Playing, told: Answers) -> go.Figure:
-    """The V-M curve of peaks, and what law and safe rule say at the chosen eccentricity."""
-    figure = go.Figure()
-    ratios = sorted({*RATIOS, state.eccentricity})
-    points = [found for ratio in ratios if (found := peak(state.joint, ratio)) is not None]
-    bends = state.joint.elastic is not None
-    what, model = ("first failure", look_of("law")) if bends else ("peak", look_of("static"))
-    figure.add_scatter(
-        x=[point.shear for point in points],
-        y=[point.torque for point in points],
-        name=f"{what}, {model.name}",
-        mode="lines+markers",
-        line={"color": model.colour},
-    )
-    marks = {"law": ("first failure, law", "x"), "safe": (look_of("safe").name, "star")}
-    for name, (words, symbol) in marks.items():
-        if name in told.rules:
-            own = told.rules[name]
-            figure.add_scatter(
-                x=[own.shear],
-                y=[own.torque],
-                name=words,
-                mode="markers",
-                marker={"color": look_of(name).colour, "symbol": symbol, "size": 12},
-            )
-    return _laid_out(figure, "shear V (N)", "torque M (N m)")
+def ratios(state: Playing) -> tuple[float, ...]:
+    """The directions of the curve, e / a: the chosen one among them."""
+    return tuple(sorted({*RATIOS, state.eccentricity}))
 
 
-def weights(told: Answers) -> go.Figure:
-    """What each lock carries over its strength, where the joint carries most or first fails."""
-    figure = go.Figure()
-    if told.peak is not None:
-        for block, colour in (("upper", BLUE), ("lower", GREY)):
-            own = [each for each in told.peak.shares if each.block == block]
-            figure.add_bar(
-                x=[f"{each.lock}" for each in own],
-                y=[each.weight for each in own],
-                name=f"{block} block",
-                marker_color=colour,
-            )
-        figure.update_xaxes(
-            categoryorder="array", categoryarray=[f"{e.lock}" for e in told.peak.shares]
-        )
-    figure = _laid_out(figure, "lock", "weight")
-    figure.update_yaxes(range=[0, 1.05])
-    return figure
-
-
-def drawing(state: Playing) -> go.Figure:
-    """The joint from the side: upper block blue, lower block grey, locks numbered."""
-    joint, figure = state.joint, go.Figure()
-    for piece in outlines(joint):
-        (_, left, low), (_, right, high) = piece.low, piece.high
-        figure.add_shape(
-            type="rect",
-            x0=left,
-            x1=right,
-            y0=low,
-            y1=high,
-            fillcolor=BLUE if piece.upper else GREY,
-            opacity=0.9 if piece.lock is not None else (0.4 if piece.upper else 0.5),
-            line={"color": "#1c1f24", "width": 1},
-        )
-        if piece.lock is not None:
-            middle = {"x": (left + right) / 2, "y": (low + high) / 2}
-            figure.add_annotation(**middle, text=str(piece.lock), showarrow=False)
-    width, top, bottom = MM * joint.total_width, MM * (joint.h + joint.H), -MM * joint.H
-    figure.add_annotation(x=0, y=top / 2, ax=-60, ay=0, text="V", showarrow=True, arrowwidth=2)
-    figure = _laid_out(figure, "y (mm)", "z (mm)")
-    figure.update_xaxes(range=[-0.15 * width, 1.05 * width])
-    figure.update_yaxes(scaleanchor="x", range=[bottom, 1.1 * top])
-    return figure
-
-
-def _laid_out(figure: go.Figure, x: str, y: str) -> go.Figure:
-    figure.update_layout(
-        margin={"l": 60, "r": 15, "t": 15, "b": 50},
-        font=FONT,
-        plot_bgcolor="white",
-        xaxis={"title": {"text": x}, "gridcolor": "#dddddd", "rangemode": "tozero"},
-        yaxis={"title": {"text": y}, "gridcolor": "#dddddd", "rangemode": "tozero"},
-        legend={"orientation": "h", "y": 1.08},
-        uirevision="same",
-    )
-    return figure
+def pictures(state: Playing, told: Answers) -> dict[str, Any]:
+    """What the page draws: points in the V-M plane, weights, the joint from the side (mm)."""
+    own = "static" if state.joint.elastic is None else "law"
+    what = "peak" if state.joint.elastic is None else "first failure"
+    return {
+        "curve": {
+            "name": f"{what}, {look_of(own).name}",
+            "colour": look_of(own).colour,
+            "shear": [told.peak.shear] if told.peak else [],
+            "torque": [told.peak.torque] if told.peak else [],
+        },
+        "marks": [
+            {
+                "name": "first failure, law" if name == "law" else look_of(name).name,
+                "colour": look_of(name).colour,
+                "symbol": SYMBOLS[name],
+                "shear": rule.shear,
+                "torque": rule.torque,
+            }
+            for name, rule in told.rules.items()
+        ],
+        "shares": [asdict(share) for share in (told.peak.shares if told.peak else ())],
+        "colours": {"upper": BLUE, "lower": GREY},
+        "pieces": [
+            {
+                "lock": piece.lock,
+                "block": "upper" if piece.upper else "lower",
+                "low": piece.low[1:],
+                "high": piece.high[1:],
+            }
+            for piece in outlines(state.joint)
+        ],
+    }

@@ -1,13 +1,46 @@
-"""The joint on the page: its parameters, and how they are written as file, as Python, as a link."""
+"""The joint on the page: its sliders, and how it is written as file, as Python, as a link."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Joint, UpperBody
 from sidmacib.mechanics.assembly import Elastic
+
+MOST_NAMES = 40  # in a link
+SHORT = 24  # letters of a value or a name that is told back
+
+
+@dataclass(frozen=True)
+class Slider:
+    """The values that a parameter may have, and its words: what it is, and its unit."""
+
+    least: float
+    most: float
+    step: float
+    words: str
+
+    def nearest(self, value: float) -> float:
+        """The value of the slider that is nearest to ``value``, which may be infinite."""
+        inside = min(max(value, self.least), self.most)
+        return round(self.least + round((inside - self.least) / self.step) * self.step, 9)
+
+
+SLIDERS = {
+    "locks": Slider(2, 31, 1, "locks n"),
+    "a": Slider(15, 150, 1, "length of a lock a (mm)"),
+    "b": Slider(20, 100, 1, "width of a lock b (mm)"),
+    "h": Slider(3, 40, 0.5, "height of a lock h (mm)"),
+    "H": Slider(15, 150, 1, "height of the body H (mm)"),
+    "cohesion": Slider(10, 300, 5, "cohesion (kPa)"),
+    "friction": Slider(0, 0.8, 0.01, "friction"),
+    "young": Slider(0, 50, 1, "E (GPa), 0: rigid"),
+    "pressure": Slider(0, 200, 5, "pressure on top (kPa), 0: fixed plate"),
+    "eccentricity": Slider(0, 3, 0.05, "eccentricity e / a"),
+    "one_piece": Slider(0, 1, 1, "upper body: columns (0), one piece (1)"),
+}
 
 
 @dataclass(frozen=True)
@@ -46,30 +79,79 @@ class Playing:
             hold_down=HoldDown.pressure(1e3 * self.pressure) if self.pressure else HoldDown.plate(),
         )
 
+    @property
+    def values(self) -> dict[str, float]:
+        """The value of each slider."""
+        return {name: float(value) for name, value in asdict(self).items()}
+
+
+@dataclass(frozen=True)
+class Understood:
+    """What the sliders are after a request, and in a line each what was asked for and is not."""
+
+    state: Playing
+    told: tuple[str, ...]
+
+
+def understood(given: Mapping[str, object]) -> Understood:
+    """The joint nearest to ``given`` that the sliders allow; what is not given is as at first."""
+    first = Playing().values
+    values, told = dict(first), []
+    for name, value in given.items():
+        if name not in SLIDERS:
+            told.append(f"{_short(name)} is no parameter.")
+            continue
+        number = _number(value)
+        slider = SLIDERS[name]
+        values[name] = first[name] if number is None else slider.nearest(number)
+        shown = f"; {values[name]:g} is shown."
+        if number is None:
+            told.append(f"{name}: {_short(value)} is not a number{shown}")
+        elif not slider.least <= number <= slider.most:
+            told.append(f"{name}: {number:g} is outside {slider.least:g} to {slider.most:g}{shown}")
+        elif not math.isclose(values[name], number, abs_tol=1e-9):
+            told.append(f"{name}: {number:g} lies between steps of {slider.step:g}{shown}")
+    state = Playing(
+        **values | {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}  # type: ignore[arg-type]
+    )
+    return Understood(state, tuple(told))
+
+
+def _number(value: object) -> float | None:
+    """A number, infinite if it is too large; None if ``value`` is none."""
+    if not isinstance(value, str | int | float):
+        return None
+    try:
+        number = float(value)
+    except OverflowError:
+        return math.inf if int(value) > 0 else -math.inf
+    except ValueError:
+        return None
+    return None if math.isnan(number) else number
+
+
+def _short(value: object) -> str:
+    """What was given, with its end left out if it is long."""
+    text = value if isinstance(value, str) else type(value).__name__
+    text = "".join(letter if letter.isprintable() else "?" for letter in text[: SHORT + 1])
+    return f"'{text}'" if len(text) <= SHORT else f"'{text[:SHORT]}…'"
+
 
 def as_query(state: Playing) -> str:
     """The part of a link behind ``?``: what is not as at first."""
-    told = {k: v for k, v in asdict(state).items() if v != getattr(Playing(), k)}
-    return urlencode({key: int(value) if value is True else value for key, value in told.items()})
+    first = Playing().values
+    return urlencode({k: f"{v:g}" for k, v in state.values.items() if v != first[k]})
 
 
-def from_query(query: str) -> Playing:
-    """The state in a link; what is no parameter, or not possible, is left as at first."""
-    kinds = {name: type(value) for name, value in asdict(Playing()).items()}
-    found: dict[str, Any] = {}
-    for key, text in parse_qsl(query.lstrip("?")):
-        try:
-            value = float(text)
-        except ValueError:
-            continue
-        if key in kinds and math.isfinite(value):
-            found[key] = kinds[key](value)
-    state = Playing(**found)
+def from_query(query: str) -> Understood:
+    """The joint in a link, and what of the link is not shown as it says."""
     try:
-        _ = state.joint
+        given = dict(
+            parse_qsl(query.lstrip("?"), keep_blank_values=True, max_num_fields=MOST_NAMES)
+        )
     except ValueError:
-        return Playing()
-    return state
+        return Understood(Playing(), (f"The link has more than {MOST_NAMES} parameters.",))
+    return understood(given)
 
 
 def as_configuration(state: Playing) -> str:

@@ -1,7 +1,7 @@
 """Which figures a study has. To add one: an entry here and a function in a module beside it."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from workflow.case import REFERENCE, Case
@@ -59,17 +59,17 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         interlocking = sample in study.interlocking
         if interlocking:
             yield FigureSpec(f"options-{sample}", "options", sample)
-        followed = [model for model in detailed if model in study.models_of(sample)]
-        own_engines = [model for model in study.dem.engines if model in study.models_of(sample)]
+        here = study.models_of(sample)
+        followed = [m for m in detailed if m in here and study.whole_curve(sample, m)]
+        own_engines = [model for model in study.dem.engines if model in here]
         for model in dict.fromkeys((*followed[:1], *own_engines)):
-            own = [case for case in cases if case.model == model and case.sample == sample]
+            own = _stress_cases(cases, study, model, sample)
+            if not own:
+                continue
             suffix = "" if model == followed[0] else f"-{model}"
             for kind, case in (
-                ("shear_stress", _stress_case(own, study, lambda ratio: ratio)),
-                (
-                    "torsion_stress",
-                    _stress_case(own, study, lambda ratio: abs(ratio - study.figures.eccentricity)),
-                ),
+                ("shear_stress", _nearest(own, 0.0)),
+                ("torsion_stress", _nearest(own, study.figures.eccentricity)),
             ):
                 yield FigureSpec(f"{kind}-{sample}{suffix}", kind, sample, case)
         if interlocking and set(REVISED) & set(study.sidmacib.reductions):
@@ -83,8 +83,13 @@ def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
         yield FigureSpec("fracture_energy", "fracture_energy")
 
 
-def _stress_case(own: list[Case], study: Study, distance: Callable[[float], float]) -> Case:
-    """The case of the reference variant, at the stress maps' mesh, with the least ``distance``."""
+def _stress_cases(cases: list[Case], study: Study, model: str, sample: str) -> list[Case]:
+    """Those of the reference variant, at the mesh of the stress maps."""
     mesh = study.figures.mesh or min(study.meshes)
-    shown = [case for case in own if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
-    return min(shown, key=lambda case: distance(case.direction.eccentricity))
+    own = [case for case in cases if case.model == model and case.sample == sample]
+    return [case for case in own if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
+
+
+def _nearest(own: list[Case], ratio: float) -> Case:
+    """The case whose eccentricity over a is next to ``ratio``."""
+    return min(own, key=lambda case: abs(case.direction.eccentricity - ratio))

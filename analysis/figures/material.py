@@ -49,8 +49,10 @@ class Material:
         return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
 
     def detailed_of(self, sample: str) -> tuple[str, ...]:
-        """The detailed models that run on a sample, the leading one first."""
-        return tuple(model for model in self.detailed if model in self.study.models_of(sample))
+        """The detailed models that run on the whole of a sample, the leading one first."""
+        own = self.study.models_of(sample)
+        whole = (model for model in self.detailed if self.study.whole_curve(sample, model))
+        return tuple(model for model in whole if model in own)
 
     @property
     def leading(self) -> str:

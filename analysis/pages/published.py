@@ -154,7 +154,8 @@ def models(results: Path) -> str:
     finest = table[table["mesh_m"].eq(table["mesh_m"].min()) & table["sample"].isin(samples)]
     shown = [*engines, WITNESS]
     rows = []
-    for (locks, e), part in finest[finest["ratio"].isin(SHOWN)].groupby(["locks", "ratio"]):
+    parts = finest[finest["ratio"].isin(SHOWN)].groupby(["locks", "sample", "ratio"])
+    for (_, sample, e), part in parts:
         own = part.set_index("model")
         cells = [
             f"{own.loc[name, 'first_failure_load_N']:.2f}, {own.loc[name, 'load_N']:.2f}"
@@ -162,10 +163,10 @@ def models(results: Path) -> str:
             else NONE
             for name in shown
         ]
-        rows.append([f"{locks}", direction(float(e)), *cells])
+        rows.append([str(sample), direction(float(e)), *cells])
     mesh = f"{table['mesh_m'].min():g}"
     names = [f"{look_of(name).name} (N)" for name in shown]
-    return markdown([f"locks, mesh {mesh} m", "e / a", *names], rows)
+    return markdown([f"sample, mesh {mesh} m", "e / a", *names], rows)
 
 
 def agreement(results: Path) -> str:

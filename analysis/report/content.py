@@ -15,9 +15,10 @@ from sidmacib.chain.pairs import pairs_of
 from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.path import SPREAD_LIMIT
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
-from workflow.models import MODELS, Obtained
+from workflow.models import MODELS, WITNESS, Obtained
 from workflow.schema import Study
 from workflow.times import read_times
 
@@ -74,6 +75,7 @@ def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, 
         *_agreement(tables["cases"]),
         *_safe_rule(tables["capacity"], leading_models(tables["fit"])),
         *_mesh(tables["capacity"], study),
+        *verdict_of_spread(tables["capacity"]),
         {
             "title": "What is assumed",
             "text": "The positions of the contact points."
@@ -174,6 +176,40 @@ def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
     return [{"title": "Largest mesh error", "text": f"{words}.", "kind": "note"}]
 
 
+def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
+    """Which capacities of the static model are first failures, as peaks spread too far."""
+    spread = capacity["peak_spread"].dropna()
+    if spread.empty:
+        return []
+    far = int((spread > SPREAD_LIMIT).sum())
+    words = (
+        f"At most {100 * spread.max():.2f} %"
+        if not far
+        else (
+            f"Above {100 * SPREAD_LIMIT:g} % in {far} of {len(spread)} capacities, up to "
+            f"{100 * spread.max():.0f} % or more: there the first failure is told, and is no peak"
+        )
+    )
+    return [
+        {
+            "title": "Spread of the static model's peaks",
+            "text": f"{words}, under changes of the input by 1e-9.",
+            "kind": "bad" if far else "good",
+        }
+    ]
+
+
+def _ends(cases: pd.DataFrame) -> dict[str, str]:
+    """What the end of the static model's path is, by case, where peaks spread too far."""
+    own = cases[cases["model"].eq(WITNESS) & cases["variant"].eq(REFERENCE)]
+    far = own[own["peak_spread"] > SPREAD_LIMIT]
+    return {
+        row.case: f"The capacity is the first failure, {row.first_failure_load_N:.4g} N: peaks "
+        f"spread by {100 * float(row.peak_spread):.0f} % or more. End of this path"
+        for row in far.itertuples()
+    }
+
+
 def times_of(results: Path) -> list[list[Any]]:
     """Seconds of each kind of job: on the clock, of processors; how many there were."""
     found: dict[str, list[float]] = {}
@@ -191,6 +227,7 @@ def content(
     """All that the page is made from; ``shown``: tables that it has in full."""
     cases = shown_cases(cases_of(study).values())
     samples = {case.sample: case for case in cases}
+    ends = _ends(tables["cases"])
     return {
         "samples": list(study.samples),
         "meshes": sorted(study.meshes),
@@ -202,7 +239,7 @@ def content(
             for name in study.sidmacib.options
         },
         "verdict": verdict(tables, study),
-        "paths": paths_of(cases),
+        "paths": [path | {"end": ends.get(path["case"], "Peak")} for path in paths_of(cases)],
         "pieces": {name: pieces_of(case) for name, case in samples.items()},
         "law": {name: law_of(study.joint(name)) for name in study.interlocking},
         "tables": {name: plain(tables[name]) for name in shown},

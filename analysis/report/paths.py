@@ -61,6 +61,7 @@ def path_of(case: Case) -> dict[str, Any] | None:
     most = int(np.clip(NODE_STATES // sum(map(len, nodes)), 2, STEPS))
     chosen = np.unique(np.linspace(0, len(path) - 1, most).round().astype(int))
     return {
+        "case": case.key,
         "sample": case.sample,
         "mesh": case.mesh,
         "eccentricity": _spelled(case.direction.eccentricity),

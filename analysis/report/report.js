@@ -5,7 +5,8 @@ const COLOURS = DATA.series;
 const MARKS = ["circle-open", "x", "square-open", "diamond-open", "triangle-up-open"];
 const DASHES = ["solid", "dash", "dot", "dashdot", "longdash"];
 const LAYOUT = { margin: { l: 60, r: 20, t: 20, b: 50 }, font: { size: 13 }, legend: { orientation: "h", y: -0.2 }, paper_bgcolor: "white", plot_bgcolor: "white" };
-const CONFIG = { displaylogo: false, responsive: true };
+// By default every plot offers to upload itself to a cloud.
+const CONFIG = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "" };
 const at = (id) => document.getElementById(id);
 const unique = (values) => [...new Set(values)];
 const records = (table) => table.rows.map((row) => Object.fromEntries(table.columns.map((name, k) => [name, row[k]])));
@@ -140,7 +141,7 @@ function drawOrder(path, step) {
   Plotly.react("order-plot", traces, Object.assign({}, LAYOUT, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest use of what is bonded", { rangemode: "tozero" }), showlegend: true }), CONFIG);
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${short(last.load)} N.`;
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {
@@ -305,7 +306,9 @@ function tableRow(row) {
 
 function download() {
   const { columns, rows } = shownRows();
-  const cell = (value) => (value === null ? "" : /[",\n]/.test(String(value)) ? `"${String(value).replaceAll('"', '""')}"` : String(value));
+  const plainly = (value) => (/^[=+\-@\t\r]/.test(value) ? `'${value}` : value); // no formula of a spreadsheet
+  const told = (value) => (typeof value === "string" ? plainly(value) : String(value ?? ""));
+  const cell = (value) => (/[",\n\r]/.test(told(value)) ? `"${told(value).replaceAll('"', '""')}"` : told(value));
   const text = [columns, ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));

@@ -1,35 +1,40 @@
-"""What is told of one joint: rows of names and values, with units in the names."""
+"""What is told of one joint: rows of names and values, with units in the names.
+
+Models are imported where they are asked: a solver takes longer to load than the law to answer.
+"""
 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from sidmacib.chain.pairs import bearing_pairs, pairs_of
-from sidmacib.chain.rule import law, safe
-from sidmacib.contact_points import OPTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.limit import limit_load
-from sidmacib.pieces import assemble
-from sidmacib.programme import Sidmacib, capacity
-from sidmacib.revision import active
-from sidmacib.weights import lock_weights
+from sidmacib.loading import Loading, Push
+
+if TYPE_CHECKING:
+    from sidmacib.mechanics.path import StaticSolution
+    from sidmacib.mechanics.spread import StaticCapacity
 
 Row = dict[str, Any]
-# Meshes over the shorter side of a lock, coarse and fine: their difference is the mesh error of the
-# fine one, as errors are taken as proportional to the mesh. Pieces that bend take much longer.
+# Meshes over the shorter side of a lock, coarse and fine: they tell the mesh error of the fine one.
+# Pieces that bend take much longer.
 RIGID, BENT = (0.4995, 0.24975), (0.999, 0.4995)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A model's load (N) along a direction, and what it says beside; None: no such load."""
+    """A model's load (N) along a direction, and what it says beside; None: no such load.
+
+    ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
+    `sidmacib.mechanics.spread`.
+    """
 
     load: float | None
     note: str = ""
+    first_failure: float | None = None
+    mesh_error: float | None = None
+    peak_spread: float | None = None
 
 
 def _meshes(joint: Joint) -> tuple[float, float]:
@@ -44,29 +49,71 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 
 
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.rule import law
+
     return Answer(law(joint, direction, push).load, "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.rule import safe
+
     return Answer(safe(joint, direction, push).load, "for design")
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    loading = Loading(direction, push=push)
-    coarse, fine = (load_path(joint, loading, mesh)[1] for mesh in _meshes(joint))
-    error = coarse.peak.load / fine.peak.load - 1.0
-    first = fine.first_failure_load / fine.peak.load
-    told = f"first failure at {100.0 * first:.0f} % of it; mesh error {100.0 * abs(error):.1f} %"
-    return Answer(float(fine.peak.load), f"peak; {told}")
+    from sidmacib.load_path import load_path
+    from sidmacib.loading import lateral_load
+    from sidmacib.mechanics.spread import static_capacity
+    from sidmacib.pieces import assemble
+
+    loading, meshes = Loading(direction, push=push), _meshes(joint)
+    coarse = load_path(joint, loading, meshes[0])[1]
+    assembly = assemble(joint, meshes[1])
+    found = static_capacity(assembly, lateral_load(joint, assembly, loading))
+    if not (found.load > 0.0 and coarse.peak.load > 0.0):
+        return Answer(float(found.load), "nothing is carried", peak_spread=found.spread)
+    note = (
+        "peak"
+        if found.is_peak
+        else f"first failure; peaks behind it spread by {100.0 * found.spread:.0f} % or more"
+    )
+    first = float(found.solution.first_failure_load / found.load)
+    error = _mesh_error(joint, coarse, found)
+    return Answer(float(found.load), note, first, float(error), found.spread)
+
+
+def _mesh_error(joint: Joint, coarse: "StaticSolution", found: "StaticCapacity") -> float:
+    """Of what was ``found`` on the finer mesh."""
+    from sidmacib.mechanics.assembly import NodeLayout
+    from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
+
+    both = coarse, found.solution
+    cells = [cells_of(joint, mesh) for mesh in _meshes(joint)]
+    if found.is_peak:
+        kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
+        loads = [one.peak.load for one in both]
+    else:
+        kind = LoadKind.FIRST_FAILURE
+        loads = [one.first_failure_load for one in both]
+    return mesh_errors(dict(zip(cells, loads, strict=True)), NodeLayout.LOBATTO, kind)[cells[1]]
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.loading import lateral_load
+    from sidmacib.mechanics.limit import limit_load
+    from sidmacib.pieces import assemble
+
     assembly = assemble(joint, _meshes(joint)[1])
     loads = lateral_load(joint, assembly, Loading(direction, push=push))
     return Answer(float(limit_load(assembly, loads).load), "bonds that yield, no friction")
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.chain.pairs import bearing_pairs
+    from sidmacib.contact_points import OPTIONS
+    from sidmacib.programme import Sidmacib, capacity
+    from sidmacib.revision import active
+
     counted = bearing_pairs(joint, push)
     model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
     return Answer(
@@ -74,6 +121,7 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
     )
 
 
+ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
 MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
     "safe": _safe,
     "law": _law,
@@ -96,8 +144,8 @@ def capacity_rows(
         for name in models:
             try:
                 answer = MODELS[name](joint, direction, push)
-            except (CapacityError, ValueError) as error:
-                answer = Answer(None, " ".join(str(error).split()))
+            except ERRORS as error:
+                answer = Answer(None, reason(error))
             load = answer.load
             rows.append(
                 {
@@ -105,14 +153,28 @@ def capacity_rows(
                     "model": name,
                     "V (N)": None if load is None else load * direction.shear,
                     "M (N m)": None if load is None else load * direction.torque * joint.a,
+                    "first failure / load": answer.first_failure,
+                    "mesh error / load": answer.mesh_error,
+                    "peak spread": answer.peak_spread,
                     "note": answer.note,
                 }
             )
     return rows
 
 
+def reason(error: Exception) -> str:
+    """Why a model has no answer, in one line."""
+    told = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, ArithmeticError):
+        return f"numbers are too large or too small for the model ({told})"
+    return told
+
+
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
+    from sidmacib.load_path import load_path
+    from sidmacib.weights import lock_weights
+
     loading = Loading(Direction(ratio), push=push)
     assembly, solution = load_path(joint, loading, _meshes(joint)[1])
     return [
@@ -135,12 +197,18 @@ def _without_noise(force: float, joint: Joint) -> float:
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
     """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    from sidmacib.chain.pairs import pairs_of
+
     pairs = pairs_of(joint, push)
     told: list[tuple[str, Any, str]] = [
         ("pairs that bear", pairs.count, "(n - 1) / 2 of an odd joint"),
         ("locks that work, closed form", pairs.working, "smooth columns, V over T0"),
         ("locks that work among any number", _finite(pairs.most), "closed form"),
-        ("transfer length", _finite(pairs.transfer_length), "pairs over which forces fall by e"),
+        (
+            "transfer length",
+            _finite(pairs.transfer_length),
+            "pairs over which forces fall to 1/2.718",
+        ),
     ]
     for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
         load = row["V (N)"]

@@ -8,15 +8,16 @@ from pathlib import Path
 from typing import Any
 
 import click
-import yaml
 
 from sidmacib.doubts import doubts
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.validation import refused
 
-BIGGEST_FILE = 100_000  # bytes
+MOST_LOCKS = 300  # that a command takes: the static model of more takes minutes
+NO_FLAGS = {"inner", "dry", "elastic", "different", "first"}  # of a Joint, given in parts or not
 FACES = {  # what a flag changes: the face's law, and its keys
     "cohesion": ("inner", ("cohesion",)),
     "tensile_strength": ("inner", ("tensile_strength",)),
@@ -28,10 +29,6 @@ FACES = {  # what a flag changes: the face's law, and its keys
 }
 FLAGS = {  # of the keys in messages
     **{key: f"-{key}" for key in "abhH"},
-    "inner.cohesion": "--cohesion",
-    "dry.friction": "--friction",
-    "young": "--young",
-    "poisson": "--poisson",
 }
 
 
@@ -108,8 +105,8 @@ _OPTIONS = (
     ),
     click.option(
         "--file",
-        type=click.Path(exists=True, dir_okay=False, path_type=Path),
-        help="A joint as YAML, with the same names; what a flag says counts more.",
+        type=click.Path(path_type=Path),
+        help="YAML file with the same names as the flags. Flags override the file.",
     ),
 )
 
@@ -124,70 +121,113 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
 def joint_of(given: Mapping[str, Any]) -> Joint:
     """The joint of these flags, by name; those that are None are not given.
 
-    `click.UsageError` that names flag, value and what is allowed.
+    `click.UsageError` that names the flag or the file's key, the value and what is allowed.
     """
-    told = {key: value for key, value in given.items() if value is not None}
-    path = told.pop("file", None)
+    flags = {key: value for key, value in given.items() if value is not None}
+    path = flags.pop("file", None)
+    in_file = _from_file(path) if path is not None else {}
     try:
-        joint = _joint({**(_from_file(path) if path else {}), **told})
-        for doubt in doubts(joint):
-            click.echo(f"Note: {doubt}", err=True)
-        return joint
+        joint = _joint({**in_file, **flags})
     except (ValueError, TypeError) as error:
         key, colon, rest = str(error).partition(":")
+        key = key.partition(" ")[0]
+        if not colon:
+            raise click.UsageError(str(error)) from None
+        if key in in_file and key not in flags:
+            raise _in_file(path, f"{key}:{rest}") from None
         flag = FLAGS.get(key, f"--{key.replace('_', '-')}")
-        raise click.UsageError(f"{flag}{colon}{rest}" if colon else str(error)) from None
+        raise click.UsageError(f"{flag}:{rest}") from None
+    for doubt in doubts(joint):
+        click.echo(f"Note: {doubt}", err=True)
+    return joint
 
 
 def _joint(given: Mapping[str, Any]) -> Joint:
+    """The joint of these names and values; ValueError that begins with the name."""
     values = dict(given)
-    joint = Joint(values.pop("locks", 5))
+    locks = values.pop("locks", 5)
+    joint = Joint(locks)
+    if locks > MOST_LOCKS:
+        raise refused("locks", locks, f"at most {MOST_LOCKS} on the command line")
     for key, (face, names) in FACES.items():
         if key in values:
             value = values.pop(key)
-            law = replace(getattr(joint, face), **dict.fromkeys(names, value))
+            try:
+                law = replace(getattr(joint, face), **dict.fromkeys(names, value))
+            except ValueError as error:
+                raise ValueError(f"{key}:{str(error).partition(':')[2]}") from None
             joint = replace(joint, **{face: law})
-    young, poisson = values.pop("young", None), values.pop("poisson", 0.2)
+    young, poisson = values.pop("young", None), values.pop("poisson", None)
     if young is not None:
-        joint = replace(joint, elastic=Elastic(young, poisson))
+        elastic = Elastic(young) if poisson is None else Elastic(young, poisson)
+        joint = replace(joint, elastic=elastic)
+    elif poisson is not None:
+        raise ValueError(f"poisson: {poisson!r} has no effect on rigid pieces; give young too")
     for key, kind in (("upper_body", UpperBody), ("failure", Failure)):
         if key in values:
-            values[key] = kind(values[key])
+            values[key] = _member(kind, key, values[key])
     return replace(joint, **values)
 
 
-def _from_file(path: Path) -> dict[str, Any]:
-    """Names and values in a file; ValueError names what is wrong with it."""
-    if path.stat().st_size > BIGGEST_FILE:
-        raise ValueError(f"file: {path} is too large; it must have {BIGGEST_FILE} bytes or fewer")
+def _member(kind: type[StrEnum], key: str, value: Any) -> StrEnum:
     try:
-        content = yaml.safe_load(path.read_text())
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        raise ValueError(f"file: {path} is no YAML: {' '.join(str(error).split())}") from None
+        return kind(value)
+    except ValueError:
+        raise refused(key, _short(value), " or ".join(kind)) from None
+
+
+def _from_file(path: Path) -> dict[str, Any]:
+    """Names and values in a file; `click.UsageError` names what is wrong with it."""
+    # Not needed, and not loaded, where there is no file.
+    from sidmacib.yaml_text import TextError, read_yaml
+
+    try:
+        content = read_yaml(path)
+    except TextError as error:
+        raise _in_file(path, str(error)) from None
     if not isinstance(content, dict):
-        raise ValueError(f"file: {path} must have names and values, as in locks: 5")
-    known = {
-        *(field.name for field in fields(Joint)),
-        *(*FACES, "young", "poisson"),
-    } - {"inner", "dry", "elastic", "different", "first"}
+        raise _in_file(path, "it must have names and values, as in locks: 5")
+    known = {*(field.name for field in fields(Joint)), *FACES, "young", "poisson"} - NO_FLAGS
     for key in content:
         if key not in known:
-            raise ValueError(
-                f"file: {key} is no name of a joint's; they are {', '.join(sorted(known))}"
-            )
-    return {key: _value(key, value) for key, value in content.items()}
+            allowed = ", ".join(sorted(known))
+            raise _in_file(path, f"{_short(key)} is not known; it must be one of {allowed}")
+    try:
+        return {key: _value(key, value) for key, value in content.items()}
+    except ValueError as error:
+        raise _in_file(path, str(error)) from None
+
+
+def _in_file(path: Path, words: str) -> click.UsageError:
+    return click.UsageError(f"--file {_short(str(path), 100)}: {words}")
+
+
+def _short(value: Any, most: int = 60) -> str:
+    """A value in a message: one line, not long; text without quotes."""
+    shown = value if isinstance(value, str) and value.isprintable() else repr(value)
+    return shown if len(shown) <= most else f"{shown[:most]}..."
 
 
 def _value(key: str, value: Any) -> Any:
-    """A value of a file: YAML takes 8e4 for text."""
+    """The value of a file's ``key``, of the right kind; ValueError."""
     if key == "hold_down":
-        amount = (
-            f"{value}" if isinstance(value, str) else ":".join(map(str, next(iter(value.items()))))
-        )
-        return HoldDownType().convert(amount, None, None)
-    if isinstance(value, str) and key not in ("upper_body", "failure"):
-        try:
-            return float(value)
-        except ValueError:
-            raise ValueError(f"{key}: {value!r} is not a number") from None
-    return value
+        return _hold_down(value)
+    if key in ("upper_body", "failure"):
+        if not isinstance(value, str):
+            raise refused(key, _short(value), "a name")
+        return value
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{key}: {_short(value)} is not a number")
+    return value if key == "locks" else float(value)
+
+
+def _hold_down(value: Any) -> HoldDown:
+    """What holds the joint down: a word, or a mapping of one word to an amount."""
+    given: tuple[Any, ...] = (value,) if isinstance(value, str) else ()
+    if isinstance(value, Mapping) and len(value) == 1:
+        given = next(iter(value.items()))
+    try:
+        return HoldDown(Hold(given[0]), *given[1:])
+    except (IndexError, TypeError, ValueError):
+        allowed = "plate, weight, {force: 2000} (N) or {pressure: 2e4} (Pa)"
+        raise refused("hold_down", _short(value), f"one of {allowed}") from None

@@ -10,7 +10,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, draw, text_of
+from sidmacib.command.output import FORMATS, bars, curves, draw, text_of
 from sidmacib.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
@@ -20,27 +20,60 @@ CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
 _format = click.option(
     "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True
 )
+_picture = click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the answer into this file: .png, .svg or .pdf.",
+)
 _models = click.option(
     "-m", "--model", "models", multiple=True, type=click.Choice(MODELS), help="May be repeated."
 )
 
 
 # A line with \b alone has click leave the paragraph as it is.
-HELP = """Tell how much torsion and shear an interlocking joint with several locks takes.
+HELP = """Compute the shear and torsion capacity of a joint with several interlocking locks.
 
 \b
   multilock capacity -n 9 -e 0.3         loads of a joint of nine locks at e = 0.3 a
   multilock envelope --picture vm.png    its V-M curve
   multilock weights -n 5                 what each lock carries at the peak
   multilock law -n 9 -H 0.06             how many locks work
-  multilock cases config.yaml            a study's cases and their state
 
 Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
 completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
 """
 
 
-@click.group(context_settings=CONTEXT, help=HELP)
+WORKFLOW = Path("workflow", "state.py")  # in the project's folder only
+
+
+class Once(click.Command):
+    """A command that refuses an option given twice, of which click would take the last."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does; `click.UsageError` for an option that is there twice."""
+        if not ctx.resilient_parsing:  # of completion
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for option in order:
+                once = isinstance(option, click.Option) and not option.multiple
+                if once and order.count(option) > 1:
+                    words = "is given more than once; it must be given once"
+                    raise click.UsageError(f"{option.opts[0]} {words}", ctx)
+        return super().parse_args(ctx, args)
+
+
+class Commands(click.Group):
+    """The commands, of which ``cases`` is there where the workflow is."""
+
+    command_class = Once
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Names of the commands."""
+        names = super().list_commands(ctx)
+        return [name for name in names if name != "cases" or WORKFLOW.is_file()]
+
+
+@click.group(cls=Commands, context_settings=CONTEXT, help=HELP)
 @click.version_option(package_name="multilock")
 def main() -> None:
     """Everything but the help is in the commands."""
@@ -59,31 +92,40 @@ def main() -> None:
 )
 @_models
 @_format
+@_picture
 def capacity(
-    ratios: Sequence[float], models: Sequence[str], form: str, push: str, **joint: Any
+    ratios: Sequence[float],
+    models: Sequence[str],
+    form: str,
+    picture: Path | None,
+    push: str,
+    **joint: Any,
 ) -> None:
     """Shear and torque that a joint carries, after several models.
 
     safe is for design, law the best estimate of the first failure, static the peak of the joint's
-    pieces, limit what bonds that yield reach, sidmacib the published rule. Without a choice they
-    are safe, law and static; of pieces that bend, where static takes minutes, safe and law.
+    pieces, limit what bonds that yield reach, sidmacib the published rule. Default: safe, law and
+    static. For elastic pieces: safe and law only (static takes minutes).
     """
     from sidmacib.command.answers import capacity_rows, usual_models
 
     own = joint_of(joint)
-    rows = capacity_rows(own, ratios, models or usual_models(own), Push(push))
+    asked = list(dict.fromkeys(models or usual_models(own)))
+    rows = capacity_rows(own, list(dict.fromkeys(ratios)), asked, Push(push))
+    if picture is not None:
+        draw(curves(rows, f"{own.locks} locks"), picture)
     _show(rows, form)
 
 
 @contextmanager
 def _refused_in_one_line() -> Iterator[None]:
     """What a model says of a joint that it does not take, as click tells errors."""
-    from sidmacib.errors import CapacityError
+    from sidmacib.command.answers import ERRORS, reason
 
     try:
         yield
-    except (CapacityError, ValueError) as error:
-        raise click.ClickException(str(error)) from None
+    except ERRORS as error:
+        raise click.ClickException(reason(error)) from None
 
 
 def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
@@ -97,11 +139,7 @@ def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
 @joint_options
 @_models
 @_format
-@click.option(
-    "--picture",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Draw the curves into this file: .png, .svg or .pdf.",
-)
+@_picture
 def envelope(
     models: Sequence[str], form: str, picture: Path | None, push: str, **joint: Any
 ) -> None:
@@ -109,9 +147,10 @@ def envelope(
     from sidmacib.command.answers import capacity_rows
 
     own = joint_of(joint)
-    rows = capacity_rows(own, DIRECTIONS, models or ("safe", "law"), Push(push))
+    asked = list(dict.fromkeys(models or ("safe", "law")))
+    rows = capacity_rows(own, DIRECTIONS, asked, Push(push))
     if picture is not None:
-        draw(rows, picture, f"{own.locks} locks")
+        draw(curves(rows, f"{own.locks} locks"), picture)
     _show(rows, form)
 
 
@@ -121,13 +160,17 @@ def envelope(
     "-e", "--eccentricity", "ratio", type=EccentricityType(), default=0.0, help="e / a, or torsion."
 )
 @_format
-def weights(ratio: float, form: str, push: str, **joint: Any) -> None:
+@_picture
+def weights(ratio: float, form: str, picture: Path | None, push: str, **joint: Any) -> None:
     """What each lock carries at the peak, over its strength (static model)."""
     from sidmacib.command.answers import weight_rows
 
     own = joint_of(joint)
     with _refused_in_one_line():
-        click.echo(text_of(weight_rows(own, ratio, Push(push)), form))
+        rows = weight_rows(own, ratio, Push(push))
+    if picture is not None:
+        draw(bars(rows, f"weights of {own.locks} locks"), picture)
+    click.echo(text_of(rows, form))
 
 
 @main.command()
@@ -148,7 +191,7 @@ def law(form: str, push: str, **joint: Any) -> None:
 @_format
 def cases(config: Path, results: str | None, form: str) -> None:
     """A study's cases and their state; in the project's folder, where the workflow is."""
-    if not Path("workflow", "state.py").is_file():
+    if not WORKFLOW.is_file():
         raise click.ClickException("no workflow here; run this in the folder of the project")
     sys.path.insert(0, str(Path.cwd()))
     try:

@@ -3,16 +3,17 @@
 import csv
 import io
 import json
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.command.answers import Row
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from sidmacib.command.answers import Row
 
 DIGITS = 4
 FORMATS = ("table", "json", "csv")
@@ -21,9 +22,10 @@ COLOURS = {
     **{"safe": "#009e73", "law": "#8a6d00", "static": "#0072b2"},
     **{"limit": "#56b4e9", "sidmacib": "#cc79a7"},
 }
+BLOCKS = {"upper": "#0072b2", "lower": "#e69f00"}
 
 
-def text_of(rows: Sequence[Row], form: str) -> str:
+def text_of(rows: "Sequence[Row]", form: str) -> str:
     """``rows`` in one of `FORMATS`; JSON and CSV have all digits."""
     if form == "json":
         return json.dumps(list(rows), indent=1)
@@ -57,15 +59,35 @@ def _cell(value: Any) -> str:
     return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
 
 
-def draw(rows: Sequence[Row], path: Path, title: str) -> None:
-    """V-M curves of the models in ``rows``, into a file whose ending tells its kind."""
+def draw(figure: "Figure", path: Path) -> None:
+    """Write ``figure`` into a file whose ending tells its kind; `click.UsageError`."""
     try:
-        curves(rows, title).savefig(path, dpi=150)
-    except (OSError, ValueError) as error:
+        figure.savefig(path, dpi=150)
+    except OSError as error:
+        raise click.UsageError(f"--picture {path}: {error.strerror or error}") from None
+    except ValueError as error:
         raise click.UsageError(f"--picture {path}: {error}") from None
 
 
-def curves(rows: Sequence[Row], title: str) -> "Figure":
+def bars(rows: "Sequence[Row]", title: str) -> "Figure":
+    """The weight of each lock."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+    axes = figure.subplots()
+    for block, colour in BLOCKS.items():
+        own = [row for row in rows if row["block"] == block]
+        locks, weights = [row["lock"] for row in own], [row["weight"] for row in own]
+        axes.bar(locks, weights, color=colour, label=f"{block} block")
+    axes.set_xlabel("lock")
+    axes.set_ylabel("weight")
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.legend()
+    return figure
+
+
+def curves(rows: "Sequence[Row]", title: str) -> "Figure":
     """V-M curves of the models in ``rows``."""
     from matplotlib.figure import Figure
 
@@ -73,6 +95,7 @@ def curves(rows: Sequence[Row], title: str) -> "Figure":
     axes = figure.subplots()
     for model in dict.fromkeys(row["model"] for row in rows):
         own = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
+        own.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
         shear, torque = [r["V (N)"] for r in own], [r["M (N m)"] for r in own]
         axes.plot(shear, torque, "o-", ms=3, color=COLOURS.get(model), label=model)
     axes.set_xlabel("shear V (N)")

@@ -26,6 +26,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeL
 from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.memory import require_memory
 from sidmacib.mechanics.newton import node_laws
 from sidmacib.mechanics.path import Equilibrium, lifted_part
 from sidmacib.mechanics.quadrature import cell_counts, cells_along
@@ -37,6 +38,8 @@ RESIDUAL = 1e-9  # of the law, over the loads
 FLOOR = 1e-9  # of a node's stiffness: what is left where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: what holds a piece that nothing holds
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
+AT_A_TIME = 5.0  # matrices
+NUMBER = 8.0  # bytes
 DIGITS = 12  # of places, where shapes are compared
 
 
@@ -53,6 +56,8 @@ class DeformableSolver:
         self.kept = np.flatnonzero(np.column_stack([every, self.rough, self.rough]).ravel())
         self.stiffness = np.column_stack([normal, shear, shear]).ravel()[self.kept]
         self.node = self.kept // 3
+        what = f"elastic pieces with {len(self.kept):,} components of forces at contact nodes"
+        require_memory(memory_needed(assembly, self.kept), what)
         give, moved, self.own = _flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
         size = row_units(assembly)
@@ -197,6 +202,23 @@ class DeformableSolver:
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.own @ np.array([1.0, load]))
         return Equilibrium(load, jump, along, force, NodeState(found, state.whole))
+
+
+def memory_needed(assembly: Assembly, kept: Integers) -> float:
+    """Memory (bytes) that is needed at least for the node components ``kept``.
+
+    Some matrices of them, or of them and of a piece's degrees of freedom, are there at a time.
+    """
+    seen = np.bincount(assembly.nodes.face[kept // 3], minlength=len(assembly.faces))
+    step = 2 if assembly.layout is not NodeLayout.VERTICES else 1
+    most = 0.0
+    for number, piece in enumerate(assembly.pieces):
+        if piece.elastic is not None and not piece.fixed:
+            own = [number in (face.below, face.above) for face in assembly.faces]
+            freedoms = 3 * math.prod(step * (len(e) - 1) + 1 for e in _grid(assembly, number))
+            most = max(most, float(freedoms) * float(seen[own].sum()))
+    square = float(len(kept)) ** 2
+    return NUMBER * max(AT_A_TIME * square, square + AT_A_TIME * most)
 
 
 def _flexibility(

@@ -17,7 +17,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array
 
-from sidmacib.errors import SolverError
+from sidmacib.errors import CapacityError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import NodeLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
@@ -31,6 +31,7 @@ SMALL = (1e-5, 1e-7, 1e-9)
 LOST = 1e-8  # of the load, at most, to the second aim
 LARGEST = 10.0  # force of a node over its part of the scale, about, where forces concentrate
 WHAT = "limit analysis"
+MOST_MEMORY = 2**31  # bytes, of the equations of equilibrium
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
             "friction: true is not possible under a fixed plate, where associated friction has no "
             "limit; put a force in its place"
         )
+    _require_room(assembly)
     programme = _Programme(assembly, loads, friction)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = programme.constraints(load, force)
@@ -78,6 +80,17 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
         # Noise is rounded away; plus 0: no -0 in tables.
         programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, digits) + 0.0),
     )
+
+
+def _require_room(assembly: Assembly) -> None:
+    """`CapacityError` if the equations of ``assembly``, kept as a full matrix, are too large."""
+    pieces, nodes = len(assembly.pieces), len(assembly.nodes.area)
+    size = 8 * (6 * pieces) * (3 * nodes)
+    if size > MOST_MEMORY:
+        raise CapacityError(
+            f"{WHAT}: {pieces:,} pieces with {nodes:,} nodes would take {size / 2**30:.1f} GiB; "
+            f"they must take {MOST_MEMORY / 2**30:g} GiB or less: fewer locks or a coarser mesh"
+        )
 
 
 class _Programme:

@@ -10,6 +10,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
 
 LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
+SPREAD_LIMIT = 0.02  # of a peak, see `sidmacib.mechanics.spread`; above it the first failure counts
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from pathlib import Path
 from workflow.engines import Engine, own_environment
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
+from workflow.engines.scripts.records import NO_ANSWER
 from workflow.results.files import OUTPUTS
 
 TAIL_LINES = 20
@@ -23,6 +24,10 @@ KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was 
 
 class EngineError(RuntimeError):
     """The engine did not end with a result; the message says why, with the tail of its log."""
+
+
+class EngineNoAnswerError(EngineError):
+    """The engine said why there is no result, and would say so again."""
 
 
 class EngineKilledError(EngineError):
@@ -77,6 +82,8 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             _end(process)
     if status in (-signal.SIGKILL, KILLED_WITHIN):
         raise EngineKilledError(_with_tail("killed by signal 9", log))
+    if status == NO_ANSWER:
+        raise EngineNoAnswerError(_with_tail("no answer", log))
     if status < 0:
         raise EngineError(_with_tail(f"killed by signal {-status}", log))
     if status > 0:
@@ -112,7 +119,7 @@ def _check(folder: Path, log: Path) -> None:
         result = json.loads((folder / "result.json").read_text())
         peak, failed = result["peak_load_N"], result["failed_load_N"]
         sound = 0.0 < peak <= failed and math.isfinite(failed)
-    except (ValueError, KeyError, TypeError):
+    except (ValueError, KeyError, TypeError, RecursionError):
         raise EngineError(_with_tail("ended with an unreadable result.json", log)) from None
     if not sound:
         raise EngineError(

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from sidmacib.mechanics.assembly import Assembly, Failure, Kind, Loads
 from workflow.engines import Engine
-from workflow.engines.execute import EngineError, execute
+from workflow.engines.execute import EngineNoAnswerError, execute
 from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
@@ -25,7 +25,7 @@ def run_engine(
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
     if reason := refusal(engine, assembly):
-        raise EngineError(f"{engine.name}: {reason}")
+        raise EngineNoAnswerError(f"{engine.name}: {reason}")
     guided = numerics.guided and "guided" not in engine.ignores
     guide = guide_of(assembly, loads) if guided else None
     write_script(engine, assembly, loads, numerics, title, folder, guide)
@@ -34,6 +34,8 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
+    if assembly.failure is Failure.SOFTENING:
+        return f"inner faces are {assembly.failure}; no engine has bonds that fade"
     if engine.brittle_only and assembly.failure is not Failure.BRITTLE:
         return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]

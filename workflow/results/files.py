@@ -24,7 +24,10 @@ NODE_COLUMNS = (
 )
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
+UNREADABLE = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
 MOST_TOLD = 100  # letters, of what is wrong with a file
+SAME = 1e-9  # of a load that stands in two files
+BEYOND = 10.0  # over the peak: no load so large is tried with success
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
 
 
@@ -38,9 +41,32 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
     peak, failed, first, mode = _read_result(folder / RESULT)
     nodes = read_nodes(folder / NODES, assembly)
     path = _read_history(folder / HISTORY)
+    _check_history(path, peak, assembly)
     at_peak = State(peak, path[-1].displacement if path else None, *nodes)
     before = [state for state in path if state.load < peak * (1.0 - 1e-12)]
     return Outcome((*before, at_peak), failed, first, mode)
+
+
+def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:
+    """Raise `ResultError` where the ``peak`` (N) is none of the equilibria on the way.
+
+    There may be some at higher loads: those at which a bond broke, and that were taken back.
+    """
+    if not (math.isfinite(peak) and peak > 0.0):
+        return  # `record_of` says so
+    for state in path:
+        moved = state.displacement or 0.0
+        if abs(moved) > assembly.length or abs(state.load) > BEYOND * peak:
+            raise ResultError(
+                f"{HISTORY}: {moved:g} m at {state.load:g} N is not possible; it must be at most "
+                f"{assembly.length:g} m, the length of its locks, and {BEYOND:g} times the peak of "
+                f"{peak:g} N"
+            )
+    if path and not any(abs(state.load - peak) <= SAME * peak for state in path):
+        raise ResultError(
+            f"{RESULT}: peak load {peak:g} N is not possible; it must be a load at equilibrium of "
+            f"{HISTORY}"
+        )
 
 
 def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
@@ -55,7 +81,7 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         return peak, failed, None if first is None else float(first), mode
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
-    except (ValueError, OverflowError, TypeError, KeyError, AttributeError) as error:
+    except UNREADABLE as error:
         raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_TOLD]}") from None
 
 
@@ -150,6 +176,7 @@ def _read_history(path: Path) -> tuple[State, ...]:
 def write_record(record: CaseRecord, path: Path) -> None:
     """Write ``record``, completely or not at all."""
     draft = path.with_suffix(".draft")
+    draft.unlink(missing_ok=True)  # it may be a link
     draft.write_text(record.to_json() + "\n")
     draft.replace(path)
 

@@ -15,12 +15,15 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.balance import unbalanced_share
+from sidmacib.mechanics.path import SPREAD_LIMIT
+from sidmacib.mesh_error import cells_of
 from sidmacib.weights import LockWeight, lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
+SLACK = 1e-6  # of a tolerance: rounding
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
@@ -34,8 +37,10 @@ class CaseRecord:
 
     Loads are along the case's direction, in N: ``load_N`` the largest at equilibrium,
     ``failed_load_N`` the smallest known not to be carried, ``first_failure_load_N`` where the
-    first node fails. ``mode``: how the joint gives way. ``unbalanced_share``: largest force (or
-    moment over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
+    first node fails. ``mode``: how the joint gives way. ``peak_spread``: of the static model's
+    peak; where it is above `sidmacib.mechanics.path.SPREAD_LIMIT`, ``load_N`` and all that
+    belongs to it are those of the first failure. ``unbalanced_share``: largest force (or moment
+    over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
     that the load does work on). What a model does not give is None or empty. ``error``: why
     there is no result, in one line; all numbers are None then.
     """
@@ -47,6 +52,7 @@ class CaseRecord:
     name: str
     locks: int
     mesh_m: float
+    cells: float  # along a side of the locks' horizontal faces, see `sidmacib.mesh_error`
     nodes: str
     eccentricity_over_a: float
     eccentricity_m: float
@@ -59,11 +65,17 @@ class CaseRecord:
     failed_load_N: float | None = None
     first_failure_load_N: float | None = None
     mode: str | None = None
+    peak_spread: float | None = None
     unbalanced_share: float | None = None
     weights: tuple[LockWeight, ...] = ()
     path: tuple[tuple[float, float | None], ...] = ()
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
     error: str | None = None
+
+    @property
+    def is_peak(self) -> bool:
+        """Whether the load is a peak, and not the first failure because peaks spread too far."""
+        return self.peak_spread is None or self.peak_spread <= SPREAD_LIMIT
 
     def to_json(self) -> str:
         """One line of JSON; infinity is written as Python's json does."""
@@ -77,7 +89,7 @@ class CaseRecord:
             data["weights"] = tuple(LockWeight(**each) for each in data["weights"])
             data["path"] = tuple((load, moved) for load, moved in data["path"])
             return cls(**data)
-        except (ValueError, TypeError, KeyError) as error:
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
             raise ResultError(f"not a case's record: {error}") from None
 
 
@@ -119,6 +131,7 @@ def record_of(
         failed_load_N=_significant(outcome.failed_load),
         first_failure_load_N=None if first is None else _significant(first),
         mode=outcome.mode,
+        peak_spread=outcome.peak_spread,
         unbalanced_share=balance,
         weights=weights,
         path=tuple(
@@ -127,6 +140,20 @@ def record_of(
         ),
         versions=versions,
     )
+
+
+def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
+    """Raise `ResultError` where the load that failed does not tell the peak to the ``tolerance``.
+
+    ``least``: load (N), of which the tolerance is meant where the peak is smaller.
+    """
+    peak, failed = outcome.path[-1].load, outcome.failed_load
+    allowed = tolerance * max(peak, least)
+    if not failed - peak <= allowed * (1.0 + SLACK):
+        raise ResultError(
+            f"failed load {failed:g} N is not possible; it must be at most {allowed:g} N, the "
+            f"tolerance, above the peak of {peak:g} N"
+        )
 
 
 def _identity(case: Case) -> dict[str, Any]:
@@ -138,6 +165,7 @@ def _identity(case: Case) -> dict[str, Any]:
         "name": case.name,
         "locks": case.joint.locks,
         "mesh_m": case.mesh,
+        "cells": _significant(cells_of(case.joint, case.mesh)),
         "nodes": str(case.nodes),
         "eccentricity_over_a": case.direction.eccentricity,
         "eccentricity_m": case.eccentricity_m,

@@ -55,8 +55,9 @@ CASES = Table(
     "cases",
     (
         *("name", *_CASE, "nodes", "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
-        *("failed_load_N", "first_failure_load_N", "mode", "unbalanced_share"),
-        *("static_load_N", "difference_to_static", "mesh_error", "error", "versions", "case"),
+        *("failed_load_N", "first_failure_load_N", "mode", "peak_spread", "unbalanced_share"),
+        *("static_load_N", "difference_to_static", "mesh_error"),
+        *("first_failure_mesh_error", "error", "versions", "case"),
     ),
     ("model", "variant", "case"),
 )
@@ -64,7 +65,7 @@ MODELS = Table(
     "models",
     (
         *("model", "sample", "locks", "mesh_m", "eccentricity_m", "load_N", "mesh_error"),
-        *("first_failure_load_N", "friction_share", "given_load_N"),
+        *("first_failure_load_N", "peak_spread", "friction_share", "given_load_N"),
     ),
     ("model", "case"),
     more=True,  # displacements at given loads, and a weight for each lock
@@ -75,7 +76,7 @@ CAPACITY = Table(
         *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
         *("sample", "load_N", "failed_load_N", "first_failure_load_N", "unbalanced_share"),
         *("option", "friction", "reduction", "weights_from", "case", "mode"),
-        *("difference_to_static", "mesh_error", "error"),
+        *("peak_spread", "difference_to_static", "mesh_error", "first_failure_mesh_error", "error"),
     ),
     ("model", "variant", "weights_from", "case"),
 )

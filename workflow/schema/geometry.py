@@ -13,7 +13,16 @@ from workflow.schema.materials import (
     face_material,
 )
 from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Density, Length, Number, Some
+from workflow.schema.values import (
+    Density,
+    Eccentricities,
+    Length,
+    Lengths,
+    Name,
+    Number,
+    Several,
+    Some,
+)
 
 MOST_LOCKS = 101
 
@@ -42,11 +51,20 @@ class LockSection(Section):
         return OwnLock(self.width, self.density, material)
 
 
+class PartSection(Section):
+    """What a model runs of a sample; None: all. The reference variant runs always."""
+
+    meshes: Lengths | None = None
+    eccentricities: Eccentricities | None = None
+    variants: Annotated[tuple[Name, ...], Several] | None = None
+
+
 class SampleSection(_OWN_SIZES):
     """A joint of the study: sizes (m) and faces where they are not the study's.
 
     ``first``: the block that lock 1 belongs to. ``different``: locks that differ, by number.
-    ``models``: those of the study's models and engines that run on it; None: all of them.
+    ``models``: those of the study's models and engines that run on it; None: all of them. ``only``:
+    what each of them runs of it, by name; a model that is not named runs all.
     """
 
     locks: _NUMBER
@@ -55,6 +73,7 @@ class SampleSection(_OWN_SIZES):
     inner: InnerChanges = InnerChanges()
     dry: DryChanges = DryChanges()
     models: Annotated[tuple[str, ...], Some] | None = None
+    only: dict[str, PartSection] = Field(default_factory=dict)
 
     def joint(self, geometry: GeometrySection, materials: MaterialsSection, **others: Any) -> Joint:
         """The joint; sizes and faces that are not its own are those of the study."""

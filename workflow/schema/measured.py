@@ -9,6 +9,7 @@ from workflow.schema.section import Section
 from workflow.schema.values import Eccentricity, Name, Number, Several, shown
 
 LONGEST = 500  # letters of a source
+FORMULA = ("=", "+", "-", "@")  # what formulas begin with
 
 
 def words(value: Any) -> str:
@@ -21,7 +22,19 @@ def words(value: Any) -> str:
     return text
 
 
+def cell(value: Any) -> str:
+    """Text in one line that no spreadsheet takes for a formula."""
+    text = words(value)
+    if text.startswith(FORMULA):
+        raise ValueError(
+            f"{shown(value)} is not allowed; it must not begin with {' '.join(FORMULA)}, as a "
+            "spreadsheet would take it for a formula"
+        )
+    return text
+
+
 Words = Annotated[str, BeforeValidator(words)]
+_Cell = Annotated[str, BeforeValidator(cell)]
 _Force = Annotated[float, BeforeValidator(Number(above=0, unit="N"))]
 _Torque = Annotated[float, BeforeValidator(Number(above=0, unit="N m"))]
 
@@ -33,7 +46,7 @@ class MeasuredLoad(Section):
     eccentricity: Eccentricity
     shear: _Force | None = None
     torque: _Torque | None = None
-    specimen: Words | None = None
+    specimen: _Cell | None = None
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:

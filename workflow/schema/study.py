@@ -13,7 +13,7 @@ from workflow.schema.calibration import CalibrationSection
 from workflow.schema.dem import DemSection
 from workflow.schema.design import DesignSection
 from workflow.schema.figures import FiguresSection
-from workflow.schema.geometry import GeometrySection, SampleSection
+from workflow.schema.geometry import GeometrySection, PartSection, SampleSection
 from workflow.schema.materials import InnerChanges, MaterialsSection
 from workflow.schema.measured import MeasuredSection
 from workflow.schema.numerics import NumericsChanges
@@ -56,12 +56,19 @@ class Study(Section):
     @property
     def interlocking(self) -> tuple[str, ...]:
         """Names of the samples that SiDMACIB is a model of: those of at least two locks."""
-        return tuple(name for name in self.samples if self.joint(name).interlocking)
+        return tuple(name for name, sample in self.samples.items() if sample.locks > 1)
 
     def models_of(self, sample: str) -> tuple[str, ...]:
         """Those of `model_names` that run on ``sample``."""
         own = self.samples[sample].models
         return tuple(name for name in self.model_names if own is None or name in own)
+
+    def whole_curve(self, sample: str, model: str) -> bool:
+        """Whether ``model`` runs ``sample`` at all meshes and eccentricities of the study."""
+        part = self.samples[sample].only.get(model, PartSection())
+        return {*self.meshes} <= {*(part.meshes or self.meshes)} and {*self.eccentricities} <= {
+            *(part.eccentricities or self.eccentricities)
+        }
 
     @property
     def base_joint(self) -> Joint:

@@ -14,7 +14,7 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, PlainSerializer
 
-from workflow.yaml_text import number_in
+from sidmacib.yaml_text import number_in
 
 MAX_SHOWN = 60  # letters of a value that a message shows
 NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more

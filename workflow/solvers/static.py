@@ -1,14 +1,31 @@
 """The static brittle model."""
 
 from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.path import Equilibrium, StaticSolution
+from sidmacib.mechanics.spread import static_capacity
 from sidmacib.mechanics.static import static_peak
 from workflow.outcome import Outcome, State
 
 
 def solve(assembly: Assembly, loads: Loads) -> Outcome:
-    """The equilibria on the way to the peak; `sidmacib.errors.CapacityError` if there is none."""
-    solution = static_peak(assembly, loads)
-    path = tuple(
-        State(float(p.load), p.displacement, p.force, p.state.bonded) for p in solution.path
+    """The equilibria on the way to the capacity, which is the first failure where peaks spread.
+
+    `sidmacib.errors.CapacityError` if there is none.
+    """
+    found = static_capacity(assembly, loads)
+    return _outcome(found.solution, found.path, found.spread)
+
+
+def solve_once(assembly: Assembly, loads: Loads) -> Outcome:
+    """The equilibria on the way to the peak, whose spread is not asked; raises as `solve` does."""
+    found = static_peak(assembly, loads)
+    return _outcome(found, found.path, None)
+
+
+def _outcome(
+    solution: StaticSolution, path: tuple[Equilibrium, ...], spread: float | None
+) -> Outcome:
+    states = tuple(State(float(p.load), p.displacement, p.force, p.state.bonded) for p in path)
+    return Outcome(
+        states, solution.failed_load, solution.first_failure_load, str(solution.mode), spread
     )
-    return Outcome(path, solution.failed_load, solution.first_failure_load, str(solution.mode))

@@ -23,6 +23,7 @@ LOADS = {
     "failed_load_N": "failed_load_N",
     "first_failure_load_N": "first_failure_load_N",
     "mode": "mode",
+    "peak_spread": "peak_spread",
     "error": "error",
 }
 

@@ -10,11 +10,11 @@ from sidmacib.loading import lateral_load
 from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError
+from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
-from workflow.kills import KilledError, last_try
+from workflow.kills import KilledError, Settled, last_try
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
-from workflow.results.record import ResultError, failed_record, record_of
+from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 
 
 def run(
@@ -33,6 +33,8 @@ def run(
         loads = lateral_load(case.joint, assembly, case.loading)
         run_engine(engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"])
         found = read_outcome(folder, assembly)
+        least = case.numerics.first_increment * loads.scale
+        check_bracket(found, case.numerics.tolerance, least)
         versions = {engine.name: engine.version()}
         write_record(record_of(case, assembly, loads, found, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
@@ -42,7 +44,8 @@ def run(
             (folder / name).unlink(missing_ok=True)
         result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
         write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
-        return f"{case.name}: {case.model}: {error}"
+        told = f"{case.name}: {case.model}: {error}"
+        return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
     return None
 
 

@@ -34,8 +34,9 @@ def run(
         case = Case.from_json(data)
         try:
             record, assembly, found = solved(case, solver.solve)
-        except (CapacityError, ResultError, ValueError) as error:
-            records.append(failed_record(case, f"{case.model}: {error}"))
+        except (CapacityError, ResultError, ValueError, MemoryError) as error:
+            reason = str(error) or "out of memory"
+            records.append(failed_record(case, f"{case.model}: {reason}"))
             continue
         records.append(record)
         nodes += node_table(case, assembly, found)

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .assembly import Assembly, Vector, cross, dot, length, plus
-from .records import NodeForce, Peak
+from .records import NoAnswerError, NodeForce, Peak
 
 LARGEST_SHARE = 0.1  # of spurious forces in the load
 LARGEST_SHIFT = 0.1  # of the point of contact, over the distance from a face's centre to its edge
@@ -50,7 +50,7 @@ def check_flat(
     ``motions``: of each piece; ``radii``: of each face's spheres, in m; ``forces``: of each node.
     """
     if reason := roundness(assembly, motions, radii, forces, load):
-        raise SystemExit(
+        raise NoAnswerError(
             f"no peak: at {load:g} N the pieces have moved further than contact spheres can follow:"
             f" {reason}"
         )
@@ -129,7 +129,7 @@ def check_mechanism(peak: Peak, displacements: Sequence[float], steps: int) -> N
     where they come to no equilibrium.
     """
     if len(displacements) == steps and abs(displacements[-1]) <= FIRM * abs(displacements[-2]):
-        raise SystemExit(
+        raise NoAnswerError(
             f"no peak: at {peak.failed_load:g} N the pieces drift off their contact spheres and no "
             f"bond breaks, but on spheres of {FLATTER:g} times the radius they carry more"
         )

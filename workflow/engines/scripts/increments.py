@@ -7,7 +7,7 @@ from typing import Protocol
 
 from .assembly import Guide, Search
 from .guess import AT_ONCE, HALF
-from .records import NodeForce, Outcome, Peak, failure_mode
+from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
@@ -16,6 +16,7 @@ STRIDE = 2.0  # over the tolerance, the increment near a load at which something
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
 STEPS = 10  # to a load that is known
+AWAY = 1.05  # times a load that did not settle: pieces that really give way move off there
 
 
 class Model(Protocol):
@@ -99,11 +100,12 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
     on by small increments. Without, the increment grows until the assembly fails. From then on
     every failure is taken back to the last equilibrium and halves the increment, so that the last
     one, which decides, is small and slow, whatever was expected. The first node that fails is
-    looked for in the same way, before the load goes on. Exits with a reason where the last failure
-    is none: no bond breaks, and the pieces neither move off nor come to rest.
+    looked for in the same way, before the load goes on. Just above the peak pieces may move off so
+    slowly that nobody sees it: then `AWAY` times that load decides. Exits with a reason where the
+    last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
-        raise SystemExit("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly does not stand under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)
@@ -123,12 +125,14 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
                 break
             print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:
+                if outcome is Outcome.UNSETTLED and not breaks:
+                    outcome = _beyond(model, start, load)
                 mode = failure_mode(outcome, breaks, load)
                 if first_failure is None and breaks:
                     first_failure = start
                 return Peak(start, load, first_failure, mode, nodes)
             if load - start < LEAST_INCREMENT * least:
-                raise SystemExit("the assembly carries no load in this direction")
+                raise NoAnswerError("the assembly carries no load in this direction")
             bracket.event = load
             model.go_back()
         bracket.carries(load)
@@ -137,7 +141,18 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * least:
-            raise SystemExit("the load grows without a peak")
+            raise NoAnswerError("the load grows without a peak")
+
+
+def _beyond(model: Model, start: float, load: float) -> Outcome:
+    """What becomes of the assembly above a ``load`` (N) at which no bond broke and nothing settled.
+
+    ``start``: the load (N) of the state that is kept.
+    """
+    model.go_back()
+    broken = model.broken()
+    outcome = model.raised(start, AWAY * load, (1.0, 1.0))
+    return Outcome.UNSETTLED if model.breakable and model.broken() > broken else outcome
 
 
 def displacements_towards(model: Model, load: float) -> list[float]:

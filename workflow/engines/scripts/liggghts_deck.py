@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from .assembly import Assembly, Material, Piece, Search, Vector, plus
+from .records import NoAnswerError
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
 GROUPS = 28  # that LIGGGHTS has left, of its 32
@@ -279,7 +280,7 @@ class Deck:
                     )
                 yield f"fix {name} {name} addforce {' '.join(terms)}"
         if groups > GROUPS:
-            raise SystemExit(
+            raise NoAnswerError(
                 f"liggghts: {groups} places to put the loads; it can have {GROUPS} at most"
             )
 

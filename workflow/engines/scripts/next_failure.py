@@ -6,7 +6,7 @@ from typing import Protocol
 
 from .assembly import Search
 from .guess import AT_ONCE, HALF, failure_ahead
-from .records import BONDS, NodeForce, Outcome, Peak, failure_mode
+from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
@@ -72,7 +72,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
-        raise SystemExit("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly does not stand under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
@@ -108,7 +108,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
                 mode = failure_mode(outcome, False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
-                raise SystemExit("the assembly carries no load in this direction")
+                raise NoAnswerError("the assembly carries no load in this direction")
             told = standing and math.isfinite(over)
             share = (1.0 - tolerance / 2 - most) / (over - most) if told else 0.5
             increment = share * (load - peak)
@@ -116,7 +116,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             load = peak + increment
         print(f"{load:12.4f} N stands", flush=True)
         if load > LARGEST_LOAD * first:
-            raise SystemExit("the load grows without a peak")
+            raise NoAnswerError("the load grows without a peak")
         increment *= GROWTH if load >= expected else 1.0
 
 

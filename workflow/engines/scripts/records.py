@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -16,6 +17,16 @@ BONDS = "bonds"  # at the load that failed, bonds broke
 MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
 FIRST_FAILURE = "first failure"  # bonds would break; what comes after it is not known
 MODES = (BONDS, MECHANISM, FIRST_FAILURE)
+NO_ANSWER = 3  # exit code of a script that says why there is no result
+
+
+class NoAnswerError(SystemExit):
+    """Why there is no result, and would be none if the script ran again."""
+
+    def __init__(self, reason: str) -> None:
+        super().__init__(reason)
+        print(reason, file=sys.stderr)
+        self.code = NO_ANSWER
 
 
 class Outcome(Enum):
@@ -124,7 +135,7 @@ def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:
         return BONDS
     if outcome is Outcome.COLLAPSE:
         return MECHANISM
-    raise SystemExit(
+    raise NoAnswerError(
         f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor move off"
     )
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from .assembly import Assembly, Vector, dot, length, plus, utilisation
 from .calculix_deck import JOB, Deck
 from .calculix_process import CalculixProcess, Displacements
-from .records import FIRST_FAILURE, History, NodeForce, Outcome, Peak
+from .records import FIRST_FAILURE, History, NoAnswerError, NodeForce, Outcome, Peak
 
 GROWTH = 0.25  # of the load, a step where that is more than the first one
 LARGEST_LOAD = 1e6  # over the first step
@@ -61,13 +61,13 @@ def find_first_failure(
             continue
         engine.stop()
         if before is None:
-            raise SystemExit("the assembly does not stand under its permanent loads")
+            raise NoAnswerError("the assembly does not stand under its permanent loads")
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
         forces = record(history, failing, Outcome.EQUILIBRIUM.value)
         # Pieces that slide off are carried as far as one likes, as friction has no tangent there.
         if not max(row["unbalanced_ratio"] for row in history.rows[-2:]) <= LARGEST_UNBALANCED:
-            raise SystemExit(
+            raise NoAnswerError(
                 f"no first failure: {told(assembly, before)}, and beyond it the displacements that "
                 "CalculiX finds are no equilibrium"
             )

@@ -82,6 +82,8 @@ class YadeModel:
         ]
         _watch(pairs)
         O.step()  # bonds form now, and never again
+        if self.settings.ductile:
+            _keep_in_tension(pairs)
         detection.interactionDetectionFactor = 1.0
         return clumps, pairs
 
@@ -259,6 +261,17 @@ def _node_force(pair: tuple[int, int], face: Face) -> NodeForce:
     bonded = face.cohesive and not contact.phys.cohesionBroken
     shear = tuple(on_above * contact.phys.shearForce)
     return NodeForce(contact.phys.normalForce.dot(normal), shear, bonded)
+
+
+def _keep_in_tension(pairs: list[tuple[int, int]]) -> None:
+    """Let bonds yield in tension without limit.
+
+    By default YADE breaks a bond at its first plastic opening, also one that is not fragile.
+    """
+    for pair in pairs:
+        contact = O.interactions[pair] if O.interactions.has(*pair) else None
+        if contact and contact.isReal and not contact.phys.cohesionBroken:
+            contact.phys.unpMax = -1.0
 
 
 def _watch(pairs: list[tuple[int, int]]) -> None:

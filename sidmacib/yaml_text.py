@@ -8,10 +8,12 @@ loaders silently keep the last of two keys, and follow aliases without end.
 import math
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import yaml
 
+# One reader for the workflow's configuration and for the command's joints.
 MAX_BYTES = 4_000_000
 MAX_DEPTH = 20
 MAX_VALUES = 200_000
@@ -39,6 +41,24 @@ def number_in(text: str) -> int | float | None:
         return int(text)
     number = float(text) if _NUMBER.fullmatch(text) else math.inf
     return number if math.isfinite(number) else None
+
+
+def read_yaml(path: Path) -> Any:
+    """The value that the YAML file ``path`` describes; None if it is empty.
+
+    Raises `TextError`, which does not name the file. Nothing is read but a file: folders, pipes and
+    devices, some of which have no end, are refused.
+    """
+    try:
+        if not path.is_file():
+            path.stat()  # says whether anything is there
+            raise TextError("not a file")
+        with path.open("rb") as stream:
+            return parsed(stream.read(MAX_BYTES + 1))
+    except OSError as error:
+        raise TextError(error.strerror or str(error)) from None
+    except ValueError as error:  # also for NUL in the file's name
+        raise TextError(str(error)) from None
 
 
 def parsed(data: bytes) -> Any:

@@ -1,0 +1,155 @@
+"use strict";
+// The sliders' wishes go to the server, one at a time; the latest wins. What is shown of a joint
+// is all of one answer, and grey while the sliders say something else.
+// By default every plot offers to upload itself to a cloud.
+const CONFIG = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "" };
+const BROKEN = "The server does not answer. Start it again with make explore.";
+const SUPERSEDED = 204;
+const PAGE = crypto.randomUUID();
+const at = (id) => document.getElementById(id);
+const sliders = [...at("sliders").querySelectorAll("input")];
+const inFlight = new Set();
+const waiting = []; // what is done as soon as the answer is that of the sliders
+let latest = 0; // number of the sliders' last change
+let shown = null; // the answer on the page
+let line = null; // the curve on the page
+
+const values = () => Object.fromEntries(sliders.map((slider) => [slider.id, slider.valueAsNumber]));
+const isJointOf = (one, other) => Object.keys(one).every((name) => name === "eccentricity" || one[name] === other[name]);
+
+function changed() {
+  latest += 1;
+  at("answer").ariaBusy = at("curve").ariaBusy = "true";
+  for (const slider of sliders) at(`${slider.id}-told`).textContent = slider.valueAsNumber;
+  ask("answer");
+}
+
+async function ask(kind) {
+  if (inFlight.has(kind)) return; // which asks again as soon as it is back
+  inFlight.add(kind);
+  const number = latest;
+  const found = await post(kind, { page: PAGE, number, values: values() });
+  inFlight.delete(kind);
+  const show = { answer: showAnswer, curve: showCurve }[kind];
+  if (found) show(found);
+  if (number === latest) return;
+  if (kind === "answer" || shown?.number === latest) ask(kind);
+}
+
+async function post(kind, asked) {
+  try {
+    const headers = { "Content-Type": "application/json" };
+    const response = await fetch(`/${kind}`, { method: "POST", headers, body: JSON.stringify(asked) });
+    if (response.status === SUPERSEDED) return null;
+    if (response.ok) {
+      at("problem").textContent = "";
+      return await response.json();
+    }
+    at("problem").textContent = `This joint could not be computed: ${response.status} ${response.statusText}.`;
+  } catch {
+    at("problem").textContent = BROKEN;
+  }
+  return null;
+}
+
+function showAnswer(answer) {
+  shown = answer;
+  for (const name of ["words", "yaml", "python", "link"]) at(name).textContent = answer[name];
+  drawCurve();
+  drawJoint();
+  if (answer.number !== latest) return; // in grey: the sliders have moved on
+  at("answer").ariaBusy = "false";
+  for (const act of waiting.splice(0)) act();
+  ask("curve");
+}
+
+function showCurve(curve) {
+  if (curve.number !== shown.number) return; // a curve of another joint than the numbers'
+  line = curve;
+  drawCurve();
+  at("curve").ariaBusy = String(curve.number !== latest);
+}
+
+// --- pictures --------------------------------------------------------------------------------
+const axis = (text, more) => ({ title: { text }, gridcolor: "#dddddd", rangemode: "tozero", ...more });
+
+function plot(id, traces, xaxis, yaxis) {
+  Plotly.react(id, traces, { xaxis, yaxis, margin: { l: 60, r: 15, t: 15, b: 80 }, font: { size: 13 }, plot_bgcolor: "white", legend: { orientation: "h", y: -0.26 }, showlegend: true, uirevision: "same" }, CONFIG);
+}
+
+function drawCurve() {
+  const { name, colour, shear, torque } = shown.curve;
+  const own = line && isJointOf(line.values, shown.values);
+  const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
+  const traces = line && !own ? [{ x: line.shear, y: line.torque, name: "curve of another joint", ...style("#c9ced8") }] : [];
+  traces.push({ x: own ? line.shear : shear, y: own ? line.torque : torque, name: own ? name + line.spread : name, ...style(colour) });
+  for (const mark of shown.marks) traces.push({ x: [mark.shear], y: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } });
+  plot("curve", traces, axis("shear V (N)"), axis("torque M (N m)"));
+}
+
+function part(name, attributes, text = "") {
+  const element = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.textContent = text;
+  return element;
+}
+
+function bar(share, left, width, foot, height, told) {
+  const [middle, top] = [left + width / 2, foot - height * share.weight];
+  const parts = [part("rect", { x: left + 0.15 * width, y: top, width: 0.7 * width, height: foot - top, fill: shown.colours[share.block], class: "weight" })];
+  if (told) parts.push(part("text", { x: middle, y: foot + 14, "text-anchor": "middle" }, share.lock));
+  if (width > 28) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
+  return parts;
+}
+
+function box({ lock, block }, x, y, width, height) {
+  return part("rect", { x, y, width, height, fill: shown.colours[block], "fill-opacity": lock === null ? 0.4 : 0.9, class: lock === null ? "piece" : "piece lock" });
+}
+
+// The joint from the side, and over each lock its weight.
+function drawJoint() {
+  const { a, b, h, H, locks } = shown.values;
+  const [across, foot, high, tall, left] = [640, 140, 100, 170, 70]; // pixels
+  const scale = Math.min((across - 1.5 * left) / (locks * b), tall / (h + 2 * H));
+  const every = Math.ceil(20 / (scale * b)); // lock has its number
+  const y = (z) => foot + 22 + scale * (h + H - z);
+  const parts = [0, 0.5, 1].flatMap((weight) => [
+    part("path", { d: `M ${left} ${foot - high * weight} h ${scale * locks * b}`, stroke: "#c9ced8" }),
+    part("text", { x: left - 6, y: foot - high * weight, "text-anchor": "end", "dominant-baseline": "central" }, weight),
+  ]);
+  parts.push(part("text", { x: left - 60, y: foot - high - 24 }, "weights of the locks"));
+  for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1));
+  for (const piece of shown.pieces) {
+    const { low, high: up } = piece;
+    parts.push(box(piece, left + scale * low[0], y(up[1]), scale * (up[0] - low[0]), scale * (up[1] - low[1])));
+  }
+  const middle = y((h + H) / 2);
+  parts.push(part("path", { d: `M ${left - 45} ${middle} h 38 m -7 -5 l 7 5 l -7 5`, fill: "none", stroke: "#1c1f24", "stroke-width": 2 }));
+  parts.push(part("text", { x: left - 60, y: middle, "dominant-baseline": "central" }, "V"));
+  parts.push(part("text", { x: left, y: y(-H) + 20 }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
+  at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 30}`);
+  const told = shown.shares.map((share) => `${share.lock}: ${share.weight.toFixed(2)}`).join(", ");
+  at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${told || "unknown"}`;
+  at("drawing").replaceChildren(...parts);
+}
+
+// --- copies ----------------------------------------------------------------------------------
+async function copy(button) {
+  await navigator.clipboard.writeText(at(button.dataset.copy).textContent);
+  button.textContent = "Copied";
+  setTimeout(() => { button.textContent = "Copy"; }, 2000);
+}
+
+for (const button of document.querySelectorAll("[data-copy]")) {
+  button.addEventListener("click", () => {
+    if (at("answer").ariaBusy === "true") waiting.push(() => copy(button));
+    else copy(button);
+  });
+}
+for (const slider of sliders) {
+  slider.addEventListener("input", () => {
+    at("told").textContent = "";
+    changed();
+  });
+}
+changed();

@@ -1,0 +1,82 @@
+"""Who is answered: the page itself, on this machine, and nobody else's page."""
+
+from werkzeug.datastructures import Headers
+from werkzeug.exceptions import (
+    Forbidden,
+    HTTPException,
+    LengthRequired,
+    MethodNotAllowed,
+    RequestEntityTooLarge,
+    UnsupportedMediaType,
+)
+from werkzeug.wrappers import Request
+
+NAMES = ("127.0.0.1", "localhost", "[::1]")
+MOST_BYTES = 4096  # of a post
+METHODS = ("GET", "HEAD", "POST")
+HTTP_PORT = 80  # which browsers leave out
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; connect-src 'self'; form-action 'none'; base-uri 'none'; "
+    "frame-ancestors 'none'"
+)
+HEADERS = {
+    "Content-Security-Policy": POLICY,
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+
+
+def require_own(request: Request, port: int) -> None:
+    """An `HTTPException` for what is not of the page on ``port``, or not a request that it makes.
+
+    A name that somebody points at this machine is as foreign as another page's address: through
+    either, a page of the web could use this one.
+    """
+    allowed = [f"{name}:{port}" for name in NAMES]
+    host = request.headers.get("Host", "")
+    if port == HTTP_PORT:
+        allowed.extend(NAMES)
+    if host not in allowed:
+        raise Forbidden(f"The host must be one of {', '.join(allowed)}.")
+    if request.headers.get("Origin", f"http://{host}") != f"http://{host}":
+        raise Forbidden(f"The origin must be http://{host}.")
+    if request.method not in METHODS:
+        raise MethodNotAllowed(METHODS)
+    if not (_is_from_page(request.headers) or _is_visit(request)):
+        raise Forbidden("Only this page itself may ask for that.")
+    if request.method == "POST":
+        _require_small(request)
+
+
+def _is_from_page(headers: Headers) -> bool:
+    """Whether a browser does not say that another page asks."""
+    return headers.get("Sec-Fetch-Site", "none") in ("same-origin", "none")
+
+
+def _is_visit(request: Request) -> bool:
+    """Whether somebody opens the page from a link, as a page of its own."""
+    return (
+        request.method == "GET"
+        and request.path == "/"
+        and request.headers.get("Sec-Fetch-Mode") == "navigate"
+        and request.headers.get("Sec-Fetch-Dest") == "document"
+    )
+
+
+def _require_small(request: Request) -> None:
+    if request.mimetype != "application/json":
+        raise UnsupportedMediaType("A post must be application/json.")
+    if request.content_length is None:
+        raise LengthRequired("A post must tell its length.")
+    if request.content_length > MOST_BYTES:
+        raise RequestEntityTooLarge(f"A post must have at most {MOST_BYTES} bytes.")
+
+
+def in_one_line(error: HTTPException) -> str:
+    """What is wrong with a request."""
+    return f"{error.code} {error.name}: {error.description}\n"

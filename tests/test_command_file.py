@@ -1,0 +1,150 @@
+"""A joint from a file: the study's reader, and one line for whatever else it holds."""
+
+import json
+import tempfile
+from pathlib import Path
+
+import pytest
+import yaml
+from click.testing import CliRunner, Result
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sidmacib.command.main import main
+
+
+def run(*arguments: str) -> Result:
+    return CliRunner().invoke(main, list(arguments))
+
+
+def answers(*arguments: str) -> list[dict[str, object]]:
+    found = run(*arguments, "--format", "json")
+    assert found.exit_code == 0, found.output
+    return list(json.loads(found.output))
+
+
+def test_flags_go_before_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "joint.yaml"
+    path.write_text("locks: 9\nH: 6e-2\nhold_down: {pressure: 2e4}\n")
+    (of_file,) = answers("capacity", "--file", str(path), "-m", "law")
+    flags = ["-n", "9", "-H", "0.06", "--hold-down", "pressure:2e4"]
+    assert of_file == answers("capacity", *flags, "-m", "law")[0]
+    (other,) = answers("capacity", "--file", str(path), "-n", "3", "-m", "law")
+    assert other != of_file
+
+
+def test_a_file_of_a_joint_is_small(tmp_path: Path) -> None:
+    big = tmp_path / "joint.yaml"
+    big.write_text("locks: 3\n" + "#" * 5_000_000)
+    found = run("law", "--file", str(big))
+    assert found.exit_code != 0
+    assert "too long; it must have" in found.output
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("lock: 5", "lock is not known; it must be one of"),
+        ("a: wide", "a: wide is not a number"),
+        ("a: true", "a: True is not a number"),
+        ("a:", "a: None is not a number"),
+        ("[1, 2]", "must have names and values"),
+        ("", "must have names and values"),
+        ("a: [", "line 2: not YAML"),
+        ("a: -1", "a: -1.0 is not possible"),
+        ("friction: -1", "friction: -1.0 is not possible"),
+        ("dry_stiffness: -1", "dry_stiffness: -1.0 is not possible"),
+        ("young: 0", "young: 0.0 is not possible"),
+        ("poisson: 0.7", "poisson: 0.7 has no effect on rigid pieces; give young too"),
+        ("locks: 5.5", "locks: 5.5 is not possible; it must be a whole number"),
+        ("locks: 3\nlocks: 9", "line 2: 'locks' appears twice"),
+        ("locks: 010", "locks: 010 is not a number"),
+        ("a: 1:30", "a: 1:30 is not a number"),
+        ("hold_down: []", "hold_down: '[]' is not possible; it must be one of plate"),
+        ("hold_down: {}", "hold_down: '{}' is not possible"),
+        ("hold_down: {force: [1]}", "is not possible; it must be one of plate"),
+        ("hold_down: {force: -1}", "is not possible; it must be one of plate"),
+        ("hold_down: 1:30", "is not possible; it must be one of plate"),
+        ("upper_body: ]", "line 1: not YAML"),
+        ("upper_body: 3", "upper_body: '3' is not possible; it must be a name"),
+        ("failure: soft", "failure: 'soft' is not possible; it must be brittle or"),
+        ("a: 1" + "0" * 400, "is not a number"),
+        ("locks: 1" + "0" * 400, "is not a number"),
+        ("a: " + "[" * 5000, "line 1: nested too deeply"),
+        ("a: \0", "line 1: not text"),
+        ("a: !!python/name:os.system 1", "the tag tag:yaml.org,2002:python/name:os.system is"),
+        ("? [1]\n: 2", "keys must be words"),
+        ("a: &x [*x]", "is an alias of nothing before it"),
+    ],
+)
+def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, words: str) -> None:
+    path = tmp_path / "joint.yaml"
+    path.write_text(content)
+    found = run("capacity", "--file", str(path))
+    assert found.exit_code == 2
+    told = " ".join(found.output.split())
+    assert words in told
+    assert "Traceback" not in told and len(told) < 900
+    assert f"--file {path}: " in told
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("/dev/zero", "not a file"), ("/", "not a file"), ("/none", "No such file or directory")],
+)
+def test_what_is_no_file_is_not_read(path: str, words: str) -> None:
+    found = run("law", "--file", path)
+    assert found.exit_code == 2
+    assert f"--file {path}: {words}" in found.output
+
+
+def test_a_flag_before_a_faulty_file_is_blamed_for_its_own_value_only(tmp_path: Path) -> None:
+    path = tmp_path / "joint.yaml"
+    path.write_text("a: 0.08\nb: -1\n")
+    assert f"--file {path}: b: -1.0 is" in run("law", "--file", str(path), "-a", "0.07").output
+    assert "-a: -2.0 is not" in run("law", "--file", str(path), "-a", "-2", "-b", "1").output
+
+
+@given(
+    st.dictionaries(
+        st.sampled_from(
+            [
+                "locks",
+                "a",
+                "H",
+                "friction",
+                "dry_stiffness",
+                "young",
+                "poisson",
+                "density",
+                "hold_down",
+                "upper_body",
+                "failure",
+                "cohesion",
+                "fracture_energy",
+                "first",
+            ]
+        ),
+        st.recursive(
+            st.none()
+            | st.booleans()
+            | st.integers()
+            | st.floats()
+            | st.text(max_size=5)
+            | st.sampled_from(["plate", "weight", "joined", "ductile", 3, 0.1, 1e300, 1e-300]),
+            lambda below: (
+                st.lists(below, max_size=2)
+                | st.dictionaries(st.sampled_from(["force", "pressure", "x"]), below, max_size=2)
+            ),
+            max_leaves=3,
+        ),
+        max_size=4,
+    )
+)
+@settings(max_examples=200, deadline=None)
+def test_whatever_a_file_holds_there_is_an_answer_or_one_line(values: dict[str, object]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "joint.yaml")
+        path.write_text(yaml.safe_dump(values))
+        found = run("law", "--file", str(path))
+    assert found.exception is None or isinstance(found.exception, SystemExit), found.exception

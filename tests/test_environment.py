@@ -1,0 +1,60 @@
+"""The environment is made anew, or stays as it was."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> told\n'
+PIP = '#!/bin/sh\necho "$@" >> told\n{fails}\n'
+
+
+def made(folder: Path, fails: str) -> subprocess.CompletedProcess[str]:
+    """What the script does with programs that only say what they are told."""
+    for path, text in (("bin/python3", PYTHON), ("pip", PIP.format(fails=fails))):
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_text(text)
+        (folder / path).chmod(0o755)
+    return subprocess.run(
+        ["sh", str(ROOT / "workflow/environment.sh")],
+        check=False,
+        cwd=folder,
+        env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+    )
+
+
+@pytest.mark.parametrize(
+    "fails", ["exit 1", "kill -TERM $PPID; exit 1", 'case "$*" in *-ed*) exit 1; esac']
+)
+def test_an_environment_that_cannot_be_made_leaves_the_one_that_is_there(
+    tmp_path: Path, fails: str
+) -> None:
+    (tmp_path / ".venv").mkdir()
+    (tmp_path / ".venv/mine").write_text("mine")
+    found = made(tmp_path, fails)
+    assert found.returncode != 0
+    assert found.stderr == "The environment .venv could not be made; it is as it was.\n"
+    assert [path.name for path in (tmp_path / ".venv").iterdir()] == ["mine"]
+    assert not (tmp_path / ".venv.old").exists()
+
+
+def test_one_that_was_killed_on_the_way_is_made_from_what_was_there_before(tmp_path: Path) -> None:
+    for name in (".venv.old", ".venv"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "of").write_text(name)
+    assert made(tmp_path, "exit 1").returncode != 0
+    assert (tmp_path / ".venv/of").read_text() == ".venv.old"
+
+
+def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
+    (tmp_path / ".venv").mkdir()
+    (tmp_path / ".venv/mine").write_text("mine")
+    assert made(tmp_path, "").returncode == 0
+    assert {path.name for path in (tmp_path / ".venv").iterdir()} == {"bin", "study.ready"}
+    assert not (tmp_path / ".venv.old").exists()
+    told = (tmp_path / "told").read_text().splitlines()
+    assert told[-1] == "install --quiet --no-deps --no-build-isolation --editable ."

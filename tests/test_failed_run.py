@@ -1,0 +1,43 @@
+"""What a run that fails leaves on the screen."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+from test_workflow import SOLVED, Workspace
+
+pytestmark = pytest.mark.study
+
+
+@pytest.mark.engine
+def test_a_run_that_fails_shows_no_summary_of_an_earlier_one_and_its_reason_last(
+    tmp_path: Path,
+) -> None:
+    solved = Workspace(tmp_path / "study")
+    solved.configure({**SOLVED, "eccentricities": [0]})
+    assert solved.snakemake().returncode == 0
+    engine = tmp_path / "kills-its-job"
+    engine.write_text("#!/bin/sh\nkill -KILL $PPID\n")
+    engine.chmod(0o755)
+    solved.configure({**SOLVED, "dem": {"engines": ["yade"]}, "eccentricities": [0]})
+    command = [sys.executable, "-m", "workflow", "study", str(solved.folder / "study.yaml")]
+    found = subprocess.run(
+        [*command, f"--results={solved.results}"],
+        check=False,
+        cwd=ROOT,
+        env={**os.environ, "YADE_PYTHON": str(engine)},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
+    assert found.returncode == 1
+    assert found.stdout == ""
+    said, reason = found.stderr.splitlines()[-2:]
+    log = solved.results / "logs/yade/n3-mesh0.03-e0a.log"
+    assert said.endswith("the study is incomplete (summary.txt is of an earlier run):")
+    words = "killed by SIGKILL, as the system does where memory is short"
+    assert reason == f"  Failed: yade: n3-mesh0.03-e0a: {words}; log: {log}"
+    assert words in log.read_text()

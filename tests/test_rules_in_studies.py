@@ -1,0 +1,97 @@
+"""Law, safe rule and SiDMACIB in a study: asked by default, and told case by case."""
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from test_analysis import record_with
+
+from analysis.capacity import capacity_table, law_rows
+from analysis.collect import cases_table, weights_table
+from analysis.rule import describe
+from sidmacib.chain.rule import law, safe
+from sidmacib.joint import Direction
+from workflow.__main__ import case
+from workflow.cases import cases_of, find_place
+from workflow.configuration import ConfigError, read_study
+from workflow.schema import Study
+
+
+def study_of(**change: Any) -> Study:
+    config = {"samples": {"n3": {"locks": 3}}, "meshes": [0.02], "eccentricities": [0, 0.5]}
+    return read_study({**config, "dem": {"engines": []}, **change})
+
+
+def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
+    study = study_of()
+    assert study.models == ("static", "limit", "law", "safe")
+    rows = pd.DataFrame(law_rows(study)).set_index(["model", "eccentricity_m"])
+    for name, rule in (("law", law), ("safe", safe)):
+        for ratio in (0.0, 0.5):
+            found = rule(study.joint("n3"), Direction(ratio))
+            row = rows.loc[(name, ratio * 0.06)]
+            assert (row["shear_N"], row["torque_Nm"]) == (found.shear, found.torque)
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"samples": {"n3": {"locks": 40}}}, "locks: 40 is not possible; it must be from 2 to 31"),
+        (
+            {"assembly": {"upper_body": "joined"}},
+            "assembly.upper_body: joined is not possible with law; it must be columns or",
+        ),
+        (
+            {"assembly": {"load_share": "body"}},
+            "assembly.load_share: body is not possible with law; it must be face",
+        ),
+    ],
+)
+def test_a_joint_that_the_law_refuses_has_the_reason_in_the_table(
+    change: dict[str, Any], reason: str
+) -> None:
+    study = study_of(**change, sidmacib={"reductions": ["none"]})
+    results = [record_with(each, 0.5) for each in cases_of(study).values()]
+    table = capacity_table(study, cases_table(results, results), weights_table(results))
+    (own,) = table[table["model"] == "law"]["error"].unique()
+    assert own.startswith(reason)
+    assert table[table["model"] == "law"]["load_N"].isna().all()
+
+
+def test_a_case_of_a_rule_is_told_without_running_anything(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config = tmp_path / "study.yaml"
+    config.write_text("samples: {n3: {locks: 3}}\nvariants: {one: {upper_body: monolithic}}\n")
+    study = read_study({"samples": {"n3": {"locks": 3}}, "variants": {"one": {}}})
+    expected = safe(study.joint("n3"), Direction(0.1))
+    assert case(config, str(tmp_path / "results"), "n3-mesh0.02-e0.1a", "safe") is None
+    told = capsys.readouterr().out
+    assert f"V = {expected.shear:.2f} N, M = {expected.torque:.4f} N m" in told
+    assert case(config, None, "n3-mesh0.02-e0.1a-one", "safe") is None
+    assert told.partition("V")[2] != capsys.readouterr().out.partition("V")[2]
+    assert not (tmp_path / "results").exists()
+
+
+def test_sidmacib_is_told_by_the_rules_that_need_no_weights() -> None:
+    study = study_of()
+    told = describe(study, "sidmacib", find_place(study, "n3-mesh0.02-e0a")).splitlines()
+    assert len(told) == 1 + 2 * 4 * 2
+    assert "  Option 4, no friction, every lock counts: V = 720.00 N, M = 0.0000 N m" in told
+    assert "  Option 4, no friction, (n - 1) / 2 locks count: V = 240.00 N, M = 0.0000 N m" in told
+
+
+def test_a_rule_that_refuses_a_case_says_why(tmp_path: Path) -> None:
+    config = tmp_path / "study.yaml"
+    config.write_text("samples: {n3: {locks: 3, dry: {friction: 0.9}}}\n")
+    found = case(config, None, "n3-mesh0.02-e0a", "law")
+    assert found is not None
+    assert "n3-mesh0.02-e0a (law): no result: friction: 0.9 is not possible" in found
+
+
+def test_a_case_that_no_rule_has_is_refused_with_what_is_near(tmp_path: Path) -> None:
+    with pytest.raises(
+        ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case; .* n3-mesh0.02-e0a"
+    ):
+        find_place(study_of(), "n3-mesh0.2-e0a")

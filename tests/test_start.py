@@ -1,0 +1,122 @@
+"""Before anything runs: ^C while programs load, the locale, and a faulty configuration."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from conftest import ROOT
+
+from workflow import early
+from workflow.configuration import ConfigError
+from workflow.schema import Study
+
+SMALL = (
+    "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\nmodels: [static]\n"
+    "dem: {engines: []}\nsidmacib: {reductions: [none]}\n"
+)
+# ^C, twice, when a module is first imported.
+INTERRUPTED = """
+import builtins, os, runpy, signal, sys
+real, late = __import__, sys.argv.pop(1)
+def slow(name, *others, **more):
+    if name.partition(".")[0] == late and late not in sys.modules:
+        sys.modules[late] = None
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        finally:
+            os.kill(os.getpid(), signal.SIGINT)
+    return real(name, *others, **more)
+builtins.__import__ = slow
+"""
+PROGRAMS = {
+    "click": "from sidmacib.command import run; run()",
+    "numpy": "from sidmacib.command import run; run()",
+    "pydantic": "runpy.run_module('workflow', run_name='__main__', alter_sys=True)",
+}
+
+
+def started(*command: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, *command],
+        cwd=ROOT,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+@pytest.mark.parametrize("late", PROGRAMS)
+def test_an_interrupt_while_a_program_loads_is_told_in_a_line(late: str) -> None:
+    found = started("-c", INTERRUPTED + PROGRAMS[late], late, "study", "config.yaml")
+    assert found.returncode == 1
+    assert re.fullmatch(r"(Aborted!|Stopped\. The next run goes on from here\.)\n", found.stderr)
+
+
+def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(SMALL + "# \u00b5\n", encoding="utf-8")
+    told = ["study.yaml", "--results", "results", "--case", "n3-mesh0.02-e0a"]
+    told[0], told[2] = str(tmp_path / told[0]), str(tmp_path / told[2])
+    posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    found = started("-m", "workflow", "case", *told, **posix)
+    assert found.returncode == 0, found.stderr
+    assert "V = 24" in found.stdout
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; the keys here are results, sam"),
+        (SMALL + "meshes: [0.01]\n", "line 7: 'meshes' appears twice; each key must"),
+        ("samples: [\n", "line 2: not YAML"),
+        ("\u00b5".encode("latin-1"), "not UTF-8 text; save the file as UTF-8"),
+    ],
+)
+def test_a_faulty_configuration_is_seen_before_anything_is_installed(
+    tmp_path: Path, text: str | bytes, words: str
+) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    told = early.fault(path)
+    assert told is not None
+    assert told.startswith(f"{path}: {words}")
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [("/none.yaml", "No such file or directory"), ("/dev/zero", "not a file"), ("/", "not a file")],
+)
+def test_what_is_no_file_is_seen_before_anything_is_installed(path: str, words: str) -> None:
+    assert early.fault(Path(path)) == f"{path}: {words}"
+
+
+def test_every_study_of_this_checkout_passes_the_first_look() -> None:
+    for path in ROOT.glob("[a-z]*.yaml"):
+        assert early.fault(path) is None
+    assert early.keys() == list(Study.model_fields)
+
+
+def test_make_looks_at_the_configuration_first() -> None:
+    command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
+    told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    lines = [line for line in told.splitlines() if re.search(r"early\.py|environment\.sh", line)]
+    assert "early.py" in lines[0] and "environment.sh" in lines[1]
+
+
+def test_a_fault_is_told_with_the_files_name_once() -> None:
+    error = ConfigError("overrides: no case", "my.yaml: line 1: not YAML").of(Path("my.yaml"))
+    assert str(error) == "my.yaml: overrides: no case\nmy.yaml: line 1: not YAML"
+
+
+def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None:
+    path = tmp_path / "study.yaml"
+    path.write_text(SMALL + "overrides: {n3-mesh0.02-torsion: {ramp_periods: 50}}\n")
+    asked = ["case", str(path), "--case", "n3-mesh0.02-e0a"]
+    assert started("-m", "workflow", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
+    path.write_text(SMALL)
+    asked[-1] = "n4"
+    assert started("-m", "workflow", *asked).stderr.startswith("CASE: 'n4' is no case")

@@ -1,0 +1,132 @@
+"""What the summary of a study says, and in which order."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_analysis import record_with, tables_of
+
+from analysis.capacity import capacity_table
+from analysis.collect import cases_table, weights_table
+from analysis.fit import fit_table
+from analysis.summary import summary
+from sidmacib.chain.rule import safe
+from sidmacib.contact_points import ContactOption
+from sidmacib.joint import Direction
+from sidmacib.programme import Sidmacib, capacities
+from workflow.cases import cases_of
+from workflow.configuration import read_study
+from workflow.schema import Study
+
+COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample
+
+
+def study_of(**change: Any) -> Study:
+    config = {
+        "samples": {"weak": {"locks": 3}, "strong": {"locks": 3}},
+        "meshes": [0.02, 0.01],
+        "eccentricities": [0, 0.5, "torsion"],
+        "models": ["static", "law", "safe"],
+        "dem": {"engines": []},
+    }
+    return read_study({**config, **change})
+
+
+def tables_for(study: Study) -> dict[str, pd.DataFrame]:
+    """Results made up: contact points of Option 4, and locks that count by `COUNTED`."""
+    records = []
+    for case in cases_of(study).values():
+        strength = (COUNTED.get(case.sample, 1.0), *(0.0,) * (case.joint.locks - 1))
+        model = Sidmacib(case.joint, ContactOption.pair(0.25), strength, friction=False)
+        (point,) = capacities(model, [case.direction])
+        records.append(record_with(case, 0.5, point.load))
+    cases, weights = cases_table(records, records), weights_table(records)
+    return tables_of(study, capacity_table(study, cases, weights), weights, cases)
+
+
+@pytest.fixture(scope="module")
+def tables() -> dict[str, pd.DataFrame]:
+    return tables_for(study_of())
+
+
+@pytest.fixture(scope="module")
+def lines(tables: dict[str, pd.DataFrame]) -> list[str]:
+    return summary("there", tables, [0.02, 0.01]).splitlines()
+
+
+def test_whether_half_of_the_locks_may_be_counted_is_answered_first(lines: list[str]) -> None:
+    assert lines[0].startswith("May I count (n - 1) / 2 locks? No: unsafe by 33.3 % (weak, ")
+    assert lines[1] == "  strong safe (Option 3); weak unsafe by 33.3 % (Option 4)"
+
+
+def test_half_of_the_locks_may_be_counted_where_an_option_is_safe() -> None:
+    study = study_of(samples={"strong": {"locks": 3}})
+    lines = summary("there", tables_for(study), [0.02, 0.01]).splitlines()
+    assert lines[0] == "May I count (n - 1) / 2 locks? Yes, for these joints:"
+    assert lines[1] == "  strong safe (Option 3)"
+
+
+def test_the_direction_that_is_named_is_the_least_safe(tables: dict[str, pd.DataFrame]) -> None:
+    capacity = tables["capacity"].copy()
+    where = (capacity["model"] == "static") & (capacity["case"] == "weak-mesh0.01-e0.5a")
+    capacity.loc[where, "load_N"] *= 0.9
+    changed = tables_of_capacity(tables, capacity)
+    first = summary("there", changed, [0.02, 0.01]).splitlines()[0]
+    assert "unsafe by 48.1 % (weak, e/a = 0.5)" in first
+
+
+def tables_of_capacity(
+    tables: dict[str, pd.DataFrame], capacity: pd.DataFrame
+) -> dict[str, pd.DataFrame]:
+    return {**tables, "capacity": capacity, "fit": fit_table(capacity)}
+
+
+def test_the_first_ten_lines_tell_what_to_design_for(lines: list[str]) -> None:
+    joint = study_of().joint("weak")
+    shear, torque = safe(joint, Direction(0)).shear, safe(joint, Direction(np.inf)).torque
+    told = f"weak V {shear:.4g}, M {torque:.4g}; strong V {shear:.4g}, M {torque:.4g}"
+    assert f"  {told}" in lines[:10]
+    assert "" in lines[:10]  # the rest is below
+
+
+def test_loads_are_told_as_shear_and_torque_for_each_ratio_of_eccentricity(
+    lines: list[str], tables: dict[str, pd.DataFrame]
+) -> None:
+    start = lines.index("Static model, mesh 0.01 m: V (N) and M (N m)")
+    head, *rows = (line.split() for line in lines[start + 1 : start + 5])
+    assert head == ["e/a", "weak", "strong"]
+    assert [row[0] for row in rows] == ["0", "0.5", "torsion"]
+    own = tables["capacity"].query("model == 'static' and mesh_m == 0.01 and sample == 'weak'")
+    for row, (shear, torque) in zip(
+        rows, own[["shear_N", "torque_Nm"]].itertuples(index=False), strict=True
+    ):
+        assert row[1:3] == [f"{shear:.5g}", f"{torque:.5g}"]
+
+
+def test_no_eccentricity_is_told_in_metres(lines: list[str]) -> None:
+    assert not any(re.search(r"\binf\b|e = [\d.]+ m\b|at e = ", line) for line in lines)
+
+
+def test_what_is_for_design_stands_before_what_is_not(lines: list[str]) -> None:
+    heads = [line for line in lines if "V (N) and M (N m)" in line]
+    assert [head.split()[0] for head in heads] == ["Safe", "Law", "Static"]
+
+
+def test_a_rule_that_refuses_says_why_in_the_summary() -> None:
+    study = study_of(
+        samples={"long": {"locks": 33}, "weak": {"locks": 3}}, eccentricities=[0, "torsion"]
+    )
+    text = summary("there", tables_for(study), [0.02, 0.01])
+    assert "long no answer, see below; weak V " in text
+    assert text.count("  - long: locks: 33 is not possible; it must be from 2 to 31") == 2
+
+
+def test_lobatto_nodes_are_not_advised_to_a_study_that_has_them(
+    tables: dict[str, pd.DataFrame],
+) -> None:
+    coarse = {**tables, "capacity": tables["capacity"].assign(mesh_error=0.1)}
+    assert "A finer mesh lowers it." in summary("there", coarse, [0.02, 0.01])
+    other = {**coarse, "cases": tables["cases"].assign(nodes="centres")}
+    assert "A finer mesh lowers it, or nodes: lobatto." in summary("there", other, [0.02, 0.01])

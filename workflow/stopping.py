@@ -1,0 +1,89 @@
+"""Ending a run that is told to end: its jobs, then itself, with one line and no traceback.
+
+Light to import, so that this holds from the first moment on.
+"""
+
+import os
+import signal
+import sys
+import threading
+import time
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+STOPPED = "Stopped. The next run goes on from here."
+SHOW_CURSOR = "\x1b[?25h"  # which a bar on a terminal hides
+SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+LOOK = 0.5  # s, between looks at the process that started this one
+
+_told: list[int] = []
+_patience = [0.0]
+
+
+def end_when_told(patience: float = 0.0) -> None:
+    """Have SIGINT, SIGTERM and SIGHUP end this process and the jobs that it has started.
+
+    It may clean up for ``patience`` s, unless it is told again. What `nohup` ignores stays ignored.
+    """
+    _patience[0] = patience
+    for number in SIGNALS:
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, stop)
+
+
+def told_to_stop() -> bool:
+    """Whether this process was told to end."""
+    return bool(_told)
+
+
+def stop(number: int = signal.SIGTERM, *_: Any) -> None:
+    """End the jobs and this process; a handler of signals. Raises SystemExit."""
+    _told.append(number)
+    _end_children()
+    if len(_told) > 1 or not _patience[0]:
+        _end_at_once()
+    # Where nobody lets an exception through, as while something is destroyed, it would be lost.
+    later = threading.Timer(_patience[0], _end_at_once)
+    later.daemon = True
+    later.start()
+    raise SystemExit(STOPPED)
+
+
+def end_with_make() -> None:
+    """Have this process end when make, which started it, is told to end.
+
+    make passes SIGTERM on, but when SIGINT or SIGHUP reach it alone it waits for its recipes, with
+    the signal blocked.
+    """
+    threading.Thread(target=_watch, args=(os.getppid(),), daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    waiting = 1 << (signal.SIGINT - 1) | 1 << (signal.SIGHUP - 1)
+    with suppress(OSError, StopIteration):  # it has ended
+        while not _blocked(parent) & waiting:
+            time.sleep(LOOK)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+
+def _blocked(pid: int) -> int:
+    """The signals that a process blocks, a bit for each."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("SigBlk:")).split()[1], 16)
+
+
+def _end_at_once() -> None:
+    _end_children()
+    end = SHOW_CURSOR if sys.stderr.isatty() else ""
+    os.write(2, f"{end}{STOPPED}\n".encode())
+    os._exit(1)  # the jobs end with this process, see `workflow.job`
+
+
+def _end_children() -> None:
+    """Tell the processes that this one has started to end."""
+    for children in Path("/proc/self/task").glob("*/children"):
+        with suppress(OSError):
+            for pid in children.read_text().split():
+                with suppress(ProcessLookupError, PermissionError):
+                    os.kill(int(pid), signal.SIGTERM)
