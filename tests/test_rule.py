@@ -59,6 +59,13 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"inner": replace(INNER, shear_stiffness=1e6)}, "shear over normal stiffness"),
         ({"inner": replace(INNER, tensile_strength=7e4)}, "tensile strength over cohesion"),
         ({"dry": replace(DRY, shear_stiffness=1e8)}, "shear over normal stiffness of dry faces"),
+        (
+            {
+                "dry": replace(DRY, normal_stiffness=3e11),
+                "inner": replace(INNER, shear_stiffness=1e9),
+            },
+            r"stiffness of a dry face over a root, Kd h / \(Ks b\): 48",
+        ),
         ({"density": 1e6}, "weight of the upper block per area over cohesion"),
         ({"hold_down": HoldDown.force(1e9)}, "force on top per area over cohesion"),
         ({"elastic": Elastic(1e9)}, r"E / \(Kn b\): 2 is not possible"),
