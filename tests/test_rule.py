@@ -61,7 +61,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"dry": replace(DRY, shear_stiffness=1e8)}, "shear over normal stiffness of dry faces"),
         (
             {
-                "dry": replace(DRY, normal_stiffness=3e11),
+                "dry": replace(DRY, normal_stiffness=3e11, shear_stiffness=3e11),
                 "inner": replace(INNER, shear_stiffness=1e9),
             },
             r"stiffness of a dry face over a root, Kd h / \(Ks b\): 48",
