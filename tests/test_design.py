@@ -144,7 +144,8 @@ def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
     table = law_table(points).set_index(["quantity", "held"])
     whole = table[table["eccentricity_over_a"] == "all"]
     law = whole.loc[("law / first failure", "all")]
-    assert law["points"] == len(points)
+    # Two joints have dry faces too stiff for their roots, which the rule refuses.
+    assert law["points"] == points["law"].notna().sum() == len(points) - 2 * len(RATIOS)
     assert law["mean_absolute_error"] < 0.02
     assert max(law["largest_error"], -law["least_error"]) < 0.06
     safe = whole.loc[("safe / peak", "all")]
