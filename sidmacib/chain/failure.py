@@ -6,6 +6,7 @@ linearly over a face exactly. Up to there it makes no difference how bonds fail.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -57,13 +58,14 @@ class JointFailure:
         return self.cut_used > self.used.max()
 
 
+@lru_cache(maxsize=256)  # law, safe rule and explorer ask for the same
 def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = None) -> JointFailure:
     """The state in which the first face of ``joint`` reaches its strength.
 
-    ``fineness``: None: the coarsest that will do. ValueError for what
-    the law is not made for: fewer than two locks, locks of their own, joined columns or bonds
-    without strength. `CapacityError` if no face carries the load, or if the joint slides or rocks
-    before a bond fails.
+    ``fineness``: None: the coarsest that will do. ValueError for what the law is not made for:
+    fewer than two locks, locks of their own, joined columns or bonds without strength.
+    `CapacityError` if no face carries the load, or if the joint slides or rocks before a bond
+    fails.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):

@@ -8,9 +8,8 @@ nobody has looked outside.
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
-from sidmacib.chain.failure import FINE, Fineness, first_failure
+from sidmacib.chain.failure import FINE, first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push
@@ -58,7 +57,8 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     or rocks before a bond fails.
     """
     require_covered(joint, direction)
-    return _capacity(joint, direction, _first_load(joint, direction, push))
+    load = first_failure(joint, Loading(direction, push=push)).load
+    return _capacity(joint, direction, load)
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
@@ -76,7 +76,7 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
     load = law(joint, direction, push).load
     if joint.elastic is not None:
         return _designed(joint, direction, load / SAFETY_THAT_BENDS)
-    finer = _first_load(joint, direction, push, FINE)
+    finer = first_failure(joint, Loading(direction, push=push), FINE).load
     least = min(load, finer) - abs(finer - load)
     if least <= 0.0:
         raise CapacityError(
@@ -133,13 +133,6 @@ def require_covered(joint: Joint, direction: Direction) -> None:
 def _short(value: float) -> float:
     short = float(f"{value:.4g}")
     return int(short) if short.is_integer() else short
-
-
-@lru_cache(maxsize=256)  # the safe rule asks for what the law was asked for
-def _first_load(
-    joint: Joint, direction: Direction, push: Push, fineness: Fineness | None = None
-) -> float:
-    return first_failure(joint, Loading(direction, push=push), fineness).load
 
 
 def _require_no_snap(joint: Joint, direction: Direction) -> None:
