@@ -2,13 +2,12 @@
 
 import csv
 import io
-import json
 import math
 import re
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner, Result
+from command_runner import answers, run
 from conftest import ROOT
 
 from analysis.looks import look_of
@@ -23,16 +22,6 @@ from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.weights import lock_weights
-
-
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(main, list(arguments))
-
-
-def answers(*arguments: str) -> list[dict[str, object]]:
-    found = run(*arguments, "--format", "json")
-    assert found.exit_code == 0, found.output
-    return list(json.loads(found.output))
 
 
 def test_capacity_tells_what_the_library_does() -> None:

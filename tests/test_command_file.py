@@ -1,26 +1,13 @@
 """A joint from a file: the study's reader, and one line for whatever else it holds."""
 
-import json
 import tempfile
 from pathlib import Path
 
 import pytest
 import yaml
-from click.testing import CliRunner, Result
+from command_runner import answers, run
 from hypothesis import given, settings
 from hypothesis import strategies as st
-
-from sidmacib.command.main import main
-
-
-def run(*arguments: str) -> Result:
-    return CliRunner().invoke(main, list(arguments))
-
-
-def answers(*arguments: str) -> list[dict[str, object]]:
-    found = run(*arguments, "--format", "json")
-    assert found.exit_code == 0, found.output
-    return list(json.loads(found.output))
 
 
 def test_flags_go_before_a_file(tmp_path: Path) -> None:
