@@ -16,6 +16,7 @@ from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from scipy.optimize import differential_evolution
 
 from sidmacib.chain.rule import SPANS, safe
@@ -35,7 +36,6 @@ SMOOTH, LIGHT = 0.2, 0.2  # parts of the joints without friction, without weight
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
 CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: blocks that bend
-INCREMENT = 0.1  # of the load in the search, over T0
 CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
@@ -149,7 +149,7 @@ def ratio_at(space: Space, place: Sequence[float]) -> float | None:
     assembly = assemble(joint, joint.least_side / CELLS[space.elastic])
     try:
         loads = lateral_load(joint, assembly, target.loading)
-        found = static_first_failure(assembly, loads, increment=INCREMENT)
+        found = static_first_failure(assembly, loads)
     except CapacityError:
         return None
     return promised / found.point.load if found.point.load > 0.0 else math.inf
@@ -211,7 +211,7 @@ def search(space: Space, seed: int, evaluations: int) -> Worst:
         recombination=0.8,
         tol=0.0,
         polish=False,
-        rng=seed,
+        rng=np.random.default_rng([seed, SPACES.index(space)]),  # else spaces look at like joints
     )
     return Worst(space, seed, own.evaluations, own.answered, own.unsolved, own.best, own.place)
 

@@ -32,6 +32,8 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
+LEAST_FINE = 1 / 64  # part of these increments that the history of friction may ask for
+HISTORY = 1e-3  # over the load: what half the increments may change at the first failure
 LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
 SOFTENING_INCREMENT = 0.02  # of the load, over the first failure, where bonds fade,
@@ -52,17 +54,20 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
 
 
 def static_first_failure(
-    assembly: Assembly, loads: Loads, *, increment: float = INCREMENT
+    assembly: Assembly, loads: Loads, *, increment: float | None = None
 ) -> FirstFailure:
     """Raise ``loads`` from 0 to the first failure of ``assembly``, on the path of `static_peak`.
 
-    ``increment``: the largest one over the loads' scale; a smaller one follows the history of
-    friction more closely, on a path of its own. Errors as there, and ValueError unless it is
+    ``increment``: the largest one over the loads' scale, on a path of its own; without one they are
+    as small as the history of friction asks for. Errors as there, and ValueError unless it is
     positive.
     """
-    require_positive(increment=increment)
     solver = solver_of(assembly, loads)
-    path, failing = _raised(solver, [solver.start()], loads.scale, increment / INCREMENT)
+    if increment is None:
+        path, failing, _ = _to_first_failure(solver, loads.scale)
+    else:
+        require_positive(increment=increment)
+        path, failing = _raised(solver, [solver.start()], loads.scale, increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], loads.scale)
     return FirstFailure(path[-1], failing, mode)
 
@@ -76,19 +81,16 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     if assembly.failure is not Failure.BRITTLE:
         return _softened(assembly, loads)
     solver = solver_of(assembly, loads)
-    path = [solver.start()]
-    first_failure: float | None = None
-    while True:
-        path, failing = _raised(solver, path, loads.scale)
-        first_failure = path[-1].load if first_failure is None else first_failure
-        if not failing.any():
-            mode = _motion(solver, path[-1], loads.scale)
-            break
+    path, failing, fine = _to_first_failure(solver, loads.scale)
+    first_failure, mode = path[-1].load, Mode.BONDS
+    while failing.any():
         try:
             path.append(_redistributed(solver, path[-1], failing))
         except NoEquilibriumError:
-            mode = Mode.BONDS
             break
+        path, failing = _raised(solver, path, loads.scale, fine)
+    else:
+        mode = _motion(solver, path[-1], loads.scale)
     peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
     return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
 
@@ -96,7 +98,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
 def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
     """The same where bonds fade: increments are halved where no equilibrium is found nearby."""
     solver, softening = solver_of(assembly, loads), Softening.of(assembly)
-    path, failing = _raised(solver, [solver.start()], loads.scale)
+    path, failing, _ = _to_first_failure(solver, loads.scale)
     first_failure = path[-1].load
     if not failing.any():
         return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], loads.scale))
@@ -123,6 +125,22 @@ def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
     """How pieces move off beyond the peak ``point``, no bond being at its strength."""
     load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
+
+
+def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], Flags, float]:
+    """The path to the first failure, the nodes that fail there, and how fine its increments are.
+
+    Friction depends on its history, which increments follow to first order: where contacts have
+    slipped on the way the increments are halved until the first failure stays where it is.
+    """
+    start, fine = solver.start(), 1.0
+    path, failing = _raised(solver, [start], scale)
+    while fine > LEAST_FINE and any(point.state.slip.any() for point in path):
+        closer, fail = _raised(solver, [start], scale, fine / 2)
+        if abs(closer[-1].load - path[-1].load) <= HISTORY * path[-1].load:
+            break
+        path, failing, fine = closer, fail, fine / 2
+    return path, failing, fine
 
 
 def _raised(
