@@ -20,16 +20,16 @@ from workflow.results.tables import (
     SENSITIVITY,
 )
 
-HELD_BACK = "held_back"
+RIGID = "rigid"  # the design of rigid pieces and brittle bonds
 DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf": "torsion"}
 
 
 def law_errors(results: Path) -> str:
-    """Law over the static model's first failure, on joints that nothing was made from."""
+    """Law over the static model's first failure, on rigid pieces."""
     table = table_in(results, LAW)
     own = table[
         table["quantity"].eq("law / first failure")
-        & table["design"].eq(HELD_BACK)
+        & table["design"].eq(RIGID)
         & table["upper_body"].eq(ALL)
         & table["eccentricity_over_a"].isin(DIRECTIONS)
     ]
@@ -109,7 +109,7 @@ def rules(results: Path) -> str:
 def interaction(results: Path) -> str:
     """Curves through pure shear and pure torsion against what lies between."""
     table = table_in(results, INTERACTION)
-    own = table[table["design"].eq(HELD_BACK) & table["eccentricity_over_a"].eq(ALL)]
+    own = table[table["design"].eq(RIGID) & table["eccentricity_over_a"].eq(ALL)]
     rows = [
         [
             f"{row.exponent:g}",
@@ -125,7 +125,7 @@ def interaction(results: Path) -> str:
 def freedoms(results: Path) -> str:
     """Misfit of SiDMACIB's polygon by what may be chosen."""
     table = table_in(results, FREEDOMS)
-    own = table[table["design"].eq(HELD_BACK)]
+    own = table[table["design"].eq(RIGID)]
     rows = []
     for freedom in dict.fromkeys(own["freedom"]):
         part = own[own["freedom"].eq(freedom)]

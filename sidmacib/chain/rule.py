@@ -3,7 +3,7 @@
 ``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is less by
 `SAFETY` and by what a finer mesh changes. Both refuse what lies outside `SPANS`, the dimensionless
 groups that the answer depends on: `make attack` looks for the worst joint inside of them, and
-nobody has looked outside.
+the rule was not tested outside.
 """
 
 import math
@@ -121,7 +121,7 @@ def require_covered(joint: Joint, direction: Direction) -> None:
                 f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
             )
             raise refused(
-                name, _short(value), f"{allowed}: nobody has looked further; use the static model"
+                name, _short(value), f"{allowed}: the rule was not tested beyond; use the static model"
             )
     if joint.locks == 2 and abs(direction.eccentricity) > FARTHEST_OF_TWO:
         raise CapacityError(
