@@ -110,12 +110,16 @@ def test_python_examples_print_what_their_comments_promise(page: Path) -> None:
                 assert float(value) == pytest.approx(float(number), abs=last_digit(number) / 2)
 
 
-def test_the_readme_has_examples_of_every_kind() -> None:
+def test_the_readme_is_short_and_has_examples_of_every_kind() -> None:
     readme = PAGES[0]
-    assert len(blocks(readme, "python")) >= 2
-    assert blocks(readme, "yaml")
-    assert commands(readme, "make")
-    assert commands(readme, "snakemake")
+    words = [word for word in readme.read_text().split() if re.search(r"\w", word)]
+    assert len(words) <= 700
+    assert blocks(readme, "python") and blocks(readme, "yaml")
+    assert {("study",), ("test",)} <= {tuple(words) for words in commands(readme, "make")}
+
+
+def test_pages_show_how_to_ask_snakemake_for_a_case() -> None:
+    assert any(commands(page, "snakemake") for page in PAGES)
 
 
 def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

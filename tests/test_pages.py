@@ -37,7 +37,7 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 
 
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PageError, match="nothing: no such numbers; there are published-short"):
+    with pytest.raises(PageError, match="nothing: no such numbers; there are published-three"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 

@@ -1,7 +1,7 @@
 """How much hangs on the sizes that the paper does not print: what they make of its conclusions.
 
 It prints a b = 0.003 m2. Over the spans of a, h and H that such joints may have, and with friction
-as printed and as it fits, the law tells how many locks work.
+as printed and fitted, the law tells how many locks work.
 """
 
 from collections.abc import Mapping, Sequence

@@ -16,17 +16,15 @@ X, Y, Z = range(3)
 
 def joint(material: Material) -> Figure:
     """A sample's joint from the side and from below, as stress maps show it."""
-    own, push = material.study.joint(material.sample), material.study.assembly.push
-    figure = Figure(figsize=(8.6, 4.6), layout="constrained")
+    drawn, push = material.study.joint(material.sample), material.study.assembly.push
+    figure = Figure(figsize=(8.6, 4.8), layout="constrained")
     side, below = figure.subplots(2, 1)
-    _draw(side, own, (Y, Z))
-    _draw(below, own, (Y, X))
-    width, top = MM * own.total_width, MM * (own.h + own.H)
+    _draw(side, drawn, (Y, Z))
+    _draw(below, drawn, (Y, X))
+    width, bottom, top = MM * drawn.total_width, -MM * drawn.H, MM * (drawn.h + drawn.H)
     sign, start = (1.0, 0.0) if push is Push.PLUS_Y else (-1.0, width)
-    for axes, height, words in (
-        (side, top / 2.0, "V"),
-        (below, sign * 0.3 * MM * own.a, "V at e:\nM = V e"),
-    ):
+    beside = sign * 0.3 * MM * drawn.a
+    for axes, height, words in ((side, top / 2.0, "V"), (below, beside, "V")):
         axes.annotate(
             words,
             (start, height),
@@ -34,35 +32,56 @@ def joint(material: Material) -> Figure:
             arrowprops={"arrowstyle": "-|>", "color": BLACK, "lw": 1.5},
             ha="center",
             va="center",
-            fontsize=8,
+            fontsize=9,
         )
-        axes.set_xlim(-0.35 * width, 1.35 * width)
+        axes.set_xlim(-0.4 * width, 1.4 * width)
         axes.set_aspect("equal")
-        axes.grid(visible=False)
-        axes.set_xlabel("y (mm)")
-    below.plot((0.0, width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.")
-    side.set_ylabel("z (mm)")
-    below.set_ylabel("x (mm)")
+        axes.set_axis_off()
+    below.plot((-0.1 * width, 1.02 * width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.")
     side.set_title("from the side", loc="left", fontsize=10)
     below.set_title("locks from below", loc="left", fontsize=10)
-    _size(side, (1.08 * width, MM * own.h, top), f"H = {MM * own.H:g}")
-    _size(side, (1.08 * width, 0.0, MM * own.h), f"h = {MM * own.h:g}")
-    _size(below, (1.08 * width, -MM * own.a / 2.0, MM * own.a / 2.0), f"a = {MM * own.a:g}")
+    right, centre = 1.06 * width, MM * drawn.b
+    _size(side, (right, MM * drawn.h, top), f"H = {MM * drawn.H:g}")
+    _size(side, (right, 0.0, MM * drawn.h), f"h = {MM * drawn.h:g}")
+    _size(below, (right, -MM * drawn.a / 2.0, MM * drawn.a / 2.0), f"a = {MM * drawn.a:g}")
+    _size(below, (start - sign * 0.05 * width, 0.0, beside), "e")
+    _name(
+        side,
+        "inner face of lock 1: bonded",
+        (0.5 * centre, MM * drawn.h),
+        (0.5 * centre, 1.5 * top),
+    )
+    _name(side, "inner face of lock 2: bonded", (1.5 * centre, 0.0), (1.5 * centre, 1.6 * bottom))
+    _name(side, "dry face", (2.0 * centre, MM * drawn.h / 2.0), (2.6 * centre, 1.5 * top))
     style.caption(
         figure,
-        f"{own.locks} locks, b = {MM * own.b:g} mm each. Blue: upper block, which is pushed; grey: "
-        "lower block. A lock meets its own block across its inner face, at z = h or z = 0; all "
-        "other faces of it are dry. T0, the strength of a lock, is cohesion times a b = "
-        f"{own.T0:.4g} N. {material.assumed_geometry}",
+        f"{drawn.locks} numbered locks, b = {MM * drawn.b:g} mm each; sizes in mm. Blue: upper "
+        "block, loaded by V at the eccentricity e, so by the torque M = V e. Grey: lower block, "
+        "held. Each lock is bonded to its own block by its inner face; all its other faces are "
+        f"dry. Strength of a lock: T0 = cohesion times a b = {drawn.T0:.4g} N. "
+        f"{material.assumed_geometry}",
         height=0.2,
     )
     return figure
 
 
-def _draw(axes: Axes, own: Joint, plane: tuple[int, int]) -> None:
+def _name(axes: Axes, words: str, face: tuple[float, float], place: tuple[float, float]) -> None:
+    """A name at ``place`` with a line to the ``face`` that it is of."""
+    axes.annotate(
+        words,
+        face,
+        place,
+        arrowprops={"arrowstyle": "-", "lw": 0.8, "shrinkB": 0},
+        ha="center",
+        va="center",
+        fontsize=8,
+    )
+
+
+def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
     """The pieces, projected on two axes; from below only the locks."""
     across, along = plane
-    for piece in outlines(own):
+    for piece in outlines(joint):
         if along == X and piece.lock is None:
             continue
         corner = piece.low[across], piece.low[along]
@@ -85,4 +104,4 @@ def _size(axes: Axes, place: tuple[float, float, float], words: str) -> None:
     """An arrow with a size beside it, upright."""
     x, low, high = place
     axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<->", "lw": 0.8})
-    axes.text(x, (low + high) / 2, f" {words}", va="center", fontsize=8)
+    axes.text(x, (low + high) / 2, f"  {words}", va="center", fontsize=8)

@@ -17,7 +17,7 @@ from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WE
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
 LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
-FITS = "as it fits"  # the published numbers, with another friction and geometry
+FITS = "fitted"  # to the published numbers, by friction and geometry
 NONE = "–"
 
 
@@ -69,11 +69,29 @@ def _is_weight(quantity: str) -> bool:
 
 
 def beside_short(results: Path) -> str:
-    """The published numbers that the README shows."""
+    """All published numbers, briefly."""
     parts = _beside(results)
     finest = [row for row in _lines(parts, ("weight_sum", "best_option")) if row[2] == _mesh(parts)]
     rows = [*_lines(parts, LOADS), *map(_weights, parts), *finest]
     return markdown([*HEAD, *_heads(parts[0])], rows)
+
+
+def headline(results: Path) -> str:
+    """Three published numbers beside those computed with the fitted friction, finest mesh."""
+    parts = _beside(results)
+    mesh, rows = _mesh(parts), []
+    for part in parts:
+        *_, sample = part.samples
+        model = look_of(part.samples[sample].rsplit("; ", 1)[1]).name
+        lines = {line.quantity: line for line in part.lines if line.mesh == mesh}
+        for quantity, words, unit in (
+            ("dem_pure_shear_N", f"peak V, {part.locks} locks ({model})", " N"),
+            ("weight_sum", f"sum of weights, {part.locks} locks ({model})", ""),
+        ):
+            row = lines[quantity].rows[sample]
+            numbers = [f"{lines[quantity].published:.5g}{unit}", f"{row.computed:.5g}{unit}"]
+            rows.append([words, *numbers, signed(difference(row))])
+    return markdown(["", "published", "multilock", "difference"], [rows[0], *rows[2:]])
 
 
 def weights(results: Path) -> str:
@@ -236,6 +254,7 @@ def variants(results: Path) -> str:
 
 
 BLOCKS: dict[str, Callable[[Path], str]] = {
+    "published-three": headline,
     "published-short": beside_short,
     "weights": weights,
     "curves": curves,
