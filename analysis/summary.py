@@ -228,8 +228,8 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
     if len(high):
         yield (
             f"  {len(high)} of {len(own)} capacities have a mesh error above {100 * MESH_LIMIT:g} "
-            "%: what rests on them may be the mesh's doing. A finer mesh lowers it"
-            + (", or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
+            "%; conclusions from these may be mesh artefacts. Use a finer mesh"
+            + (" or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
         )
 
 

@@ -118,8 +118,8 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
         found.append(
             {
                 "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                "text": f"At most {100 * size:.1f} % away: {worst['computed']:.1f} N of "
-                f"{look_of(worst['model']).name} against {worst['published']:g} N, "
+                "text": f"Largest deviation {100 * size:.1f} %: {look_of(worst['model']).name} "
+                f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
                 f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
                 "kind": "good" if size < NEAR else "note",
             }
