@@ -127,6 +127,6 @@ def test_lobatto_nodes_are_not_advised_to_a_study_that_has_them(
     tables: dict[str, pd.DataFrame],
 ) -> None:
     coarse = {**tables, "capacity": tables["capacity"].assign(mesh_error=0.1)}
-    assert "A finer mesh lowers it." in summary("there", coarse, [0.02, 0.01])
+    assert "Use a finer mesh." in summary("there", coarse, [0.02, 0.01])
     other = {**coarse, "cases": tables["cases"].assign(nodes="centres")}
-    assert "A finer mesh lowers it, or nodes: lobatto." in summary("there", other, [0.02, 0.01])
+    assert "Use a finer mesh or nodes: lobatto." in summary("there", other, [0.02, 0.01])
