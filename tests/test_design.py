@@ -268,7 +268,7 @@ def test_the_study_of_the_law_is_planned_in_batches() -> None:
     study = read_study_file(ROOT / "locks.yaml")
     jobs = plan_of(study).jobs
     joints = sum(section.joints for section in study.designs.values())
-    assert joints == 2048 + 64 + 128 + 64
+    assert joints == 512 + 64 + 128 + 64
     assert sum(name.startswith("designs/") for name in jobs) == joints // 64
     assert "tables/law.csv" in jobs["errors"].outputs
 
