@@ -224,3 +224,21 @@ def test_two_locks_are_refused_alike_to_both_sides() -> None:
     for far in (-5.0, 5.0):
         with pytest.raises(CapacityError, match=r"at most 0\.5 a to either side"):
             law(Joint(2), Direction(far))
+
+
+def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> None:
+    """First failures of 337, 343, 305 and 312 N on 2, 4, 6 and 8 cells a lock."""
+    joint = Joint(
+        13,
+        a=0.0458945,
+        b=0.05,
+        h=0.01034363,
+        H=0.06445815,
+        density=1315.998,
+        inner=FaceMaterial(1e10, 1.256947e9, 0.0, 8e4, 3.584972e6),
+        dry=FaceMaterial(1.565336e11, 3.136978e10, 0.74914, 0.0, 0.0),
+        hold_down=HoldDown.weight(),
+    )
+    loading = Loading(Direction(12.8128))
+    _, found = load_path(joint, loading, joint.least_side / 6)
+    assert safe(joint, loading.direction).load < 0.95 * found.first_failure_load

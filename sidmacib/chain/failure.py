@@ -34,6 +34,7 @@ class Fineness:
 # friction more closely, show how far a load depends on both. Blocks that bend cost more, and three
 # nodes a side see them bend.
 COARSE, FINE, BENDING = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
+FINEST = Fineness(6, 0.05)  # where dry faces are so stiff that four cells may not show it
 
 
 @dataclass(frozen=True)
