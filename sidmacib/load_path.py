@@ -3,8 +3,8 @@
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.path import StaticSolution
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.quadrature import cells_along
+from sidmacib.mechanics.contact_nodes import cells_along
 
 APART = 1.4  # ratio of the cells along a side of two meshes, at least, to tell an error
 DIGITS = 9  # after the decimal point, of a relative error; less is rounding

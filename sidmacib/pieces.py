@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import (
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import cells_along, contact_nodes
+from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: all but none is lost

@@ -11,8 +11,6 @@ from command_runner import answers, run
 from conftest import ROOT
 
 from analysis.looks import look_of
-from sidmacib.chain.pairs import pairs_of
-from sidmacib.chain.rule import law, safe
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
@@ -21,6 +19,8 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.rule.law import law, safe
+from sidmacib.rule.pairs import pairs_of
 from sidmacib.weights import lock_weights
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.newton import node_force, node_laws, node_tangent
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
@@ -119,8 +119,8 @@ def test_nodes_together_have_the_law_of_each() -> None:
         assert tangent[n] == pytest.approx(expected)
 
 
-def bonds(joint: Joint) -> tuple[NodeLaw, NodeState]:
-    law = NodeLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
+def bonds(joint: Joint) -> tuple[ContactLaw, NodeState]:
+    law = ContactLaw.of(block_on_ground(joint, Kind.INNER, 0.02))
     return law, NodeState.initial(law)
 
 
@@ -141,7 +141,7 @@ def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
 
 def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, 0.02)
-    law = NodeLaw.of(model)
+    law = ContactLaw.of(model)
     area = joint.a * joint.b
     assert law.shear_strength.sum() == pytest.approx(INNER.cohesion * area)
     assert law.tensile_strength.sum() == pytest.approx(INNER.tensile_strength * area)

@@ -24,12 +24,12 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
-from sidmacib.mechanics.balance import unbalanced_share
 from sidmacib.mechanics.contact_law import NodeState
-from sidmacib.mechanics.deformable import DeformableSolver
-from sidmacib.mechanics.path import StaticSolution
-from sidmacib.mechanics.quadrature import contact_nodes
-from sidmacib.mechanics.static import solver_of, static_peak
+from sidmacib.mechanics.contact_nodes import contact_nodes
+from sidmacib.mechanics.elastic.solver import DeformableSolver
+from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import solver_of, static_peak
 from sidmacib.pieces import assemble
 
 YOUNG = 1e10

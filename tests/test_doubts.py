@@ -6,15 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.doubts import doubts
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.unit_warnings import unit_warnings
 from workflow.configuration import read_study
 from workflow.consistency import notes
 
 
 def test_the_published_joint_raises_no_doubt() -> None:
-    assert list(doubts(Joint(5, elastic=Elastic(1e10)))) == []
+    assert list(unit_warnings(Joint(5, elastic=Elastic(1e10)))) == []
 
 
 @pytest.mark.parametrize(
@@ -46,19 +46,19 @@ def test_the_published_joint_raises_no_doubt() -> None:
     ],
 )
 def test_another_unit_is_doubted(joint: Joint, words: str) -> None:
-    assert list(doubts(joint)) == [words]
+    assert list(unit_warnings(joint)) == [words]
 
 
 @given(st.floats(0.01, 1.0), st.floats(0.01, 1.0), st.floats(1e4, 1e7))
 def test_joints_of_any_usual_size_and_strength_are_not(a: float, b: float, cohesion: float) -> None:
     joint = Joint(3, a=a, b=b)
     inner = replace(joint.inner, cohesion=cohesion, tensile_strength=5 * cohesion)
-    assert list(doubts(replace(joint, inner=inner))) == []
+    assert list(unit_warnings(replace(joint, inner=inner))) == []
 
 
 @given(st.floats(0.0, 1.2))
 def test_a_friction_that_masonry_may_have_is_not_doubted(friction: float) -> None:
-    assert list(doubts(Joint(5, dry=replace(Joint(5).dry, friction=friction)))) == []
+    assert list(unit_warnings(Joint(5, dry=replace(Joint(5).dry, friction=friction)))) == []
 
 
 def test_a_study_says_which_sample_is_doubted() -> None:

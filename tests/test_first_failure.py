@@ -9,15 +9,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.chain.failure import BENDING, JointFailure, first_failure
-from sidmacib.chain.pairs import pairs_of
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.mechanics.static import static_first_failure
+from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.pieces import assemble
+from sidmacib.rule.first_failure import BENDING, JointFailure, first_failure
+from sidmacib.rule.pairs import pairs_of
 
 SMOOTH = replace(DRY, friction=0.0)
 DIRECTIONS = (0.0, 0.1, 0.5, 2.0, math.inf)

@@ -13,18 +13,18 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics import friction_rounds
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
-from sidmacib.mechanics.friction_rounds import Problem, by_rounds
 from sidmacib.mechanics.newton import PATIENT, newton, settled
-from sidmacib.mechanics.path import Equilibrium, FirstFailure, Mode
-from sidmacib.mechanics.rigid import RESIDUAL, RigidSolver
-from sidmacib.mechanics.static import static_first_failure, static_peak
+from sidmacib.mechanics.rigid import friction_rounds
+from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
+from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
+from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.pieces import assemble
 
-# Number 9783 of a design of 13,312 joints, as locks.yaml had: rough locks, soft roots, stiff dry faces.
+# Rough locks, soft roots and stiff dry faces: number 9783 of 13,312 joints of an older study.
 ROUGH = Joint(
     16,
     a=0.066531,
@@ -68,7 +68,7 @@ def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> No
     target = ((loads.permanent + point.load * loads.variable).ravel())[rows] / size
     carried = (equilibrium_matrix(model) @ point.force.ravel())[rows] / size
     assert np.abs(carried - target).max() <= 1e-9 * np.abs(target).max()
-    law, dry = NodeLaw.of(model), ~point.state.bonded
+    law, dry = ContactLaw.of(model), ~point.state.bonded
     normal, shear = point.force[:, 0], np.hypot(point.force[:, 1], point.force[:, 2])
     assert (normal[dry] >= 0.0).all()
     assert (shear[dry] <= law.friction[dry] * normal[dry] * (1.0 + 1e-9)).all()

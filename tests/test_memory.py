@@ -9,9 +9,10 @@ import pytest
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Elastic, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics import memory
-from sidmacib.mechanics.deformable import DeformableSolver, memory_needed
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.elastic import memory
+from sidmacib.mechanics.elastic.memory import memory_needed
+from sidmacib.mechanics.elastic.solver import DeformableSolver
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 

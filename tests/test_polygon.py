@@ -12,11 +12,11 @@ from hypothesis.extra.numpy import arrays
 from scipy.spatial import ConvexHull
 from test_programme import scaled, upper_block_weight
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points.envelope import envelope, polygon
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.joint import Direction, Joint
-from sidmacib.polygon import envelope, polygon
-from sidmacib.programme import Sidmacib, capacity
 
 
 def support_of(points: np.ndarray):

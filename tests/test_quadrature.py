@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.quadrature import cell_counts, contact_nodes, side_rule
-from sidmacib.mechanics.static import StaticSolution, static_peak
+from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
+from sidmacib.mechanics.static.model import StaticSolution, static_peak
 from sidmacib.pieces import assemble
 
 LAYOUTS = list(NodeLayout)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm
 
-from sidmacib.chain.scatter import Scatter, scatter
 from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.rule.scatter import Scatter, scatter
 
 PURE_SHEAR = Direction(0.0)
 

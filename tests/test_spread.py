@@ -12,11 +12,16 @@ from analysis.report.content import verdict_of_spread
 from analysis.summary import spread_lines
 from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics import spread
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
-from sidmacib.mechanics.path import SPREAD_LIMIT
-from sidmacib.mechanics.spread import StaticCapacity, changed, peak_spread, static_capacity
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import SPREAD_LIMIT
+from sidmacib.mechanics.static import peak_spread as module
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.peak_spread import (
+    StaticCapacity,
+    changed,
+    peak_spread,
+    static_capacity,
+)
 from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.results.record import CaseRecord
@@ -82,14 +87,14 @@ def test_a_peak_that_is_the_first_failure_is_not_sought_again(
 ) -> None:
     assembly, loads = loaded(5, 0.0)
     whole = static_peak(assembly, loads)
-    monkeypatch.setattr(spread, "static_peak", None)
+    monkeypatch.setattr(module, "static_peak", None)
     assert peak_spread(assembly, loads, whole) == 0.0
 
 
 def test_copies_differ_by_the_change_and_are_the_same_each_time() -> None:
     assembly, _ = loaded(3, 0.0)
     ratio = changed(assembly, 1).nodes.area / assembly.nodes.area - 1.0
-    assert 0.5 * spread.CHANGE < np.abs(ratio).max() <= 1.01 * spread.CHANGE
+    assert 0.5 * module.CHANGE < np.abs(ratio).max() <= 1.01 * module.CHANGE
     assert np.array_equal(changed(assembly, 1).nodes.area, changed(assembly, 1).nodes.area)
     assert not np.array_equal(changed(assembly, 1).nodes.area, changed(assembly, 2).nodes.area)
 

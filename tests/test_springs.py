@@ -7,11 +7,11 @@ from stack import tilted_stack
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
 from sidmacib.mechanics.newton import settled, solve_linear, tangent_stiffness, unbalanced
-from sidmacib.mechanics.ordering import ordering
-from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.rigid.ordering import ordering
+from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs
 from sidmacib.pieces import assemble
 
@@ -45,14 +45,14 @@ def dense(solver: RigidSolver) -> np.ndarray:
 
 def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     """Displacements (m) under which nodes stick, slide and open; bonds broken, faded and whole."""
-    random, law = np.random.default_rng(seed), NodeLaw.of(model)
+    random, law = np.random.default_rng(seed), ContactLaw.of(model)
     slip = 1e-7 * random.normal(size=(len(law.friction), 2))
     whole = law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
     return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
-    balance, law, springs = equilibrium_matrix(model), NodeLaw.of(model), Springs.of(model)
+    balance, law, springs = equilibrium_matrix(model), ContactLaw.of(model), Springs.of(model)
     balance = balance[free_rows(model)] / springs.units[:, None]
     stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
     expected = (balance * stiffness.ravel()) @ balance.T
@@ -86,7 +86,7 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
     force, _ = settled(own.structure, 0.0 * state.slip, bonded, unknowns)
     displacement = unknowns[own.place] / own.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
-    law = NodeLaw.of(model)
+    law = ContactLaw.of(model)
     assert force[:, 0] == pytest.approx(law.normal_stiffness * delta[:, 0], rel=1e-9, abs=1e-9)
     expected = law.shear_stiffness[:, None] * delta[:, 1:]
     assert force[:, 1:] == pytest.approx(expected, rel=1e-9, abs=1e-9)

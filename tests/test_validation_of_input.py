@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points.programme import Sidmacib
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.pieces import assemble
-from sidmacib.programme import Sidmacib
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
 

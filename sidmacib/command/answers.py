@@ -13,8 +13,8 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
 
 if TYPE_CHECKING:
-    from sidmacib.mechanics.path import StaticSolution
-    from sidmacib.mechanics.spread import StaticCapacity
+    from sidmacib.mechanics.solution import StaticSolution
+    from sidmacib.mechanics.static.peak_spread import StaticCapacity
 
 Row = dict[str, Any]
 # Meshes over the shorter side of a lock, coarse and fine: they tell the mesh error of the fine one.
@@ -27,7 +27,7 @@ class Answer:
     """A model's load (N) along a direction, and what it says beside; None: no such load.
 
     ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.spread`.
+    `sidmacib.mechanics.static.peak_spread`.
     """
 
     load: float | None
@@ -49,13 +49,13 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 
 
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.rule import law
+    from sidmacib.rule.law import law
 
     return Answer(law(joint, direction, push).load, "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.rule import safe
+    from sidmacib.rule.law import safe
 
     return Answer(safe(joint, direction, push).load, "for design")
 
@@ -63,7 +63,7 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.load_path import load_path
     from sidmacib.loading import lateral_load
-    from sidmacib.mechanics.spread import static_capacity
+    from sidmacib.mechanics.static.peak_spread import static_capacity
     from sidmacib.pieces import assemble
 
     loading, meshes = Loading(direction, push=push), _meshes(joint)
@@ -109,10 +109,10 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.pairs import bearing_pairs
-    from sidmacib.contact_points import OPTIONS
-    from sidmacib.programme import Sidmacib, capacity
-    from sidmacib.revision import active
+    from sidmacib.contact_points.options import OPTIONS
+    from sidmacib.contact_points.programme import Sidmacib, capacity
+    from sidmacib.contact_points.reductions import active
+    from sidmacib.rule.pairs import bearing_pairs
 
     counted = bearing_pairs(joint, push)
     model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
@@ -197,7 +197,7 @@ def _without_noise(force: float, joint: Joint) -> float:
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
     """How many locks work in pure shear: the closed form, the law, the safe rule."""
-    from sidmacib.chain.pairs import pairs_of
+    from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)
     told: list[tuple[str, Any, str]] = [

@@ -23,7 +23,7 @@ ROUNDING = 1e-9  # of the largest node force; equilibria are ten times as exact
 
 
 @dataclass(frozen=True)
-class NodeLaw:
+class ContactLaw:
     """Stiffness (N/m), friction coefficient and strengths (N) of each node, all of shape (N,)."""
 
     normal_stiffness: Floats
@@ -34,7 +34,7 @@ class NodeLaw:
     cohesive: Flags  # bonded at the start
 
     @classmethod
-    def of(cls, assembly: Assembly) -> "NodeLaw":
+    def of(cls, assembly: Assembly) -> "ContactLaw":
         """The law of every node of ``assembly``: the face's material times the node's area."""
         material = [face.material for face in assembly.faces]
         per_face = np.array(
@@ -72,12 +72,12 @@ class NodeState:
         return self.whole > 0.0
 
     @classmethod
-    def initial(cls, law: NodeLaw) -> "NodeState":
+    def initial(cls, law: ContactLaw) -> "NodeState":
         """No slip yet, and every cohesive node bonded."""
         return cls(np.zeros((len(law.friction), 2)), law.cohesive.astype(float))
 
 
-def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:
+def utilisation(law: ContactLaw, state: NodeState, force: Floats) -> Floats:
     """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,).
 
     ``force`` in N, (N, 3). Without strength any such force counts as infinite, unless it is below

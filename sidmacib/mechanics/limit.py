@@ -19,7 +19,7 @@ from scipy.sparse import csr_array
 
 from sidmacib.errors import CapacityError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
-from sidmacib.mechanics.contact_law import NodeLaw
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 
@@ -97,7 +97,7 @@ class _Programme:
     """The constraints that both programmes share, in units in which their numbers are about 1."""
 
     def __init__(self, assembly: Assembly, loads: Loads, friction: bool) -> None:
-        law, rows = NodeLaw.of(assembly), free_rows(assembly)
+        law, rows = ContactLaw.of(assembly), free_rows(assembly)
         area = assembly.nodes.area
         self.share = area / area.sum()
         # Where nothing has strength, permanent loads are the only measure.

@@ -1,11 +1,12 @@
-"""Newton's method on contact nodes, compiled: the law of a node, sums over faces, elimination.
+"""Newton's method on contact nodes, compiled: the contact law, sums over faces, elimination.
 
-Everything that is compiled stands in this file, as numba's cache notices changes of this file only.
-No library for linear algebra is called: the results are the same on every processor.
+All compiled functions are in this one file because numba's cache of a function notices changes of
+its own file only, not of the functions that it calls. No library for linear algebra is called, so
+results are the same on every processor.
 
-Unknowns are those of `sidmacib.mechanics.springs`, in the order that `sidmacib.mechanics.ordering`
-finds, in m; forces in N. A piece's unknowns are a slice that begins at ``Structure.begin``; faces
-move by six components of it, which is where pieces that deform would enter.
+The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
+`sidmacib.mechanics.rigid.ordering` finds; forces are in N. The unknowns of a piece are a slice that
+begins at ``Structure.begin``; its faces move by six components of it.
 """
 
 # mypy: allow-untyped-defs

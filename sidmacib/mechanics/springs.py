@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers
-from sidmacib.mechanics.contact_law import NodeLaw
-from sidmacib.mechanics.equilibrium import face_axes
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import face_axes, free_rows
 
 RIGID = 6  # unknowns of a rigid piece
 
@@ -38,7 +38,7 @@ class Springs:
     piece begin, and their number, (P + 1,). ``length`` in m.
     """
 
-    law: NodeLaw
+    law: ContactLaw
     start: Integers
     place: Floats
     piece: Integers
@@ -67,7 +67,7 @@ class Springs:
         motion[:, :, :3, 3:] = np.cross(levers[:, :, None], axes[:, None])
         motion[:, 1] *= -1.0
         return cls(
-            NodeLaw.of(assembly),
+            ContactLaw.of(assembly),
             np.searchsorted(nodes.face, np.arange(len(faces) + 1)),
             (tangents * arms[:, None]).sum(axis=2),
             number[ends],
@@ -106,3 +106,25 @@ class Springs:
         Forces (N) and moments (N m) over this are in N.
         """
         return np.tile([1.0] * 3 + [self.length] * 3, len(self.unknowns) - 1)
+
+
+def natural_frequencies(assembly: Assembly) -> Floats:
+    """Angular frequencies of the free pieces, ascending, in rad/s, with every node closed.
+
+    Every piece is a rigid body with its largest principal moment of inertia about all axes.
+    """
+    free = [piece for piece in assembly.pieces if not piece.fixed]
+    inertia = [piece.inertia.max() / assembly.length**2 for piece in free]  # kg, as rotations in m
+    mass = np.concatenate(
+        [[piece.mass] * 3 + [turned] * 3 for piece, turned in zip(free, inertia, strict=True)]
+    )
+    root = np.sqrt(mass)
+    stiffness = Springs.of(assembly).elastic_stiffness() / root / root[:, None]
+    return np.sqrt(np.linalg.eigvalsh(stiffness))
+
+
+def compliance(assembly: Assembly, loads: Loads) -> float:
+    """Displacement that ``loads`` work on, per unit of load, in m/N, with every node closed."""
+    springs = Springs.of(assembly)
+    force = loads.variable.ravel()[free_rows(assembly)] / springs.units
+    return float(np.sum(force * np.linalg.solve(springs.elastic_stiffness(), force)))

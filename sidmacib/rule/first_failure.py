@@ -10,16 +10,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from sidmacib.chain.pairs import bearing_pairs
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
-from sidmacib.mechanics.contact_law import NodeLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, utilisation
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.mechanics.path import Equilibrium
-from sidmacib.mechanics.static import static_first_failure
+from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.pieces import assemble, lock_faces
+from sidmacib.rule.pairs import bearing_pairs
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
 def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:
     """What the roots of ``joint`` carry at ``point``."""
     nodes, roots = assembly.nodes, lock_faces(joint)
-    own = utilisation(NodeLaw.of(assembly), point.state, point.force)
+    own = utilisation(ContactLaw.of(assembly), point.state, point.force)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     used = np.maximum.reduceat(own, start)
     force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))

@@ -14,22 +14,19 @@ Node forces are always in equilibrium with the loads.
 """
 
 import math
-from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import cho_factor, cho_solve, lapack, lu_factor, lu_solve
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.elastic.flexibility import flexibility
+from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
-from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
-from sidmacib.mechanics.memory import require_memory
 from sidmacib.mechanics.newton import node_laws
-from sidmacib.mechanics.path import Equilibrium, lifted_part
-from sidmacib.mechanics.quadrature import cell_counts, cells_along
+from sidmacib.mechanics.solution import Equilibrium, lifted_part
 
 STEPS = 60  # of Newton's method
 PATIENCE = 16  # steps in which what is wrong must become half of what it was, at least
@@ -38,16 +35,13 @@ RESIDUAL = 1e-9  # of the law, over the loads
 FLOOR = 1e-9  # of a node's stiffness: what is left where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: what holds a piece that nothing holds
 FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
-AT_A_TIME = 5.0  # matrices
-NUMBER = 8.0  # bytes
-DIGITS = 12  # of places, where shapes are compared
 
 
 class DeformableSolver:
     """Newton's method on the jumps at the nodes of ``assembly``, with elastic pieces."""
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        self.law = NodeLaw.of(assembly)
+        self.law = ContactLaw.of(assembly)
         normal, shear = self.law.normal_stiffness, self.law.shear_stiffness
         self.of_node = np.column_stack([normal, shear])
         # Shear where there never is any is no unknown.
@@ -58,7 +52,7 @@ class DeformableSolver:
         self.node = self.kept // 3
         what = f"elastic pieces with {len(self.kept):,} components of forces at contact nodes"
         require_memory(memory_needed(assembly, self.kept), what)
-        give, moved, self.own = _flexibility(assembly, loads, self.kept)
+        give, moved, self.own = flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
         size = row_units(assembly)
         rigid = (equilibrium_matrix(assembly)[rows][:, self.kept] / size[:, None]).T
@@ -202,124 +196,3 @@ class DeformableSolver:
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.own @ np.array([1.0, load]))
         return Equilibrium(load, jump, along, force, NodeState(found, state.whole))
-
-
-def memory_needed(assembly: Assembly, kept: Integers) -> float:
-    """Memory (bytes) that is needed at least for the node components ``kept``.
-
-    Some matrices of them, or of them and of a piece's degrees of freedom, are there at a time.
-    """
-    seen = np.bincount(assembly.nodes.face[kept // 3], minlength=len(assembly.faces))
-    step = 2 if assembly.layout is not NodeLayout.VERTICES else 1
-    most = 0.0
-    for number, piece in enumerate(assembly.pieces):
-        if piece.elastic is not None and not piece.fixed:
-            own = [number in (face.below, face.above) for face in assembly.faces]
-            freedoms = 3 * math.prod(step * (len(e) - 1) + 1 for e in _grid(assembly, number))
-            most = max(most, float(freedoms) * float(seen[own].sum()))
-    square = float(len(kept)) ** 2
-    return NUMBER * max(AT_A_TIME * square, square + AT_A_TIME * most)
-
-
-def _flexibility(
-    assembly: Assembly, loads: Loads, kept: Integers
-) -> tuple[Floats, tuple[Floats, Floats], Floats]:
-    """What the pieces' deformation does to the node components ``kept``.
-
-    Returns their displacement by unit node forces, less its sign, (K, K); by permanent loads and by
-    the variable one, (K,) each; and the displacement that the variable load does work on, by both.
-    """
-    faces, nodes = assembly.faces, assembly.nodes
-    face = nodes.face[kept // 3]
-    axes = (np.array([each.axis for each in faces])[face] + kept % 3) % 3
-    below, above = np.array([(each.below, each.above) for each in faces])[face].T
-    means = assembly.layout is NodeLayout.CENTRES
-    quadratic = assembly.layout is not NodeLayout.VERTICES
-    size = np.array([np.subtract(each.high, each.low) for each in faces])
-    cells = (size / cell_counts(faces, assembly.mesh))[face]
-    give, moved = np.zeros((len(kept), len(kept))), (np.zeros(len(kept)), np.zeros(len(kept)))
-    own = np.zeros(2)
-    for number, piece in enumerate(assembly.pieces):
-        if piece.elastic is None or piece.fixed:
-            continue
-        seen = np.flatnonzero((below == number) | (above == number))
-        sign = np.where(below[seen] == number, 1.0, -1.0)
-        spreads, permanent = _spreads(loads, number)
-        place = nodes.position[kept[seen] // 3] - piece.centre
-        components = _Components(place, cells[seen] if means else None, axes[seen])
-        shape = _grid(assembly, number), piece.elastic.poisson, quadratic
-        found = _condensed(*shape, components, spreads)
-        young = piece.elastic.young
-        give[np.ix_(seen, seen)] += found.contact * sign[:, None] * sign / young
-        both = np.column_stack([permanent, ~permanent]).astype(float)
-        for values, column in zip(moved, (found.by_load @ both).T, strict=True):
-            values[seen] += sign * column / young
-        own += (both.T @ found.load @ both)[1] / young
-    return give, moved, own
-
-
-def _spreads(loads: Loads, number: int) -> tuple[tuple[Spread, ...], Flags]:
-    """How the loads of a piece are spread, and which of them are permanent."""
-    own = [side for side in loads.sides if side.piece == number]
-    spreads = [Spread(side.wrench, side.axis, side.high) for side in own]
-    flags = [side.permanent for side in own]
-    for permanent, whole in ((True, loads.permanent), (False, loads.variable)):
-        rest = whole[number].astype(float)
-        for side in own:
-            if side.permanent is permanent:
-                rest = rest - side.wrench
-        spreads.append(Spread(tuple(rest.tolist())))
-        flags.append(permanent)
-    return tuple(spreads), np.array(flags)
-
-
-class _Components:
-    """Components of contact nodes, with a key that is the same for all pieces of a shape."""
-
-    def __init__(self, place: Floats, cell: Floats | None, axis: Integers) -> None:
-        self.place, self.cell, self.axis = np.round(place, DIGITS) + 0.0, cell, axis
-        parts = [self.place, axis] if cell is None else [self.place, axis, np.round(cell, DIGITS)]
-        self.key = tuple(part.tobytes() for part in parts)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Components) and self.key == other.key
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-
-@lru_cache(maxsize=32)
-def _condensed(
-    grid: Grid,
-    poisson: float,
-    quadratic: bool,
-    components: _Components,
-    loads: tuple[Spread, ...],
-) -> Flexibility:
-    """Once for all pieces of the same shape, and all of their Young's moduli."""
-    cuboid = Cuboid(grid, poisson, quadratic=quadratic)
-    rows = cuboid.values(components.place, components.cell)
-    return cuboid.flexibility(cuboid.contact(rows, components.axis), loads)
-
-
-def _grid(assembly: Assembly, number: int) -> Grid:
-    """Element edges of a piece about its centroid.
-
-    They are where its faces end, and between these no further apart than the mesh.
-    """
-    piece = assembly.pieces[number]
-    own = [face for face in assembly.faces if number in (face.below, face.above)]
-
-    def edges(axis: int) -> tuple[float, ...]:
-        ends = [end[axis] for face in own for end in (face.low, face.high)]
-        places = np.array([piece.low[axis], *ends, piece.high[axis]])
-        places = np.unique(np.round(places - piece.centre[axis], DIGITS))
-        places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-DIGITS]
-        counts = cells_along(np.diff(places), assembly.mesh)
-        found = [
-            np.linspace(low, high, count + 1)[:-1]
-            for (low, high), count in zip(pairwise(places), counts, strict=True)
-        ]
-        return (*np.concatenate(found).tolist(), float(places[-1]))
-
-    return edges(0), edges(1), edges(2)

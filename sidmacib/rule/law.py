@@ -9,11 +9,11 @@ the rule was not tested outside.
 import math
 from dataclasses import dataclass
 
-from sidmacib.chain.failure import FINE, first_failure
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.rule.first_failure import FINE, first_failure
 from sidmacib.validation import refused, require_positive
 
 SAFETY, SAFETY_THAT_BENDS = 1.06, 1.12
@@ -121,7 +121,9 @@ def require_covered(joint: Joint, direction: Direction) -> None:
                 f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
             )
             raise refused(
-                name, _short(value), f"{allowed}: the rule was not tested beyond; use the static model"
+                name,
+                _short(value),
+                f"{allowed}: the rule was not tested beyond; use the static model",
             )
     if joint.locks == 2 and abs(direction.eccentricity) > FARTHEST_OF_TWO:
         raise CapacityError(

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from complementary_energy import FrictionRule, first_failure_load, least_energy_forces
 from conftest import block_on_ground, load_on_block
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -13,11 +14,10 @@ from sidmacib.errors import InfeasibleError
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.complementary import FrictionRule, first_failure_load, least_energy_forces
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 

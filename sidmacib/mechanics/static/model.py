@@ -18,7 +18,8 @@ import numpy as np
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags, utilisation
-from sidmacib.mechanics.path import (
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     Equilibrium,
     FirstFailure,
@@ -26,8 +27,7 @@ from sidmacib.mechanics.path import (
     Solver,
     StaticSolution,
 )
-from sidmacib.mechanics.rigid import RigidSolver
-from sidmacib.mechanics.softening import Softening, settled
+from sidmacib.mechanics.static.softening import Softening, settled
 from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
@@ -48,7 +48,7 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
     """The solver for ``assembly``: for rigid pieces, unless one of them deforms."""
     if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
         # Imported where it is needed: elements take longer to import than most joints to solve.
-        deformable = importlib.import_module("sidmacib.mechanics.deformable")
+        deformable = importlib.import_module("sidmacib.mechanics.elastic.solver")
         return deformable.DeformableSolver(assembly, loads)
     return RigidSolver(assembly, loads)
 

@@ -14,7 +14,7 @@ DENSITY = (10.0, 3e4)
 ROUGHEST = 1.2  # friction of masonry and concrete is 0.5 to 1
 
 
-def doubts(joint: Joint) -> Iterator[str]:
+def unit_warnings(joint: Joint) -> Iterator[str]:
     """One line for each number of ``joint`` that is far from all joints, with its unit."""
     inner, dry = joint.inner, joint.dry
     checked = [

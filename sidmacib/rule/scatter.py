@@ -11,11 +11,11 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from sidmacib.chain.failure import first_failure
-from sidmacib.chain.rule import require_covered
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.rule.first_failure import first_failure
+from sidmacib.rule.law import require_covered
 from sidmacib.validation import refused, require_positive
 
 WIDEST = 20.0  # of a load that is looked for, in standard deviations,

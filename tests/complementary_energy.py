@@ -4,12 +4,11 @@ Of all node forces that balance the loads, those minimise the sum of s^2 / (2 K 
 displacements of the pieces. Dry nodes cannot pull. Friction enters in one of two ways:
 
 - ``FrictionRule.COULOMB``: |s_t| <= mu N with N from the solution before, until it settles. Slip
-  does not dilate, as in `sidmacib.mechanics.static`; the load is applied in one step.
+  does not dilate, as in `sidmacib.mechanics.static.model`; the load is applied in one step.
 - ``FrictionRule.ASSOCIATED``: |s_t| <= mu s_n in one programme. Slip dilates, which presses the
   faces together and overestimates what friction carries.
 
-This is the slow and independent twin of Newton's method in `sidmacib.mechanics.static`, for small
-meshes.
+The tests compare the static model with it: slow, independent of Newton's method, for small meshes.
 """
 
 from enum import StrEnum
@@ -20,7 +19,7 @@ from scipy.sparse import csr_array
 
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 
@@ -49,7 +48,7 @@ def least_energy_forces(
     `sidmacib.errors.CapacityError` where no forces balance the loads or the friction bounds do not
     settle.
     """
-    law, rows = NodeLaw.of(assembly), free_rows(assembly)
+    law, rows = ContactLaw.of(assembly), free_rows(assembly)
     dry = np.flatnonzero(~law.cohesive)
     # In units of each node's share, by area, of the load; moments over the assembly's length.
     size = row_units(assembly)
@@ -92,7 +91,7 @@ def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> 
 
     Utilisation is all but proportional to the load, so the load over its utilisation settles.
     """
-    law = NodeLaw.of(assembly)
+    law = ContactLaw.of(assembly)
     state = NodeState.initial(law)
     load = 0.1 * loads.scale
     for _ in range(50):

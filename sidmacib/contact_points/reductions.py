@@ -1,11 +1,11 @@
 """Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
 
-Every rule returns the factors w_j of `sidmacib.programme.Sidmacib`, one per lock. A lock that does
-not count keeps its normal force and its friction along the lock. Where all locks are as strong, it
-does not matter for the V-M curve which of them count, because their forces across the locks act
-along y through points whose x is the same for every lock; the rules start with the lower locks,
-which carry the load to the ground. Rules that count locks, rather than weigh them, refuse joints
-whose locks differ in strength.
+Every rule returns the factors w_j of `sidmacib.Sidmacib`, one per lock. A lock that does not count
+keeps its normal force and its friction along the lock. If all locks have the same strength, the V-M
+curve does not depend on which of them count: their forces across the locks act along y through
+points that have the same x in every lock. The rules start with the lower locks, which carry the
+load to the ground. Rules that count locks, rather than weigh them, refuse joints whose locks differ
+in strength.
 """
 
 import math

@@ -13,13 +13,13 @@ import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
-from sidmacib.mechanics.path import (
+from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
     SPREAD_LIMIT,
     Equilibrium,
     StaticSolution,
 )
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 
 CHANGE = 1e-9  # of each node's area, so of its stiffness and strengths, at most
 COPIES = 8  # at most: a jump that is found ends the search
@@ -57,7 +57,7 @@ class StaticCapacity:
 def static_capacity(assembly: Assembly, loads: Loads) -> StaticCapacity:
     """Raise ``loads`` from 0 to the peak of ``assembly``, and tell how far that can be trusted.
 
-    Raises what `sidmacib.mechanics.static.static_peak` does.
+    Raises what `sidmacib.mechanics.static.model.static_peak` does.
     """
     solution = static_peak(assembly, loads)
     return StaticCapacity(solution, peak_spread(assembly, loads, solution))

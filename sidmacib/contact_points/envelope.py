@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.programme import Sidmacib, SupportFunction
 
 LEAST_SIZE = 1e-9  # what is smaller is a point
 MOST_PROGRAMMES = 1000  # a polygon that asks for more is none

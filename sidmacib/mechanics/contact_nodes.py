@@ -11,7 +11,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Face, Floats, Integers, NodeLayout, Nodes
 
 # The rule of one cell: places in the cell, and weights.
-RULES = {
+CELL_RULES = {
     NodeLayout.CENTRES: ((0.5,), (1.0,)),
     NodeLayout.VERTICES: ((0.0, 1.0), (0.5, 0.5)),
     NodeLayout.LOBATTO: ((0.0, 0.5, 1.0), (1 / 6, 4 / 6, 1 / 6)),
@@ -34,7 +34,7 @@ def cell_counts(faces: tuple[Face, ...], mesh: float) -> Integers:
 
 def side_rule(layout: NodeLayout, cells: int) -> tuple[Floats, Floats]:
     """Places from 0 to 1 on a side of that many ``cells``, and their weights, both (K,)."""
-    places, weights = (np.array(values) for values in RULES[layout])
+    places, weights = (np.array(values) for values in CELL_RULES[layout])
     step = len(places) - 1 or 1  # from a cell's first node to the next one's
     count = step * (cells - 1) + len(places)
     found, weight = np.empty(count), np.zeros(count)

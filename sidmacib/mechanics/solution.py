@@ -7,10 +7,11 @@ from typing import Protocol
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.contact_law import Flags, NodeLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
 LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
-SPREAD_LIMIT = 0.02  # of a peak, see `sidmacib.mechanics.spread`; above it the first failure counts
+# Of a peak, see `sidmacib.mechanics.static.peak_spread`; above it the first failure counts.
+SPREAD_LIMIT = 0.02
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Solver(Protocol):
     """Finds equilibria of an assembly."""
 
     @property
-    def law(self) -> NodeLaw:
+    def law(self) -> ContactLaw:
         """Of its nodes."""
 
     def start(self) -> Equilibrium:

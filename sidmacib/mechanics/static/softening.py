@@ -15,8 +15,8 @@ import numpy as np
 
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
-from sidmacib.mechanics.path import Equilibrium, Solver
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.solution import Equilibrium, Solver
 
 ROUNDS = 300  # in which what is left of the bonds must settle at a load
 SETTLED = 1e-4  # last change of what is left of a bond, over it
@@ -54,7 +54,7 @@ class Softening:
         )
         return cls(*np.ascontiguousarray(per_face[assembly.nodes.face].T))
 
-    def left(self, law: NodeLaw, state: NodeState, force: Floats) -> Floats:
+    def left(self, law: ContactLaw, state: NodeState, force: Floats) -> Floats:
         """The part of each bond's stiffness that is left under ``force`` (N), (N, 3); shape (N,).
 
         It never grows.

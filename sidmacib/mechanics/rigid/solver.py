@@ -13,10 +13,10 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.friction_rounds import Problem, by_rounds
 from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium, settled
-from sidmacib.mechanics.ordering import Ordering, ordering
-from sidmacib.mechanics.path import Equilibrium, lifted_part
+from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.ordering import Ordering, ordering
+from sidmacib.mechanics.solution import Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
@@ -28,8 +28,9 @@ FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
 class RigidSolver:
     """Newton's method on ``assembly`` under ``loads``.
 
-    Its unknowns are the displacements of the free pieces, in m and rad. Inside, they and forces are
-    measured as in `sidmacib.mechanics.springs` and in the order of `sidmacib.mechanics.ordering`.
+    Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
+    forces have the units of `sidmacib.mechanics.springs` and the order of
+    `sidmacib.mechanics.rigid.ordering`.
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
