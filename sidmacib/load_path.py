@@ -13,7 +13,7 @@ def load_path(
 ) -> tuple[Assembly, StaticSolution]:
     """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
 
-    ValueError for a mesh that is too coarse, `CapacityError` if the joint carries nothing.
+    Errors of `sidmacib.assemble`, `sidmacib.lateral_load` and `sidmacib.static_peak`.
     """
     assembly = assemble(joint, mesh, nodes)
     return assembly, static_peak(assembly, lateral_load(joint, assembly, loading))

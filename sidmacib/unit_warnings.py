@@ -1,11 +1,11 @@
-"""Sizes, stiffnesses and strengths that are possible, but look as if they were in another unit."""
+"""Warnings about values that are allowed but look as if they were in another unit."""
 
 import math
 from collections.abc import Iterator
 
 from sidmacib.joint import Joint
 
-# What locks of stone, concrete, timber or a printed model may have, and far more.
+# Far beyond any lock of stone, concrete or timber, and any printed model.
 LENGTH = (1e-3, 10.0)
 STRENGTH = (100.0, 1e9)
 STIFFNESS = (1e6, 1e15)
@@ -15,9 +15,9 @@ ROUGHEST = 1.2  # friction of masonry and concrete is 0.5 to 1
 
 
 def unit_warnings(joint: Joint) -> Iterator[str]:
-    """One line for each number of ``joint`` that is far from all joints, with its unit."""
+    """One line, with its unit, for each value of ``joint`` outside these ranges."""
     inner, dry = joint.inner, joint.dry
-    checked = [
+    values = [
         *((name, getattr(joint, name), LENGTH, "m") for name in "abhH"),
         ("cohesion", inner.cohesion, STRENGTH, "Pa"),
         ("tensile strength", inner.tensile_strength, STRENGTH, "Pa"),
@@ -27,8 +27,8 @@ def unit_warnings(joint: Joint) -> Iterator[str]:
         ("density", joint.density, DENSITY, "kg/m3"),
     ]
     if joint.elastic is not None:
-        checked.append(("Young's modulus", joint.elastic.young, MODULUS, "Pa"))
-    for name, value, (least, most), unit in checked:
+        values.append(("Young's modulus", joint.elastic.young, MODULUS, "Pa"))
+    for name, value, (least, most), unit in values:
         if value and not least <= value <= most:
             what = "small" if value < least else "large"
             yield f"{name}: {value:g} {unit} is very {what}; is it in {unit}?"
@@ -38,8 +38,8 @@ def unit_warnings(joint: Joint) -> Iterator[str]:
 
 
 def _angle(friction: float) -> str:
-    """What a coefficient may have been: an angle below the steepest that faces have."""
+    """What may have been meant: an angle, if it is below 90 degrees."""
     if not friction < 90.0:
         return f"a coefficient of friction is hardly ever above {ROUGHEST:g}"
-    told = f"{math.tan(math.radians(friction)):.3g}"
-    return f"is it an angle in degrees? tan({friction:g}°) = {told}"
+    coefficient = math.tan(math.radians(friction))
+    return f"is it an angle in degrees? tan({friction:g}°) = {coefficient:.3g}"

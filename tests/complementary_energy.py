@@ -48,8 +48,8 @@ def least_energy_forces(
     `sidmacib.errors.CapacityError` where no forces balance the loads or the friction bounds do not
     settle.
     """
-    law, rows = ContactLaw.of(assembly), free_rows(assembly)
-    dry = np.flatnonzero(~law.cohesive)
+    contact_law, rows = ContactLaw.of(assembly), free_rows(assembly)
+    dry = np.flatnonzero(~contact_law.cohesive)
     # In units of each node's share, by area, of the load; moments over the assembly's length.
     size = row_units(assembly)
     target = (loads.permanent + load * loads.variable).ravel()[rows] / size
@@ -59,7 +59,9 @@ def least_energy_forces(
     matrix = equilibrium_matrix(assembly)[rows] / size[:, None] * np.repeat(share, 3)
 
     force, bound = cp.Variable((len(share), 3)), cp.Parameter(len(dry), nonneg=True)
-    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    stiffness = np.column_stack(
+        [contact_law.normal_stiffness, contact_law.shear_stiffness, contact_law.shear_stiffness]
+    )
     softness = share[:, None] ** 2 / stiffness
     weight = np.sqrt(softness / softness.sum() * 3.0)
     energy = cp.sum_squares(cp.multiply(weight, force))
@@ -69,14 +71,14 @@ def least_energy_forces(
         force[dry, 0] >= 0,
     ]
     what = f"least complementary energy at {load:g} N"
-    cone = shear <= cp.multiply(law.friction[dry], force[dry, 0])
+    cone = shear <= cp.multiply(contact_law.friction[dry], force[dry, 0])
     solve(cp.Problem(cp.Minimize(energy), [*balanced, cone]), what)
     if rule is FrictionRule.ASSOCIATED:
         return unit[:, None] * np.array(force.value)
     problem = cp.Problem(cp.Minimize(energy), [*balanced, shear <= bound])
     before = np.full(len(dry), np.inf)
     for count in range(ROUNDS):
-        after = law.friction[dry] * np.maximum(force.value[dry, 0], LEAST_BOUND)
+        after = contact_law.friction[dry] * np.maximum(force.value[dry, 0], LEAST_BOUND)
         if (np.abs(after - before) * share[dry]).max(initial=0.0) <= tolerance:
             return unit[:, None] * np.array(force.value)
         # Half way only after some rounds, against going round in circles.
@@ -91,11 +93,13 @@ def first_failure_load(assembly: Assembly, loads: Loads, rule: FrictionRule) -> 
 
     Utilisation is all but proportional to the load, so the load over its utilisation settles.
     """
-    law = ContactLaw.of(assembly)
-    state = NodeState.initial(law)
+    contact_law = ContactLaw.of(assembly)
+    state = NodeState.initial(contact_law)
     load = 0.1 * loads.scale
     for _ in range(50):
-        used = utilisation(law, state, least_energy_forces(assembly, loads, load, rule)).max()
+        used = utilisation(
+            contact_law, state, least_energy_forces(assembly, loads, load, rule)
+        ).max()
         if abs(used - 1.0) <= 1e-4:
             return load
         load /= float(used)

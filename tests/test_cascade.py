@@ -65,8 +65,8 @@ def test_a_bond_that_fails_in_turn_does_so_before_the_load_goes_on(second: float
     found = pushed(model)
     assert found.first_failure_load == pytest.approx(3.0, rel=1e-5)
     assert found.peak.load == pytest.approx(10.0, rel=1e-5)
-    law = ContactLaw.of(model)
-    used = [utilisation(law, point.state, point.force).max() for point in found.path]
+    contact_law = ContactLaw.of(model)
+    used = [utilisation(contact_law, point.state, point.force).max() for point in found.path]
     assert max(used) <= 1.0 + 1e-9
     assert {int(point.state.bonded.sum()) for point in found.path} == {12, 4}  # never two bonds
 

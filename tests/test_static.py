@@ -184,9 +184,9 @@ def test_every_equilibrium_on_the_path_balances_the_loads(locks: int, e_over_a: 
 
 def test_no_bond_is_overstressed_on_the_path(joint: Joint) -> None:
     model, found = solved(joint, 0.5, mesh=0.01)
-    law = ContactLaw.of(model)
+    contact_law = ContactLaw.of(model)
     for point in found.path:
-        assert utilisation(law, point.state, point.force).max() <= 1.0 + 1e-9
+        assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
 
 
 def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:

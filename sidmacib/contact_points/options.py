@@ -26,8 +26,8 @@ class ContactOption:
     def __post_init__(self) -> None:
         if len(self.positions) != len(self.portions):
             raise ValueError(
-                f"positions: {len(self.positions)} values are not possible; there must be one for "
-                f"each of the {len(self.portions)} portions"
+                f"positions: must be one for each of the {len(self.portions)} portions "
+                f"(got {len(self.positions)})"
             )
         if not all(is_number(x) and abs(x) <= 0.5 for x in self.positions):
             raise refused("positions", self.positions, "from -0.5 to 0.5 (of a)")
@@ -51,11 +51,12 @@ OPTIONS = {
     "option4": ContactOption.pair(1 / 4),  # resultants of a uniform stress on each half
 }
 
-# Those and more, for studies to take by name. Three points per lock, which the paper calls
-# bi-linear; it prints neither positions nor portions (ASSUMED). A stress across the lock that is
-# linear from each end to the middle is told by its values there, and by their tributary lengths the
-# middle stands for half of the lock, an end for a quarter. Without friction M is n T0 a / 4 as long
-# as V is below n T0 / 2, which the middles carry, and falls to 0 at n T0: two straight parts.
+# These and one more, which studies can name. `bilinear` has three points per lock, as the paper's
+# option of that name; the paper prints neither positions nor portions (ASSUMED). A stress that is
+# linear from each end to the middle is given by its values at these three places; by tributary
+# lengths the middle represents half of the lock, each end a quarter. Without friction M is
+# n T0 a / 4 as long as the middles can carry V, up to n T0 / 2; it then falls to 0 at n T0. The
+# envelope so has two straight parts.
 READY_OPTIONS = {
     **OPTIONS,
     "bilinear": ContactOption((-1 / 2, 0.0, 1 / 2), (1 / 4, 1 / 2, 1 / 4)),
@@ -72,7 +73,7 @@ class ContactPoints:
 
 
 def contact_points(joint: Joint, option: ContactOption) -> ContactPoints:
-    """Put the points of ``option`` on every lock, at mid-height of the locks."""
+    """The points of ``option`` on every lock, at mid-height."""
     count = len(option.positions)
     lock = np.repeat(np.arange(1, joint.locks + 1), count)
     position = np.column_stack(

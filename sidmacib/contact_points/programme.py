@@ -4,11 +4,10 @@ At point i of lock j act a normal force r_n, a force along the lock r_t1 and one
 
     r_n >= 0,    |r_t1| <= mu r_n,    |r_t2| <= w_j p_ij T0_j,
 
-in equilibrium with the loads on the upper block, C_eq r + E = 0. E holds the block's self-weight,
-an overload against rocking, the shear V at the block's centroid and the torque M. T0_j is the
-strength of lock j; w_j is 1, or less where a revision reduces a lock. The paper raises V in steps
-and checks feasibility; the linear programme here maximises the load instead, which gives the same
-answer.
+in equilibrium with the loads on the upper block, C_eq r + E = 0. E contains the self-weight of the
+block, an overload against rocking, the shear V at the block's centroid and the torque M. T0_j is
+the strength of lock j; w_j is 1, or less if a reduction applies to the lock. The paper raises V in
+steps and checks feasibility; the linear programme here maximises the load, with the same result.
 """
 
 import math
@@ -33,10 +32,10 @@ class Sidmacib:
     """The limit model of a joint.
 
     ``strength``: factor w_j on the strength of each lock, one per lock; None for 1 everywhere.
-    ``overload`` in N, down, stands for a fixed plate, which the model has not; a joint that
-    something else holds down has that in its place. ``friction``: whether the locks' dry friction
-    resists along them. ValueError for strengths or an overload that are negative or not finite, and
-    for a single lock, which no other bears against.
+    ``overload``: in N, downwards; it represents a fixed plate, which this model lacks. A joint with
+    another hold-down has that load instead. ``friction``: whether dry friction resists along the
+    locks. ValueError unless strengths and overload are finite and not negative, and unless there
+    are at least two locks, which bear against each other.
     """
 
     joint: Joint
@@ -58,16 +57,16 @@ class Sidmacib:
             return
         if len(self.strength) != self.joint.locks:
             raise ValueError(
-                f"strength: {len(self.strength)} factors are too many or too few; there must be "
-                f"one for each of the {self.joint.locks} locks"
+                f"strength: must be one factor for each of the {self.joint.locks} locks "
+                f"(got {len(self.strength)})"
             )
         require_not_negative(**{f"strength of lock {i}": w for i, w in enumerate(self.strength, 1)})
 
     @property
     def pressing_force(self) -> float:
-        """What presses on the upper block besides its weight, in N."""
-        given = self.joint.pressing_force
-        return self.overload if given is None else given
+        """Force on the top of the upper block, besides its weight, in N."""
+        force = self.joint.pressing_force
+        return self.overload if force is None else force
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class Capacity:
 
 @dataclass(frozen=True)
 class _Units:
-    """What the programme measures by, so that its numbers are about 1 whatever the joint.
+    """Units of the programme, in which its numbers are about 1 for any joint.
 
     Forces in N along the locks, across them and normal to them; ``plane``: V in N and M in N m.
     """
@@ -92,7 +91,7 @@ class _Units:
 
     @classmethod
     def of(cls, model: Sidmacib, limit: Floats, pressure: float, lever: float) -> "_Units":
-        """Units from the points' strengths, what presses the joint, and the lever of V (m)."""
+        """Units from the points' strengths (N), the pressing force (N) and the lever of V (m)."""
         joint = model.joint
         across, width = float(limit.sum()), joint.total_width
         pressure = abs(pressure) or across or 1.0
@@ -108,7 +107,7 @@ class _Units:
 
 @dataclass(frozen=True)
 class _Programme:
-    """The feasible set: variables, in ``units``, and constraints that all programmes share.
+    """The feasible set: variables, in ``units``, and the constraints common to all programmes.
 
     ``loads``: V and M. ``forces``: r_t1, r_t2, r_n at every point.
     """
@@ -133,7 +132,7 @@ def _programme(model: Sidmacib) -> _Programme:
     axes = np.broadcast_to(np.eye(3), (count, 3, 3))
     along, across, normal = units.forces
     shear, torque = units.plane
-    # Of force x, y, z and moment x, y, z: each equation's largest part.
+    # Largest terms in the equations of force x, y, z and moment x, y, z.
     width = joint.total_width
     size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
     C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
@@ -151,7 +150,7 @@ def _programme(model: Sidmacib) -> _Programme:
         [
             C_eq @ cp.vec(forces, order="C") + E == 0,
             forces[:, 2] >= 0,
-            # Two sides each, not absolute values, which would add unknowns.
+            # Two inequalities each, as absolute values would add unknowns.
             forces[:, 0] <= mu * forces[:, 2],
             -forces[:, 0] <= mu * forces[:, 2],
             forces[:, 1] <= limit / across,
@@ -161,9 +160,9 @@ def _programme(model: Sidmacib) -> _Programme:
 
 
 def _lever(joint: Joint, centroid: Floats) -> float:
-    """Distance in y of what presses from the upper block's centroid, in m.
+    """Distance in y of the pressing force from the upper block's centroid, in m.
 
-    A given force acts in the middle of the top, the overload in a plate's place at the centroid.
+    A given force acts in the middle of the top, the overload at the centroid.
     """
     return 0.0 if joint.pressing_force is None else joint.total_width / 2 - float(centroid[1])
 
@@ -177,7 +176,7 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
     names = upper_block(joint)
     pieces = [piece for piece in cut_pieces(joint) if piece.name in names]
     weight = math.fsum(piece.weight for piece in pieces)
-    # By volume: without density there is a centroid too.
+    # By volume, as there is a centroid without density too.
     volumes = [float(np.prod(piece.size)) for piece in pieces]
     moments = sum(v * piece.centre for v, piece in zip(volumes, pieces, strict=True))
     return weight, np.asarray(moments / math.fsum(volumes))
@@ -186,7 +185,7 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:
     """The largest load in each of ``directions``.
 
-    Raises `sidmacib.errors.CapacityError` where there is none.
+    Raises `sidmacib.errors.CapacityError` if there is none.
     """
     programme = _programme(model)
     load, slope = cp.Variable(), cp.Parameter(2)
@@ -198,7 +197,7 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
     )
 
     def along(direction: Direction) -> Capacity:
-        # V and M of 1 N of load, and a load that takes one of them or both to about their units.
+        # V and M per newton of load, and the load at which they are about their units.
         each = np.array([direction.shear, direction.torque * model.joint.a])
         unit = 1.0 / float(np.abs(each / programme.units.plane).sum())
         family.solve(unit * each / programme.units.plane, f"e = {direction.eccentricity:g} a")

@@ -1,4 +1,4 @@
-"""Revised SiDMACIB: how much of each lock's strength counts, from a rule or from lock weights.
+"""Reductions of the revised SiDMACIB: the fraction of each lock's strength that counts.
 
 Every rule returns the factors w_j of `sidmacib.Sidmacib`, one per lock. A lock that does not count
 keeps its normal force and its friction along the lock. If all locks have the same strength, the V-M

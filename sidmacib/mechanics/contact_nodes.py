@@ -1,7 +1,7 @@
-"""Contact nodes on faces: points with tributary areas that stand for a stress all over the face.
+"""Contact nodes on faces: points with tributary areas that integrate the stress over a face.
 
-Every face is divided into equal cells, and both of its sides have a rule: points between 0 and 1
-and weights that add up to 1. Nodes are the points of one side by those of the other.
+Every face is divided into equal cells. Along each side a quadrature rule gives points between 0 and
+1 and weights that add up to 1; the nodes are the tensor product of both sides.
 """
 
 from functools import lru_cache
@@ -10,7 +10,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Face, Floats, Integers, NodeLayout, Nodes
 
-# The rule of one cell: places in the cell, and weights.
+# Quadrature rule of one cell: places in the cell, and weights.
 CELL_RULES = {
     NodeLayout.CENTRES: ((0.5,), (1.0,)),
     NodeLayout.VERTICES: ((0.0, 1.0), (0.5, 0.5)),
@@ -18,7 +18,7 @@ CELL_RULES = {
 }
 
 
-STRETCH = 1e-6  # of a cell beyond the mesh: digits of a size that nobody means make no more cells
+STRETCH = 1e-6  # by which a cell may exceed the mesh, so that rounding of a size adds no cell
 
 
 def cells_along(lengths: Floats, mesh: float) -> Integers:
@@ -35,28 +35,28 @@ def cell_counts(faces: tuple[Face, ...], mesh: float) -> Integers:
 def side_rule(layout: NodeLayout, cells: int) -> tuple[Floats, Floats]:
     """Places from 0 to 1 on a side of that many ``cells``, and their weights, both (K,)."""
     places, weights = (np.array(values) for values in CELL_RULES[layout])
-    step = len(places) - 1 or 1  # from a cell's first node to the next one's
+    step = len(places) - 1 or 1  # number of nodes from one cell's first node to the next cell's
     count = step * (cells - 1) + len(places)
-    found, weight = np.empty(count), np.zeros(count)
+    place, weight = np.empty(count), np.zeros(count)
     for cell in range(cells):
-        own = slice(step * cell, step * cell + len(places))
-        found[own] = (cell + places) / cells
-        weight[own] += weights / cells
-    return found, weight
+        nodes = slice(step * cell, step * cell + len(places))
+        place[nodes] = (cell + places) / cells
+        weight[nodes] += weights / cells
+    return place, weight
 
 
 @lru_cache(maxsize=1024)
 def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[Floats, Floats]:
-    """Nodes on that many cells of a face of unit sides across ``axis``: places, (K, 3), and areas.
+    """Nodes on a unit square normal to ``axis``, with ``counts`` cells along x, y and z.
 
-    The last axis runs fastest.
+    Returns places, (K, 3), and areas, (K,); the last axis runs fastest.
     """
     sides = [
         (np.zeros(1), np.ones(1)) if k == axis else side_rule(layout, count)
         for k, count in enumerate(counts)
     ]
     (_, x), (_, y), (_, z) = sides
-    place = np.stack(np.meshgrid(*(own for own, _ in sides), indexing="ij"), axis=-1)
+    place = np.stack(np.meshgrid(*(places for places, _ in sides), indexing="ij"), axis=-1)
     return place.reshape(-1, 3), (x[:, None, None] * y[:, None] * z).ravel()
 
 

@@ -1,4 +1,4 @@
-"""The path of an assembly to its peak: the equilibria on the way, and why it ends."""
+"""What solvers and the static model return: equilibria, first failure, path to the peak."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -9,7 +9,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
-LEAST_INCREMENT = 1e-5  # over the load: where the search for a failure or for the peak ends
+LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
 # Of a peak, see `sidmacib.mechanics.static.peak_spread`; above it the first failure counts.
 SPREAD_LIMIT = 0.02
 
@@ -18,10 +18,10 @@ SPREAD_LIMIT = 0.02
 class Equilibrium:
     """An equilibrium of the assembly.
 
-    ``load``: along the direction of loading, in N. ``unknowns``: those that its solver looks for,
-    (U,), see there. ``displacement``: the one that the load does work on, in m. ``force``: (N, 3)
-    in N, what the piece below each node exerts on the piece above in the frame of the face: normal
-    (compression positive) and two tangents. ``state``: of the nodes.
+    ``load``: along the direction of loading, in N. ``unknowns``: of its solver, (U,), see there.
+    ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
+    each node on the piece above in the frame of the face: normal (compression positive) and two
+    tangents. ``state``: of the nodes.
     """
 
     load: float
@@ -35,8 +35,8 @@ class Solver(Protocol):
     """Finds equilibria of an assembly."""
 
     @property
-    def law(self) -> ContactLaw:
-        """Of its nodes."""
+    def contact_law(self) -> ContactLaw:
+        """The contact law of its nodes."""
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -46,34 +46,36 @@ class Solver(Protocol):
     ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
 
-        Raises `NoEquilibriumError` where none is found. ``thorough``: all that the solver can do
-        is done before it gives up, which takes longer.
+        Raises `NoEquilibriumError` if none is found. ``thorough``: try every method of the solver
+        before giving up, which takes longer.
         """
 
     def lift(self, point: Equilibrium, load: float) -> float:
-        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
+        """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
 
 
-def lifted_part(weight: Floats, moved: Floats) -> float:
-    """Part of a motion that lifts: the cosine between it and the opposite of what always acts."""
-    size = float(np.linalg.norm(weight) * np.linalg.norm(moved))
-    return -float(weight @ moved) / size if size else 0.0
+def lifted_part(weight: Floats, motion: Floats) -> float:
+    """Fraction of a motion that lifts: cosine between it and the opposite of permanent loads."""
+    size = float(np.linalg.norm(weight) * np.linalg.norm(motion))
+    return -float(weight @ motion) / size if size else 0.0
 
 
 class Mode(StrEnum):
     """Why the load cannot rise beyond the peak."""
 
-    BONDS = "bonds"  # they fail, and no equilibrium follows
+    BONDS = "bonds"  # bonds fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
-    ROCKING = "rocking"  # pieces are lifted against what always acts, and no bond is either
+    ROCKING = (
+        "rocking"  # pieces are lifted against the permanent loads, and no bond is at its strength
+    )
 
 
 @dataclass(frozen=True)
 class FirstFailure:
     """The end of the path on which all bonds are whole.
 
-    ``point``: the equilibrium at which ``failing``, (N,), nodes are about to fail: none where the
-    load cannot rise any more for another reason, which ``mode`` tells.
+    ``point``: the last equilibrium. ``failing``: the nodes that are about to fail there, (N,); none
+    if the load cannot rise for another reason. ``mode``: the reason.
     """
 
     point: Equilibrium
@@ -85,8 +87,8 @@ class FirstFailure:
 class StaticSolution:
     """The path of the assembly to its peak.
 
-    ``first_failure_load`` in N: where the first node fails, or that of the peak if none does.
-    ``path``: the equilibria on the way; the last is the peak. ``mode``: why it is.
+    ``first_failure_load``: in N, where the first node fails, or the peak if none does. ``path``:
+    the equilibria; the last is the peak. ``mode``: why the load does not rise further.
     """
 
     first_failure_load: float
@@ -100,5 +102,5 @@ class StaticSolution:
 
     @property
     def failed_load(self) -> float:
-        """Just above the peak, where bonds fail and no equilibrium follows, in N."""
+        """The load just above the peak, for which there is no equilibrium, in N."""
         return self.peak.load * (1.0 + LEAST_INCREMENT)

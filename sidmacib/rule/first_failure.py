@@ -1,8 +1,8 @@
 """The first failure of a joint: the load at which a bonded face reaches its strength.
 
-It is found by the static model's path of loading, so friction has its history, on the coarsest
-nodes that have all stresses of a rigid lock: Lobatto points, which add up stresses that vary
-linearly over a face exactly. Up to there it makes no difference how bonds fail.
+The static model finds it, with the history of friction, on the coarsest nodes that represent all
+stresses of a rigid lock: Lobatto points, which integrate linear stresses exactly. Up to this load
+it makes no difference how bonds fail.
 """
 
 from dataclasses import dataclass
@@ -30,66 +30,66 @@ class Fineness:
     increment: float
 
 
-# Two cells, so that dry faces may open in part; the finer ones, on smaller increments that follow
-# friction more closely, show how far a load depends on both. Blocks that bend cost more, and three
-# nodes a side see them bend.
-COARSE, FINE, BENDING = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
+# Two cells, so that dry faces may open in part. FINE, with smaller increments that follow friction
+# more closely, shows how far a load depends on both. Elastic blocks cost more, and three nodes a
+# side represent their bending.
+COARSE, FINE, ELASTIC = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
 
 
 @dataclass(frozen=True)
 class JointFailure:
-    """What a joint carries at its first failure, lock by lock.
+    """The state of a joint at its first failure, lock by lock.
 
     ``load``: along the direction of loading, N. ``force_x``, ``force_y`` in N and ``torque`` in
-    N m, across each root on what is above it, shape (n,). ``used``: largest stress over strength at
-    each root, shape (n,). ``cut_used``: the same of the cuts; where it is 1 a cut fails first.
+    N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
+    strength at each root, shape (n,). ``cut_utilisation``: the same at the cuts between columns.
     """
 
     load: float
     force_x: Floats
     force_y: Floats
     torque: Floats
-    used: Floats
-    cut_used: float
+    utilisation: Floats
+    cut_utilisation: float
 
     @property
     def cut_fails(self) -> bool:
-        """Whether it is a cut between columns that fails first."""
-        return self.cut_used > self.used.max()
+        """Whether a cut between columns fails first."""
+        return self.cut_utilisation > self.utilisation.max()
 
 
-@lru_cache(maxsize=256)  # law, safe rule and explorer ask for the same
+@lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
 def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = None) -> JointFailure:
     """The state in which the first face of ``joint`` reaches its strength.
 
-    ``fineness``: None: the coarsest that will do. ValueError for what the law is not made for:
-    fewer than two locks, locks of their own, joined columns or bonds without strength.
-    `CapacityError` if no face carries the load, or if the joint slides or rocks before a bond
-    fails.
+    ``fineness``: None for the coarsest that suffices. ValueError for joints that the law does not
+    cover: fewer than two locks, locks that differ, joined columns, bonds with friction or without
+    strength. `CapacityError` if no pair of locks bears, if permanent loads alone make the joint
+    fail, or if it slides or rocks before a bond fails.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
-    fineness = fineness or (COARSE if joint.elastic is None else BENDING)
+    fineness = fineness or (COARSE if joint.elastic is None else ELASTIC)
     assembly = assemble(joint, joint.least_side / fineness.cells)
     loads = lateral_load(joint, assembly, loading)
-    found = static_first_failure(assembly, loads, increment=fineness.increment)
-    if not found.point.load > 0.0:
+    failure = static_first_failure(assembly, loads, increment=fineness.increment)
+    if not failure.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
-    if not found.failing.any():
+    if not failure.failing.any():
         raise CapacityError(
-            f"law: {joint.locks} locks move off ({found.mode}) at {found.point.load:.4g} N, before "
-            "a bond fails; use the static model"
+            f"law: {joint.locks} locks move away ({failure.mode}) at {failure.point.load:.4g} N, "
+            "before a bond fails; use the static model"
         )
-    return _state(joint, assembly, found.point)
+    return _state(joint, assembly, failure.point)
 
 
 def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:
-    """What the roots of ``joint`` carry at ``point``."""
+    """Forces and utilisation of the roots of ``joint`` at ``point``."""
     nodes, roots = assembly.nodes, lock_faces(joint)
-    own = utilisation(ContactLaw.of(assembly), point.state, point.force)
+    of_nodes = utilisation(ContactLaw.of(assembly), point.state, point.force)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
-    used = np.maximum.reduceat(own, start)
+    of_faces = np.maximum.reduceat(of_nodes, start)
     force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
     middle = np.array([(np.array(face.low) + face.high) / 2 for face in assembly.faces])
     arm = nodes.position - middle[nodes.face]
@@ -98,26 +98,31 @@ def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure
     locks = {roots[face.name]: i for i, face in enumerate(assembly.faces) if face.name in roots}
     order = [locks[lock] for lock in joint.numbers]
     cuts = [
-        used[i]
+        of_faces[i]
         for i, face in enumerate(assembly.faces)
         if face.kind is Kind.INNER and face.name not in roots
     ]
     return JointFailure(
-        float(point.load), x[order], y[order], turned[order], used[order], max(cuts, default=0.0)
+        float(point.load),
+        x[order],
+        y[order],
+        turned[order],
+        of_faces[order],
+        max(cuts, default=0.0),
     )
 
 
 def _require_row(joint: Joint) -> None:
-    """ValueError if ``joint`` is not what the law is made for."""
+    """ValueError if the law does not cover ``joint``."""
     bond = joint.inner
     faults = (
-        (joint.locks < 2, f"locks: {joint.locks}", "at least 2"),
-        (bool(joint.different), "different: locks of their own", "none"),
-        (joint.upper_body is UpperBody.JOINED, "upper_body: joined", "columns or monolithic"),
-        (bond.friction > 0.0, f"inner.friction: {bond.friction:g}", "0"),
-        (bond.cohesion == 0.0, "inner.cohesion: 0", "more than 0"),
-        (bond.tensile_strength == 0.0, "inner.tensile_strength: 0", "more than 0"),
+        (joint.locks < 2, "locks", joint.locks, "at least 2"),
+        (bool(joint.different), "different", "locks that differ", "none"),
+        (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
+        (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
+        (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
+        (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
     )
-    for wrong, what, allowed in faults:
+    for wrong, name, value, allowed in faults:
         if wrong:
-            raise ValueError(f"{what} not possible with the law; it must be {allowed}")
+            raise ValueError(f"{name}: must be {allowed} for the law (got {value})")

@@ -1,9 +1,9 @@
-"""What a joint carries after the law, and what a designer may count on.
+"""The first-failure law of a joint, and the safe rule for design.
 
-``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is less by
-`SAFETY` and by what a finer mesh changes. Both refuse what lies outside `SPANS`, the dimensionless
-groups that the answer depends on: `make attack` looks for the worst joint inside of them, and
-the rule was not tested outside.
+``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is lower, by
+the factor `SAFETY` and by the change on a finer mesh. Both refuse joints outside `SPANS`, the
+tested ranges of the dimensionless groups that the answer depends on. `make attack` searches inside
+them for the joint with the highest safe load relative to its first failure.
 """
 
 import math
@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.rule.first_failure import FINE, first_failure
 from sidmacib.validation import refused, require_positive
 
-SAFETY, SAFETY_THAT_BENDS = 1.06, 1.12
+SAFETY, SAFETY_ELASTIC = 1.06, 1.12
 SPANS = {
     "locks": (2.0, 31.0),
     "a / b": (0.5, 3.0),
@@ -34,11 +34,11 @@ SPANS = {
     "E / (Kn b)": (5.0, math.inf),  # rigid pieces have inf
     "Poisson's ratio": (0.0, 0.4),
 }
-STRETCH = 1e-9  # of a span, for rounding
-# Of one rigid piece: rougher ones in torsion may snap from one equilibrium to another before a bond
-# fails, at less than half the first failure.
-ROUGHEST, TORSION = 0.5, 1.0  # friction, e / a
-FARTHEST_OF_TWO = 0.5  # e / a: beyond it the force leaves the only dry face of two locks
+STRETCH = 1e-9  # by which a span may be exceeded, for rounding
+# Friction and e / a: a rigid monolithic body above both may snap from one equilibrium to another
+# before a bond fails, at less than half the first failure.
+ROUGHEST, TORSION = 0.5, 1.0
+MOST_ECCENTRIC_PAIR = 0.5  # e / a of two locks: beyond it the force leaves their only dry face
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,7 @@ class LawCapacity:
 def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """The load at which ``joint`` first fails, by the static model on coarse nodes.
 
-    ValueError outside `SPANS`, `CapacityError` if nothing carries the load or if the joint slides
-    or rocks before a bond fails.
+    ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure.first_failure`.
     """
     require_covered(joint, direction)
     load = first_failure(joint, Loading(direction, push=push)).load
@@ -62,26 +61,26 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
-    """A load that ``joint`` carries: for design. The same errors as `law`.
+    """A load that ``joint`` carries, for design.
 
-    `CapacityError` too if the joint would overturn but for friction between the locks, and for one
-    rigid piece in torsion with a friction above `ROUGHEST`.
+    For rigid pieces the first failure is computed twice, on two meshes with two load increments,
+    and the difference is subtracted from the lower one: joints that are about to rock depend on the
+    mesh, and rough ones on the increments, by more than `SAFETY` covers. Elastic blocks are solved
+    on one mesh; `SAFETY_ELASTIC` covers its error as well.
 
-    Of rigid pieces the first failure is found twice, on two meshes and with two increments of the
-    load, and what lies between them is taken off the lower one: joints that are about to rock
-    depend on the mesh, and rough ones on the increments, by more than `SAFETY` covers. Blocks that
-    bend are solved on one mesh; `SAFETY_THAT_BENDS` covers its error as well.
+    Errors of `law`. `CapacityError` too if only friction between the locks keeps the joint from
+    overturning, and for one rigid piece in torsion with a friction above `ROUGHEST`.
     """
     _require_no_snap(joint, direction)
     load = law(joint, direction, push).load
     if joint.elastic is not None:
-        return _designed(joint, direction, load / SAFETY_THAT_BENDS)
+        return _designed(joint, direction, load / SAFETY_ELASTIC)
     finer = first_failure(joint, Loading(direction, push=push), FINE).load
     least = min(load, finer) - abs(finer - load)
     if least <= 0.0:
         raise CapacityError(
-            f"safe: the first failure is not known: {load:.4g} N on one mesh, {finer:.4g} N on a "
-            "finer one; use the static model"
+            f"safe: the first failure depends too much on the mesh: {load:.4g} N on one, "
+            f"{finer:.4g} N on a finer one; use the static model"
         )
     return _designed(joint, direction, least / SAFETY)
 
@@ -112,7 +111,7 @@ def spans_of(joint: Joint) -> dict[str, float]:
 def require_covered(joint: Joint, direction: Direction) -> None:
     """ValueError if ``joint`` lies outside `SPANS`.
 
-    `CapacityError` where the direction leaves the only dry face of two locks.
+    `CapacityError` if the force leaves the only dry face of two locks.
     """
     for name, value in spans_of(joint).items():
         low, high = SPANS[name]
@@ -123,12 +122,12 @@ def require_covered(joint: Joint, direction: Direction) -> None:
             raise refused(
                 name,
                 _short(value),
-                f"{allowed}: the rule was not tested beyond; use the static model",
+                f"{allowed}, where the rule was tested; else use the static model",
             )
-    if joint.locks == 2 and abs(direction.eccentricity) > FARTHEST_OF_TWO:
+    if joint.locks == 2 and abs(direction.eccentricity) > MOST_ECCENTRIC_PAIR:
         raise CapacityError(
-            f"law: two locks do not carry an eccentricity of {direction.eccentricity:g} a; it must "
-            f"be at most {FARTHEST_OF_TWO:g} a to either side, within their only dry face"
+            f"law: the eccentricity on two locks must be at most {MOST_ECCENTRIC_PAIR:g} a, within "
+            f"their only dry face (got {direction.eccentricity:g} a)"
         )
 
 
@@ -150,22 +149,22 @@ def _require_no_snap(joint: Joint, direction: Direction) -> None:
 def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
     """The capacity at ``load`` (N); `CapacityError` if it may overturn a joint without a plate.
 
-    V acts at half the height, and what presses the joint, at half its length.
+    V acts at half the height, weight and pressure at half the length.
     """
-    found = _capacity(joint, direction, load)
+    capacity = _capacity(joint, direction, load)
     if joint.pressing_force is not None:
         weight = joint.density * GRAVITY * joint.a * joint.total_width * joint.H
         most = (joint.pressing_force + weight) * joint.total_width / (joint.H + joint.h)
-        if abs(found.shear) > most:
+        if abs(capacity.shear) > most:
             raise CapacityError(
-                f"safe: V of {found.shear:.4g} N may overturn the joint; its weight and what "
-                f"presses it prevent that up to {most:.4g} N; use the static model, or a plate"
+                f"safe: V = {capacity.shear:.4g} N may overturn the joint; weight and pressure "
+                f"prevent this only up to {most:.4g} N; use the static model, or a plate"
             )
-    return found
+    return capacity
 
 
 def _capacity(joint: Joint, direction: Direction, load: float) -> LawCapacity:
     return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a)
 
 
-RULES = {"law": law, "safe": safe}  # models of their own in studies
+RULES = {"law": law, "safe": safe}  # by the names of their models in studies

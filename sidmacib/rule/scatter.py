@@ -1,7 +1,7 @@
-"""Locks whose strengths scatter: a row of them is weaker than its mean, as the weakest decides.
+"""First failure of locks with scattering strengths: the weakest lock decides.
 
-The strengths of the locks' roots are independent and lognormal. The first failure is that of the
-lock whose strength is least for its force, so the joint survives a load if every lock does.
+The strengths of the locks' roots are independent and lognormal. A joint survives a load if every
+lock does, so it is weaker than locks of mean strength.
 """
 
 import math
@@ -18,32 +18,37 @@ from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import require_covered
 from sidmacib.validation import refused, require_positive
 
-WIDEST = 20.0  # of a load that is looked for, in standard deviations,
-NEAR = 0.01  # and as a part of the load
-FIFTH_PERCENTILE = 0.05  # of strengths: what codes call characteristic
+# Largest distance of a quantile from the load at mean strength, in its logarithm: in standard
+# deviations, and a constant.
+WIDEST, NEAR = 20.0, 0.01
+FIFTH_PERCENTILE = 0.05  # characteristic strength in codes
 
 
 @dataclass(frozen=True)
 class Scatter:
     """Loads at first failure of a joint whose locks' strengths scatter.
 
-    ``load``: of locks of mean strength, N. ``used``: of each root there, shape (n,).
+    ``load``: for locks of mean strength, N. ``utilisation``: of each root at this load, shape (n,).
     ``variation``: of the strengths, standard deviation over mean.
     """
 
     load: float
-    used: Floats
+    utilisation: Floats
     variation: float
 
     def survival(self, load: float) -> float:
         """Probability that no root has failed at ``load`` (N)."""
         if load <= 0.0:
             return 1.0
-        needed = self.used[self.used > 0.0] * load / self.load
+        loaded = self.utilisation[self.utilisation > 0.0]
+        needed = loaded * load / self.load
         return float(np.exp(norm.logsf(self._standard(needed)).sum()))
 
     def quantile(self, share: float = FIFTH_PERCENTILE) -> float:
-        """The load (N) that a ``share`` of joints does not reach; ValueError if not in 0 ... 1."""
+        """The load (N) that a ``share`` of joints does not reach.
+
+        ValueError unless the share is between 0 and 1.
+        """
         if not 0.0 < share < 1.0:
             raise refused("share", share, "more than 0 and less than 1")
         deviation = self._deviation
@@ -68,12 +73,12 @@ class Scatter:
 def scatter(
     joint: Joint, direction: Direction, variation: float, push: Push = Push.PLUS_Y
 ) -> Scatter:
-    """First failures of ``joint`` with strengths of this ``variation``, around the law's.
+    """Scatter of the first failure of ``joint`` for strengths of this coefficient of variation.
 
-    ValueError for a variation that is not positive, and as for `sidmacib.law`; cuts between columns
-    have their strength for certain.
+    The strengths of cuts between columns do not scatter. ValueError unless the variation is above
+    0; errors of `sidmacib.law`.
     """
     require_positive(variation=variation)
     require_covered(joint, direction)
     state = first_failure(joint, Loading(direction, push=push))
-    return Scatter(state.load, state.used, variation)
+    return Scatter(state.load, state.utilisation, variation)

@@ -1,15 +1,14 @@
-"""Linear elastic cuboids in finite elements, condensed to what their contact nodes see of them.
+"""Finite elements of linear elastic cuboids, condensed to their contact nodes.
 
 Elements are hexahedra on a grid of lines along x, y and z. On such a grid every integral over the
-cuboid is a product of integrals along lines, which scikit-fem's line elements give. Where contact
-nodes are vertices of cells, elements are trilinear: their own nodes are the same. Otherwise they
-are triquadratic, which bend without locking: Gauss-Lobatto nodes are theirs too, and a node at a
-cell's centre stands for the mean over the cell.
+cuboid is a product of integrals along lines, which scikit-fem's line elements give. If contact
+nodes are the vertices of cells, elements are trilinear and have the same nodes. Otherwise they are
+triquadratic, which bend without locking: their nodes include the Gauss-Lobatto nodes, and a node at
+the centre of a cell has the mean displacement of the cell.
 
-A piece floats: its rigid motion is not part of what is condensed. A load that is not in equilibrium
-is balanced by accelerations, and displacements are such that neither the piece's centroid moves nor
-the piece turns, in the mean over its mass. In equilibrium of the whole assembly the accelerations
-add up to nothing.
+A piece floats: its rigid motion is left out. Loads that are not in equilibrium are balanced by
+accelerations; the displacements are those whose mean over the mass has no translation and no
+rotation. In equilibrium of the whole assembly the accelerations add up to zero.
 """
 
 from collections.abc import Sequence
@@ -42,10 +41,10 @@ class Spread:
 
 @dataclass(frozen=True)
 class Flexibility:
-    """Displacements of a cuboid by forces, per Young's modulus of 1 Pa, rigid motion left out.
+    """Displacements of a cuboid with a Young's modulus of 1 Pa, without its rigid motion.
 
-    ``contact``: of contact components by unit forces on them, (C, C). ``by_load``: by the loads,
-    (C, L). ``load``: what the loads do work on, by the loads, (L, L). All in m, times Pa.
+    ``contact``: of contact components by unit forces on them, (C, C). ``by_load``: the same by the
+    loads, (C, L). ``load``: along the loads by the loads, (L, L). All in m times Pa.
     """
 
     contact: Floats
@@ -84,7 +83,8 @@ class Line:
         )
 
     def values(self, places: Floats) -> sp.csr_array:
-        """Shape functions at ``places`` (m), (K,), but for rounding on the line; one row each."""
+        """Shape functions at ``places`` (m), (K,), one row each."""
+        # Rounding may put a place beyond the ends.
         places = np.clip(places, self.place[0], self.place[-1])
         return sp.csr_array(self.basis.probes(places[None]))[:, self.order]
 
@@ -132,11 +132,11 @@ class Cuboid:
         return sp.csc_array(sp.csr_array(sp.block_array(blocks))[together][:, together])
 
     def _each(self, matrix: sp.csr_array) -> sp.csr_array:
-        """``matrix`` for each of three components."""
+        """``matrix`` for each of the three components."""
         return sp.csr_array(sp.kron(matrix, np.eye(3)))
 
     def _three_points(self) -> Integers:
-        """Degrees of freedom at three corners that hold the cuboid as three legs do."""
+        """Six degrees of freedom at three corners whose supports exclude rigid motion only."""
         low, high = self.place.min(axis=0), self.place.max(axis=0)
 
         def corner(*axes: int) -> int:
@@ -147,15 +147,15 @@ class Cuboid:
         return np.array([first, first + 1, first + 2, along_x + 1, along_x + 2, along_y + 2])
 
     def contact(self, rows: sp.csr_array, axes: Integers) -> sp.csc_array:
-        """Displacements that contact components see, by column; ``rows``: of nodes, (C, nodes)."""
+        """Shape functions of contact components, by column; ``rows``: of all nodes, (C, nodes)."""
         count = len(axes)
         direction = sp.csr_array((np.ones(count), (np.arange(count), axes)), (count, 3))
         return sp.csc_array(_row_products([rows, direction]).T)
 
     def values(self, places: Floats, cell: Floats | None = None) -> sp.csr_array:
-        """Shape functions of all nodes at ``places`` (m), (K, 3); one row each.
+        """Shape functions of all nodes at ``places`` (m), (K, 3), one row each.
 
-        Or in the mean over cells about the places, with these edges (m), (K, 3).
+        ``cell``: edges (m), (K, 3), of cells around the places; if given, means over these cells.
         """
 
         def along(line: Line, k: int) -> sp.csr_array:
@@ -173,13 +173,13 @@ class Cuboid:
             place = self.lines[spread.axis].place
             end = len(place) - 1 if spread.high else 0
             factors[spread.axis] = sp.csr_array(([1.0], ([end], [end])), (len(place), len(place)))
-        own = self._each(_product(factors)) @ self.rigid
-        # A field that is a rigid motion has just this wrench.
-        wrench, resultant = np.array(spread.wrench), self.rigid.T @ own
-        return np.asarray(own @ np.linalg.lstsq(resultant, wrench, rcond=1e-9)[0])
+        fields = self._each(_product(factors)) @ self.rigid
+        # The combination of the six fields of rigid motions that has this wrench.
+        wrench, resultant = np.array(spread.wrench), self.rigid.T @ fields
+        return np.asarray(fields @ np.linalg.lstsq(resultant, wrench, rcond=1e-9)[0])
 
     def flexibility(self, seen: sp.csc_array, loads: Sequence[Spread]) -> Flexibility:
-        """What contact components, columns of ``seen``, and loads do to each other."""
+        """Flexibility by contact components, the columns of ``seen``, and by ``loads``."""
         forces = np.hstack([seen.toarray(), *(self.load(each)[:, None] for each in loads)])
         share = np.linalg.solve(self.inertia, self.rigid.T @ forces)
         free = np.setdiff1d(np.arange(len(forces)), self.held)

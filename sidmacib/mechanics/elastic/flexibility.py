@@ -16,10 +16,10 @@ DIGITS = 12  # of places, where shapes are compared
 def flexibility(
     assembly: Assembly, loads: Loads, kept: Integers
 ) -> tuple[Floats, tuple[Floats, Floats], Floats]:
-    """What the pieces' deformation does to the node components ``kept``.
+    """Displacements of the node components ``kept`` by the deformation of the pieces.
 
-    Returns their displacement by unit node forces, less its sign, (K, K); by permanent loads and by
-    the variable one, (K,) each; and the displacement that the variable load does work on, by both.
+    Returns displacements against unit node forces, (K, K); displacements by permanent and by
+    variable loads, (K,) each; and the displacement along the variable load by both, (2,).
     """
     faces, nodes = assembly.faces, assembly.nodes
     face = nodes.face[kept // 3]
@@ -30,7 +30,7 @@ def flexibility(
     size = np.array([np.subtract(each.high, each.low) for each in faces])
     cells = (size / cell_counts(faces, assembly.mesh))[face]
     give, moved = np.zeros((len(kept), len(kept))), (np.zeros(len(kept)), np.zeros(len(kept)))
-    own = np.zeros(2)
+    work = np.zeros(2)
     for number, piece in enumerate(assembly.pieces):
         if piece.elastic is None or piece.fixed:
             continue
@@ -40,24 +40,24 @@ def flexibility(
         place = nodes.position[kept[seen] // 3] - piece.centre
         components = _Components(place, cells[seen] if means else None, axes[seen])
         shape = element_edges(assembly, number), piece.elastic.poisson, quadratic
-        found = _condensed(*shape, components, spreads)
+        condensed = _condensed(*shape, components, spreads)
         young = piece.elastic.young
-        give[np.ix_(seen, seen)] += found.contact * sign[:, None] * sign / young
+        give[np.ix_(seen, seen)] += condensed.contact * sign[:, None] * sign / young
         both = np.column_stack([permanent, ~permanent]).astype(float)
-        for values, column in zip(moved, (found.by_load @ both).T, strict=True):
+        for values, column in zip(moved, (condensed.by_load @ both).T, strict=True):
             values[seen] += sign * column / young
-        own += (both.T @ found.load @ both)[1] / young
-    return give, moved, own
+        work += (both.T @ condensed.load @ both)[1] / young
+    return give, moved, work
 
 
 def _spreads(loads: Loads, number: int) -> tuple[tuple[Spread, ...], Flags]:
-    """How the loads of a piece are spread, and which of them are permanent."""
-    own = [side for side in loads.sides if side.piece == number]
-    spreads = [Spread(side.wrench, side.axis, side.high) for side in own]
-    flags = [side.permanent for side in own]
+    """The loads of a piece as fields on it, and which of them are permanent."""
+    sides = [side for side in loads.sides if side.piece == number]
+    spreads = [Spread(side.wrench, side.axis, side.high) for side in sides]
+    flags = [side.permanent for side in sides]
     for permanent, whole in ((True, loads.permanent), (False, loads.variable)):
         rest = whole[number].astype(float)
-        for side in own:
+        for side in sides:
             if side.permanent is permanent:
                 rest = rest - side.wrench
         spreads.append(Spread(tuple(rest.tolist())))
@@ -66,7 +66,7 @@ def _spreads(loads: Loads, number: int) -> tuple[tuple[Spread, ...], Flags]:
 
 
 class _Components:
-    """Components of contact nodes, with a key that is the same for all pieces of a shape."""
+    """Components of contact nodes, hashable: equal for all pieces of the same shape."""
 
     def __init__(self, place: Floats, cell: Floats | None, axis: Integers) -> None:
         self.place, self.cell, self.axis = np.round(place, DIGITS) + 0.0, cell, axis
@@ -88,30 +88,30 @@ def _condensed(
     components: _Components,
     loads: tuple[Spread, ...],
 ) -> Flexibility:
-    """Once for all pieces of the same shape, and all of their Young's moduli."""
+    """Flexibility of a piece, computed once for each shape, whatever its Young's modulus."""
     cuboid = Cuboid(grid, poisson, quadratic=quadratic)
     rows = cuboid.values(components.place, components.cell)
     return cuboid.flexibility(cuboid.contact(rows, components.axis), loads)
 
 
 def element_edges(assembly: Assembly, number: int) -> Grid:
-    """Element edges of a piece about its centroid.
+    """Edges of the elements of a piece along x, y and z, from its centroid (m).
 
-    They are where its faces end, and between these no further apart than the mesh.
+    Edges of its faces are element edges; between these, elements are no longer than the mesh.
     """
     piece = assembly.pieces[number]
-    own = [face for face in assembly.faces if number in (face.below, face.above)]
+    faces = [face for face in assembly.faces if number in (face.below, face.above)]
 
     def edges(axis: int) -> tuple[float, ...]:
-        ends = [end[axis] for face in own for end in (face.low, face.high)]
+        ends = [end[axis] for face in faces for end in (face.low, face.high)]
         places = np.array([piece.low[axis], *ends, piece.high[axis]])
         places = np.unique(np.round(places - piece.centre[axis], DIGITS))
         places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-DIGITS]
         counts = cells_along(np.diff(places), assembly.mesh)
-        found = [
+        starts = [
             np.linspace(low, high, count + 1)[:-1]
             for (low, high), count in zip(pairwise(places), counts, strict=True)
         ]
-        return (*np.concatenate(found).tolist(), float(places[-1]))
+        return (*np.concatenate(starts).tolist(), float(places[-1]))
 
     return edges(0), edges(1), edges(2)

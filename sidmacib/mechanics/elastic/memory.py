@@ -19,17 +19,17 @@ CGROUP = Path("/sys/fs/cgroup/memory.max")  # of a container
 
 
 def require_memory(needed: float, what: str) -> None:
-    """Raise `CapacityError` where ``what`` needs more than this machine has; ``needed``: bytes."""
-    there = memory()
-    if needed > there:
+    """Raise `CapacityError` if ``what`` needs more than this machine has; ``needed``: bytes."""
+    available = memory()
+    if needed > available:
         raise CapacityError(
             f"{what} need {needed / GIB:.1f} GiB of memory or more, and this machine has "
-            f"{there / GIB:.1f} GiB; use a coarser mesh"
+            f"{available / GIB:.1f} GiB; use a coarser mesh"
         )
 
 
 def memory() -> float:
-    """Memory (bytes) that a process of this machine may have."""
+    """Memory (bytes) that a process may use on this machine."""
     limits = [float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))]
     allowed, _ = resource.getrlimit(resource.RLIMIT_AS)
     if allowed != resource.RLIM_INFINITY:
@@ -40,19 +40,19 @@ def memory() -> float:
 
 
 def memory_needed(assembly: Assembly, kept: Integers) -> float:
-    """Memory (bytes) that is needed at least for the node components ``kept``.
+    """Least memory (bytes) of the elastic solver for the node components ``kept``.
 
-    Some matrices of them, or of them and of a piece's degrees of freedom, are there at a time.
+    It keeps several matrices at a time: by components, or by components and degrees of freedom.
     """
     seen = np.bincount(assembly.nodes.face[kept // 3], minlength=len(assembly.faces))
     step = 2 if assembly.layout is not NodeLayout.VERTICES else 1
     most = 0.0
     for number, piece in enumerate(assembly.pieces):
         if piece.elastic is not None and not piece.fixed:
-            own = [number in (face.below, face.above) for face in assembly.faces]
+            touches = [number in (face.below, face.above) for face in assembly.faces]
             freedoms = 3 * math.prod(
                 step * (len(e) - 1) + 1 for e in element_edges(assembly, number)
             )
-            most = max(most, float(freedoms) * float(seen[own].sum()))
+            most = max(most, float(freedoms) * float(seen[touches].sum()))
     square = float(len(kept)) ** 2
     return BYTES * max(MATRICES * square, square + MATRICES * most)

@@ -1,16 +1,15 @@
 """Equilibrium of elastic pieces on contact nodes, in terms of the jumps at the nodes.
 
 A node's displacement delta (below minus above) is that of the pieces' rigid motions q and of their
-deformation by node forces f and loads. It has an elastic part f / k, k being the node's stiffness,
-and a jump s, the opening and slip there:
+deformation by node forces f and loads. It consists of an elastic part f / k, with the node's
+stiffness k, and a jump s, the opening and slip:
 
     f / k + s = G q - D f + d,    G' f = loads
 
-While all nodes are closed and bonded there are no jumps. Solved once, this gives f = f0 - W s for
-all jumps s and loads: W holds all that the pieces' elements have to say, and is computed once for
-an assembly. Newton's method looks for jumps with which each node's force follows from its
-displacement by `sidmacib.mechanics.contact_law`; only nodes that are open or slip have unknowns.
-Node forces are always in equilibrium with the loads.
+While all nodes are closed and bonded there are no jumps. Solved once, these equations give
+f = f0 - W s for all jumps s and loads; W contains the pieces' finite elements and is computed once
+for an assembly. Newton's method looks for the jumps at which each node's force obeys the contact
+law; only nodes that are open or slip have unknowns. Node forces always balance the loads.
 """
 
 import math
@@ -25,34 +24,34 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import flexibility
 from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
-from sidmacib.mechanics.newton import node_laws
+from sidmacib.mechanics.newton import forces_and_tangents
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
 
-STEPS = 60  # of Newton's method
-PATIENCE = 16  # steps in which what is wrong must become half of what it was, at least
-SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # of a Newton step that are tried
-RESIDUAL = 1e-9  # of the law, over the loads
-FLOOR = 1e-9  # of a node's stiffness: what is left where it is open
-LOOSE = 1e-13  # of the stiffness against rigid motions: what holds a piece that nothing holds
-FARTHEST = 1e5  # Newton step over the displacements of the unbroken assembly
+STEPS = 60  # of Newton's method, at most
+PATIENCE = 16  # steps in which the residual must at least halve
+SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tried
+RESIDUAL = 1e-9  # of the contact law, over the loads
+FLOOR = 1e-9  # of a node's stiffness: added where it is open
+LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
+LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
-class DeformableSolver:
+class ElasticSolver:
     """Newton's method on the jumps at the nodes of ``assembly``, with elastic pieces."""
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        self.law = ContactLaw.of(assembly)
-        normal, shear = self.law.normal_stiffness, self.law.shear_stiffness
-        self.of_node = np.column_stack([normal, shear])
-        # Shear where there never is any is no unknown.
-        self.rough = self.law.cohesive | (self.law.friction > 0.0)
-        every = np.ones_like(self.rough)
-        self.kept = np.flatnonzero(np.column_stack([every, self.rough, self.rough]).ravel())
+        self.contact_law = ContactLaw.of(assembly)
+        normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
+        self.node_stiffness = np.column_stack([normal, shear])
+        # No unknowns for shear at nodes that never carry any.
+        self.rough = self.contact_law.cohesive | (self.contact_law.friction > 0.0)
+        normals = np.ones_like(self.rough)
+        self.kept = np.flatnonzero(np.column_stack([normals, self.rough, self.rough]).ravel())
         self.stiffness = np.column_stack([normal, shear, shear]).ravel()[self.kept]
         self.node = self.kept // 3
         what = f"elastic pieces with {len(self.kept):,} components of forces at contact nodes"
         require_memory(memory_needed(assembly, self.kept), what)
-        give, moved, self.own = flexibility(assembly, loads, self.kept)
+        give, moved, self.work = flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
         size = row_units(assembly)
         rigid = (equilibrium_matrix(assembly)[rows][:, self.kept] / size[:, None]).T
@@ -67,8 +66,8 @@ class DeformableSolver:
         balance = [each.ravel()[rows] / size for each in (loads.permanent, loads.variable)]
         forces = np.column_stack(
             [
-                self.influence @ own + held @ cho_solve(factor, load)
-                for own, load in zip(moved, balance, strict=True)
+                self.influence @ displacement + held @ cho_solve(factor, load)
+                for displacement, load in zip(moved, balance, strict=True)
             ]
         )
         motions = cho_solve(factor, np.column_stack(balance) - held.T @ np.column_stack(moved))
@@ -77,25 +76,25 @@ class DeformableSolver:
         self.weight, self.variable = balance
         self.gaps: tuple[Integers, tuple[Floats, bool]] | None = None
         elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
-        self.farthest = FARTHEST * float(elastic[0] + loads.scale * elastic[1])
+        self.largest_step = LARGEST_STEP * float(elastic[0] + loads.scale * elastic[1])
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.law))
+        return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.contact_law))
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
     ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
 
-        Raises `NoEquilibriumError` where Newton's method ends nowhere, ``thorough`` or not.
+        Raises `NoEquilibriumError` if Newton's method does not converge, ``thorough`` or not.
         """
         elastic = self.forces @ np.array([1.0, load])
         allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
-        slip = np.zeros((len(self.law.friction), 3))
+        slip = np.zeros((len(self.contact_law.friction), 3))
         slip[:, 1:] = state.slip
         jump = np.where(state.whole[self.node] == 1.0, slip.ravel()[self.kept], guess)
-        force, tangent, wrong = self._law(elastic, jump, slip, state.whole)
+        force, tangent, wrong = self._residual(elastic, jump, slip, state.whole)
         size = float(np.linalg.norm(wrong))
         sizes = [size]
         for _ in range(STEPS):
@@ -104,12 +103,12 @@ class DeformableSolver:
             if min(sizes[-PATIENCE:]) > min(sizes[:-PATIENCE], default=math.inf) / 2:
                 break
             step = self._step(tangent, wrong, jump, slip)
-            if not float(np.abs(step).max()) <= self.farthest:  # or no number
+            if not float(np.abs(step).max()) <= self.largest_step:  # true for NaN as well
                 break
             before, start = size, jump
-            for share in SHARES:  # the whole step where none brings it closer
+            for share in SHARES:  # at last the whole step, if none reduces the residual
                 jump = start + share * step
-                force, tangent, wrong = self._law(elastic, jump, slip, state.whole)
+                force, tangent, wrong = self._residual(elastic, jump, slip, state.whole)
                 size = float(np.linalg.norm(wrong))
                 if size <= before:
                     break
@@ -117,36 +116,38 @@ class DeformableSolver:
         raise NoEquilibriumError(f"no equilibrium at {load:g} N")
 
     def lift(self, point: Equilibrium, load: float) -> float:
-        """Part of the pieces' motion that lifts them where they move off under ``load`` (N)."""
+        """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
         elastic = self.forces @ np.array([1.0, load])
-        slip = np.zeros((len(self.law.friction), 3))
+        slip = np.zeros((len(self.contact_law.friction), 3))
         slip[:, 1:] = point.state.slip
-        _, tangent, wrong = self._law(elastic, point.unknowns, slip, point.state.whole)
+        _, tangent, wrong = self._residual(elastic, point.unknowns, slip, point.state.whole)
         step = self._step(tangent, wrong, point.unknowns, slip)
         return lifted_part(self.weight, cho_solve(self.factor, self.held.T @ step))
 
-    def _law(
+    def _residual(
         self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats
     ) -> tuple[Floats, Floats, Floats]:
-        """Forces of the law, tangents, and by how much forces in equilibrium differ from them."""
+        """Forces by the contact law, their tangents, and balanced forces less those of the law."""
         balanced = elastic - self.influence @ jump
         displacement = np.zeros(slip.size)
         displacement[self.kept] = balanced / self.stiffness + jump
         moved = displacement.reshape(-1, 3) - slip
-        force, tangent = node_laws(self.of_node, self.law.friction, whole, moved)
+        force, tangent = forces_and_tangents(
+            self.node_stiffness, self.contact_law.friction, whole, moved
+        )
         return force, tangent, balanced - force.ravel()[self.kept]
 
     def _step(self, tangent: Floats, wrong: Floats, jump: Floats, slip: Floats) -> Floats:
         """Newton step of the jumps."""
-        # Where nodes stick the law is linear and a jump is just the slip.
-        held = (tangent[:, 1, 1] == self.law.shear_stiffness) | ~self.rough
-        sticks = (held & (tangent[:, 0, 0] == self.law.normal_stiffness))[self.node]
+        # At nodes that stick the contact law is linear and the jump is the slip.
+        held = (tangent[:, 1, 1] == self.contact_law.shear_stiffness) | ~self.rough
+        sticks = (held & (tangent[:, 0, 0] == self.contact_law.normal_stiffness))[self.node]
         step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
-        # wrong + J step = 0 with J = -W - T (1 - W / k); there is no T where a node is open.
+        # wrong + J step = 0 with J = -W - T (1 - W / k); T = 0 at open nodes.
         target = wrong - self.influence @ step if step.any() else wrong
         opened = (tangent[:, 0, 0] == 0.0)[self.node]
         gaps, slides = np.flatnonzero(opened), np.flatnonzero(~sticks & ~opened)
-        factor = self._gaps(gaps)
+        factor = self._factorised(gaps)
         step[gaps] = cho_solve(factor, target[gaps], check_finite=False)
         if len(slides):
             blocks = self._blocks(tangent, slides)
@@ -154,18 +155,18 @@ class DeformableSolver:
             inside = self.influence[np.ix_(slides, both)]
             matrix = inside - blocks @ (inside / self.stiffness[slides][:, None])
             matrix[:, : len(slides)] += blocks.toarray()
-            # What was moved away before belongs to the elastic part too.
-            own = target[slides] + blocks @ ((wrong - target)[slides] / self.stiffness[slides])
+            # The steps of nodes that stick change the elastic part too.
+            moved = target[slides] + blocks @ ((wrong - target)[slides] / self.stiffness[slides])
             across = self.influence[np.ix_(gaps, slides)]
             closed = cho_solve(factor, across, check_finite=False)
             reduced = matrix[:, : len(slides)] - matrix[:, len(slides) :] @ closed
-            right = own - matrix[:, len(slides) :] @ step[gaps]
+            right = moved - matrix[:, len(slides) :] @ step[gaps]
             step[slides] = lu_solve(lu_factor(reduced, check_finite=False), right)
             step[gaps] -= closed @ step[slides]
         return step
 
-    def _gaps(self, gaps: Integers) -> tuple[Floats, bool]:
-        """The influence of open components on each other, factorised; the last one is kept."""
+    def _factorised(self, gaps: Integers) -> tuple[Floats, bool]:
+        """The influence of open components on each other, factorised; the last result is kept."""
         if self.gaps is None or not np.array_equal(gaps, self.gaps[0]):
             matrix = self.influence[np.ix_(gaps, gaps)]
             matrix[np.diag_indices_from(matrix)] += FLOOR * self.stiffness[gaps]
@@ -173,7 +174,7 @@ class DeformableSolver:
         return self.gaps[1]
 
     def _blocks(self, tangent: Floats, free: Integers) -> sp.csr_array:
-        """Tangents of the nodes of the components ``free``, as a sparse matrix."""
+        """Tangents of the nodes that the components ``free`` belong to, as a sparse matrix."""
         place = np.full(3 * len(tangent), -1)
         place[self.kept[free]] = np.arange(len(free))
         by_node = place.reshape(-1, 3)
@@ -189,10 +190,10 @@ class DeformableSolver:
     ) -> Equilibrium:
         slip = np.zeros(force.size)
         slip[self.kept] = jump
-        found = np.where(state.bonded[:, None], state.slip, slip.reshape(-1, 3)[:, 1:])
+        after = np.where(state.bonded[:, None], state.slip, slip.reshape(-1, 3)[:, 1:])
         kept = force.ravel()[self.kept]
         motion = self.motions @ np.array([1.0, load])
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
-        along += float(self.own @ np.array([1.0, load]))
-        return Equilibrium(load, jump, along, force, NodeState(found, state.whole))
+        along += float(self.work @ np.array([1.0, load]))
+        return Equilibrium(load, jump, along, force, NodeState(after, state.whole))

@@ -1,7 +1,8 @@
-"""An order of an assembly's unknowns that keeps those that share a stiffness close together.
+"""An order of an assembly's unknowns in which coupled unknowns are close together.
 
-Pieces that touch few others make a band. One that touches very many, such as a body in one piece
-above all locks, would make it as wide as the matrix and goes into a border behind it.
+Pieces that touch few others give the stiffness a narrow band. A piece that touches very many, such
+as a monolithic body above all locks, would make the band as wide as the matrix; it goes into a
+border behind the band.
 """
 
 from dataclasses import dataclass
@@ -18,8 +19,8 @@ Graph = dict[int, set[int]]  # pieces and those that they touch
 class Ordering:
     """An order of the free pieces, see `sidmacib.mechanics.newton.Structure`.
 
-    ``begin``: where the unknowns of each piece begin, (P,). ``inner``: number of unknowns in the
-    band, ``outer``: behind it. ``band``: how far inner unknowns that share a stiffness are apart.
+    ``begin``: first unknown of each piece, (P,). ``inner``, ``outer``: numbers of unknowns in the
+    band and behind it. ``band``: largest distance between coupled inner unknowns.
     """
 
     begin: Integers
@@ -29,17 +30,17 @@ class Ordering:
 
     @property
     def work(self) -> int:
-        """Multiplications in one elimination, about."""
+        """Approximate number of multiplications in one elimination."""
         return self.inner * (self.band + self.outer) ** 2 + self.outer**3
 
 
 def ordering(springs: Springs) -> Ordering:
-    """The order with least work: pieces go into the border as long as that saves any."""
+    """The order with the least work: pieces go into the border as long as that saves any."""
     graph = _graph(springs)
-    most = sorted(graph, key=lambda piece: -len(graph[piece]))
+    by_contacts = sorted(graph, key=lambda piece: -len(graph[piece]))
     best = _bordered(springs, graph, [])
-    for count in range(1, len(most)):
-        other = _bordered(springs, graph, most[:count])
+    for count in range(1, len(by_contacts)):
+        other = _bordered(springs, graph, by_contacts[:count])
         if other.work >= best.work:
             break
         best = other
@@ -47,7 +48,7 @@ def ordering(springs: Springs) -> Ordering:
 
 
 def _graph(springs: Springs) -> Graph:
-    """The free pieces."""
+    """The free pieces and the free pieces that they touch."""
     graph: Graph = {piece: set() for piece in range(len(springs.unknowns) - 1)}
     for below, above in springs.piece.tolist():
         if below >= 0 and above >= 0:
@@ -70,7 +71,7 @@ def _bordered(springs: Springs, graph: Graph, border: list[int]) -> Ordering:
 
 
 def _cuthill_mckee(graph: Graph) -> list[int]:
-    """Pieces in the order of Cuthill and McKee (1969), from an end of every connected part."""
+    """Pieces in the order of Cuthill and McKee (1969), from an end of each connected part."""
     order: list[int] = []
     seen: set[int] = set()
     for piece in sorted(graph, key=lambda piece: len(graph[piece])):
@@ -82,10 +83,10 @@ def _cuthill_mckee(graph: Graph) -> list[int]:
 
 
 def _breadth_first(graph: Graph, start: int) -> list[int]:
-    """The pieces connected to ``start``, neighbours first, those with few neighbours before."""
-    found, seen = [start], {start}
-    for piece in found:  # grows on the way
+    """The pieces connected to ``start``, nearest first, among equals those with few neighbours."""
+    order, seen = [start], {start}
+    for piece in order:  # which grows meanwhile
         new = sorted(graph[piece] - seen, key=lambda other: (len(graph[other]), other))
-        found += new
+        order += new
         seen.update(new)
-    return found
+    return order

@@ -1,10 +1,10 @@
-"""How far a brittle peak can be trusted: its spread under changes that are far below any tolerance.
+"""Whether a brittle peak can be trusted: its spread under changes far below any tolerance.
 
-The first failure moves by no more than what is changed. Behind it nodes fail one after the other,
-and which is the next may hang on the last digits: after a long cascade the peak then jumps. So the
-peak is sought again on a few copies of the assembly whose nodes differ by one part in a thousand
-million, in stiffness and strengths alike. Where the peaks lie too far apart, none of them is the
-capacity: the first failure is.
+The first failure moves by no more than the change itself. After it nodes fail one after the other,
+and which one is next may depend on the last digits: after a long cascade the peak then jumps. So
+the peak is computed again on a few copies of the assembly, with the stiffnesses and strengths of
+each node changed by up to 1e-9. If the peaks lie too far apart, none of them is the capacity; the
+first failure is.
 """
 
 from dataclasses import dataclass, replace
@@ -21,9 +21,9 @@ from sidmacib.mechanics.solution import (
 )
 from sidmacib.mechanics.static.model import static_peak
 
-CHANGE = 1e-9  # of each node's area, so of its stiffness and strengths, at most
-COPIES = 8  # at most: a jump that is found ends the search
-COPIES_ELASTIC = 3  # of elastic pieces, which take a thousand times as long
+CHANGE = 1e-9  # largest relative change of a node's area, and so of its stiffness and strengths
+COPIES = 8  # at most; the first jump ends the search
+COPIES_ELASTIC = 3  # for elastic pieces, which take a thousand times as long
 DIGITS = 4  # after the decimal point: peaks are known to 1e-5
 
 
@@ -45,8 +45,8 @@ class StaticCapacity:
         path, first = self.solution.path, self.solution.first_failure_load
         if self.is_peak:
             return path
-        whole = next(place for place, point in enumerate(path) if point.load >= first)
-        return path[: whole + 1]
+        last = next(place for place, point in enumerate(path) if point.load >= first)
+        return path[: last + 1]
 
     @property
     def load(self) -> float:
@@ -55,9 +55,9 @@ class StaticCapacity:
 
 
 def static_capacity(assembly: Assembly, loads: Loads) -> StaticCapacity:
-    """Raise ``loads`` from 0 to the peak of ``assembly``, and tell how far that can be trusted.
+    """Raise ``loads`` from 0 to the peak of ``assembly``, and find the spread of that peak.
 
-    Raises what `sidmacib.mechanics.static.model.static_peak` does.
+    Errors as in `sidmacib.mechanics.static.model.static_peak`.
     """
     solution = static_peak(assembly, loads)
     return StaticCapacity(solution, peak_spread(assembly, loads, solution))
@@ -66,10 +66,10 @@ def static_capacity(assembly: Assembly, loads: Loads) -> StaticCapacity:
 def peak_spread(assembly: Assembly, loads: Loads, solution: StaticSolution) -> float:
     """Range of the peaks of ``solution`` and of copies of ``assembly``, over the peak.
 
-    Copies differ by `CHANGE` at random, the same ones each time. None is made where the peak is the
-    first failure, which no such change moves, or where bonds fade, as then none fails at once (no
-    spread was found there), and no more where the range is above `SPREAD_LIMIT`:
-    it may be larger than told then. Rounded to `DIGITS`, the same on every processor.
+    The copies are changed by up to `CHANGE` at random, with fixed seeds. The spread is 0 if the
+    peak is the first failure, which such changes do not move, and for bonds that are not brittle,
+    where none was ever found. The search ends once the range exceeds `SPREAD_LIMIT`: the spread may
+    then be larger. Rounded to `DIGITS`, so that it is the same on every processor.
     """
     peak = solution.peak.load
     if assembly.failure is not Failure.BRITTLE:
@@ -79,15 +79,15 @@ def peak_spread(assembly: Assembly, loads: Loads, solution: StaticSolution) -> f
     elastic = any(piece.elastic and not piece.fixed for piece in assembly.pieces)
     least = most = peak
     for seed in range(COPIES_ELASTIC if elastic else COPIES):
-        found = _peak(changed(assembly, seed), loads)
-        least, most = min(least, found), max(most, found)
+        other = _peak(changed(assembly, seed), loads)
+        least, most = min(least, other), max(most, other)
         if (most - least) / peak > SPREAD_LIMIT:
             break
     return round((most - least) / peak, DIGITS)
 
 
 def changed(assembly: Assembly, seed: int) -> Assembly:
-    """``assembly`` with the area of each node changed by `CHANGE` of it at most, at random."""
+    """``assembly`` with the area of each node changed by a random fraction of at most `CHANGE`."""
     nodes = assembly.nodes
     change = CHANGE * np.random.default_rng(seed).uniform(-1.0, 1.0, len(nodes.area))
     return replace(assembly, nodes=replace(nodes, area=nodes.area * (1.0 + change)))

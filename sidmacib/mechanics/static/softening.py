@@ -1,12 +1,13 @@
-"""Inner faces between brittle and ductile: what is left of a bond once its strength was reached.
+"""Softening bonds, between brittle and ductile.
 
-From its strength on, the stress of a node falls linearly with its displacement, so that all of its
-work per unit of area is the material's fracture energy; it does not fall below the residual part
-of the strength. Unloading goes back to the origin. What a node remembers is the part of its
-stiffness that is left, which never grows.
+Once a node reaches its strength its stress falls linearly with its displacement, so that its total
+work per unit of area is the material's fracture energy; it does not fall below the residual
+fraction of the strength. Unloading leads back to the origin. The state of a node is the fraction of
+its stiffness that is left, which never grows.
 
-With no more fracture energy than what is stored elastically at failure, tau^2 / (2 Ks), the stress
-falls at once: brittle. With a residual part of 1 it does not fall: ductile.
+If the fracture energy is at most the energy stored elastically at failure, tau^2 / (2 Ks), the
+stress falls at once, as in a brittle bond. With a residual fraction of 1 it does not fall, as in a
+ductile one.
 """
 
 from dataclasses import dataclass, replace
@@ -18,17 +19,17 @@ from sidmacib.mechanics.assembly import Assembly, Failure, Floats
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.solution import Equilibrium, Solver
 
-ROUNDS = 300  # in which what is left of the bonds must settle at a load
-SETTLED = 1e-4  # last change of what is left of a bond, over it
-GONE = 1e-5  # less than this is nothing
+ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
+SETTLED = 1e-4  # relative change of a bond's stiffness in the last round
+GONE = 1e-5  # a smaller fraction of a bond's stiffness counts as 0
 
 
 @dataclass(frozen=True)
 class Softening:
-    """How bonds of nodes fade, by shear and by tension; all of shape (N,).
+    """How bonds soften in shear and in tension; all of shape (N,).
 
-    ``shear_reach``, ``tension_reach``: displacement at which nothing more is lost, over the one at
-    which the strength is reached. ``residual``: the part of the strength that is kept.
+    ``shear_reach``, ``tension_reach``: displacement at which softening ends, over the one at which
+    the strength is reached. ``residual``: the fraction of the strength that remains.
     """
 
     shear_reach: Floats
@@ -37,7 +38,7 @@ class Softening:
 
     @classmethod
     def of(cls, assembly: Assembly) -> "Softening":
-        """That of every node of ``assembly``."""
+        """The softening of every node of ``assembly``."""
 
         def reach(energy: float, stiffness: float, strength: float) -> float:
             return max(1.0, 2.0 * energy * stiffness / strength**2) if strength else 1.0
@@ -54,38 +55,38 @@ class Softening:
         )
         return cls(*np.ascontiguousarray(per_face[assembly.nodes.face].T))
 
-    def left(self, law: ContactLaw, state: NodeState, force: Floats) -> Floats:
-        """The part of each bond's stiffness that is left under ``force`` (N), (N, 3); shape (N,).
+    def left(self, contact_law: ContactLaw, state: NodeState, force: Floats) -> Floats:
+        """The fraction of each bond's stiffness that is left under ``force`` (N), (N, 3); (N,).
 
         It never grows.
         """
-        every = replace(state, whole=np.where(state.whole > 0.0, 1.0, 0.0))
-        by_shear = utilisation(law, every, force * [0.0, 1.0, 1.0])
-        by_tension = utilisation(law, every, force * [1.0, 0.0, 0.0])
-        found = state.whole.copy()
+        undamaged = replace(state, whole=np.where(state.whole > 0.0, 1.0, 0.0))
+        by_shear = utilisation(contact_law, undamaged, force * [0.0, 1.0, 1.0])
+        by_tension = utilisation(contact_law, undamaged, force * [1.0, 0.0, 0.0])
+        left = state.whole.copy()
         for used, reach in ((by_shear, self.shear_reach), (by_tension, self.tension_reach)):
-            # Displacement over that at which the strength of the whole bond is reached.
+            # Displacement over the one at which the whole bond reaches its strength.
             moved = np.divide(used, state.whole, out=np.zeros_like(used), where=state.whole > 0.0)
             over = moved > 1.0
             rest = np.maximum(reach - 1.0, 1e-300)
             falls = np.where(reach > 1.0, 1.0 - (moved - 1.0) / rest, 0.0)
             carried = np.maximum(falls, self.residual)
             share = np.divide(carried, moved, out=np.ones_like(moved), where=over)
-            found = np.where(over, np.minimum(found, share), found)
-        return np.where(found < GONE * (self.residual == 0.0), 0.0, found)
+            left = np.where(over, np.minimum(left, share), left)
+        return np.where(left < GONE * (self.residual == 0.0), 0.0, left)
 
 
-def settled(
+def softened_equilibrium(
     solver: Solver, softening: Softening, load: float, guess: Floats, state: NodeState
 ) -> Equilibrium:
-    """The equilibrium at ``load`` (N) once bonds have faded as far as they do at this load.
+    """The equilibrium at ``load`` (N) with bonds softened as far as they are at this load.
 
-    Raises `NoEquilibriumError` if there is none, or if they go on to fade.
+    Raises `NoEquilibriumError` if there is none, or if softening does not converge.
     """
     for _ in range(ROUNDS):
-        found = solver.solve(load, guess, state)
-        left = softening.left(solver.law, state, found.force)
+        point = solver.solve(load, guess, state)
+        left = softening.left(solver.contact_law, state, point.force)
         if np.all(state.whole - left <= SETTLED * state.whole):
-            return found
-        state, guess = replace(state, whole=left), found.unknowns
-    raise NoEquilibriumError(f"bonds go on to fade at {load:g} N")
+            return point
+        state, guess = replace(state, whole=left), point.unknowns
+    raise NoEquilibriumError(f"bonds keep softening at {load:g} N")

@@ -26,7 +26,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.elastic.solver import DeformableSolver
+from sidmacib.mechanics.elastic.solver import ElasticSolver
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import solver_of, static_peak
@@ -84,8 +84,8 @@ def bonded_block(layout: NodeLayout, young: float, poisson: float) -> Assembly:
         Piece("ground", (-0.03, 0.0, -0.02), (0.03, 0.05, 0.0), 1.0, fixed=True),
         Piece("block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=Elastic(young, poisson)),
     )
-    law = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
-    faces = (shared_face("face", Kind.INNER, law, pieces, (0, 1)),)
+    material = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
+    faces = (shared_face("face", Kind.INNER, material, pieces, (0, 1)),)
     nodes = contact_nodes(faces, 0.02, layout)
     return Assembly(pieces, faces, nodes, 0.06, mesh=0.02, layout=layout)
 
@@ -101,7 +101,7 @@ def test_uniform_tension_passes_the_patch_test(layout: NodeLayout) -> None:
         100.0,
         sides=(SideLoad(1, 2, True, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)),),
     )
-    found = DeformableSolver(model, loads).solve(100.0, *_fresh(model, loads))
+    found = ElasticSolver(model, loads).solve(100.0, *_fresh(model, loads))
     area = 0.06 * 0.05
     stress = -found.force[:, 0] / model.nodes.area
     assert stress == pytest.approx(np.full(len(stress), 100.0 / area), rel=1e-9)
@@ -118,7 +118,7 @@ def _fresh(model: Assembly, loads: Loads) -> tuple[Floats, NodeState]:
 def test_weight_alone_presses_by_the_weight() -> None:
     model = bonded_block(NodeLayout.LOBATTO, YOUNG, 0.2)
     loads = Loads(self_weight(model.pieces), np.zeros((2, 6)), 100.0)
-    found = DeformableSolver(model, loads).start()
+    found = ElasticSolver(model, loads).start()
     assert found.force[:, 0].sum() == pytest.approx(9.81)
 
 
@@ -144,10 +144,12 @@ def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tupl
     own = replace(joint, elastic=Elastic(young))
     model, loads = posed(own, 0.03, NodeLayout.LOBATTO, eccentricity)
     everything = tuple(replace(face, kind=Kind.INNER) for face in model.faces)
-    solver = DeformableSolver(replace(model, faces=everything), loads)
+    solver = ElasticSolver(replace(model, faces=everything), loads)
     found = solver.solve(10.0, solver.start().unknowns, solver.start().state)
-    law = solver.law
-    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    contact_law = solver.contact_law
+    stiffness = np.column_stack(
+        [contact_law.normal_stiffness, contact_law.shear_stiffness, contact_law.shear_stiffness]
+    )
     return found.displacement, float((found.force**2 / stiffness).sum())
 
 
@@ -179,13 +181,13 @@ def test_every_piece_is_in_equilibrium_at_the_peak(
 def test_capacity_scales_with_strength_and_stiffness_alike(factor: float) -> None:
     """Forces scale with strengths, stiffnesses and weight; displacements stay."""
 
-    def scaled(law: FaceMaterial) -> FaceMaterial:
+    def scaled(material: FaceMaterial) -> FaceMaterial:
         return FaceMaterial(
-            factor * law.normal_stiffness,
-            factor * law.shear_stiffness,
-            law.friction,
-            factor * law.cohesion,
-            factor * law.tensile_strength,
+            factor * material.normal_stiffness,
+            factor * material.shear_stiffness,
+            material.friction,
+            factor * material.cohesion,
+            factor * material.tensile_strength,
         )
 
     joint = elastic(3)
