@@ -70,7 +70,7 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
         ({"hold_down": HoldDown.force(1e9)}, "force on top per area over cohesion"),
         ({"elastic": Elastic(1e9)}, r"E / \(Kn b\): 2 is not possible"),
         ({"elastic": Elastic(1e10, 0.45)}, "Poisson's ratio: 0.45"),
-        ({"elastic": Elastic(1e10), "locks": 17}, "locks of blocks that bend: 17"),
+        ({"elastic": Elastic(1e10), "locks": 17}, "locks of elastic blocks: 17"),
     ],
 )
 def test_what_lies_outside_the_study_is_refused(

@@ -50,10 +50,10 @@ class ContactLaw:
             ]
         )
         inner = np.array([face.kind is Kind.INNER for face in assembly.faces])
-        own = per_face[assembly.nodes.face]
+        per_node = per_face[assembly.nodes.face]
         area = assembly.nodes.area[:, None]
-        normal, shear, held, torn = np.ascontiguousarray((own[:, :4] * area).T)
-        return cls(normal, shear, own[:, 4].copy(), held, torn, inner[assembly.nodes.face])
+        normal, shear, held, torn = np.ascontiguousarray((per_node[:, :4] * area).T)
+        return cls(normal, shear, per_node[:, 4].copy(), held, torn, inner[assembly.nodes.face])
 
 
 @dataclass(frozen=True)

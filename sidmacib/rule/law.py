@@ -30,7 +30,7 @@ SPANS = {
     "tensile strength over cohesion": (1.0, 50.0),
     "weight of the upper block per area over cohesion": (0.0, 1.0),
     "force on top per area over cohesion": (0.0, 10.0),
-    "locks of blocks that bend": (0.0, 15.0),
+    "locks of elastic blocks": (0.0, 15.0),
     "E / (Kn b)": (5.0, math.inf),  # rigid pieces have inf
     "Poisson's ratio": (0.0, 0.4),
 }
