@@ -3,6 +3,9 @@
 Pieces that touch few others give the stiffness a narrow band. A piece that touches very many, such
 as a monolithic body above all locks, would make the band as wide as the matrix; it goes into a
 border behind the band.
+
+`scipy.sparse.csgraph.reverse_cuthill_mckee` breaks ties in another way, as for three locks below
+one body, which changes the order of elimination and so the last digits of results.
 """
 
 from dataclasses import dataclass
