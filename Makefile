@@ -17,7 +17,7 @@
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
 # make mutants whether the tests notice faults in the code, MUTANTS=200
-# make lint    ruff, snakefmt and mypy alone
+# make lint    ruff, snakefmt, mypy and import-linter alone
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
 # Cases that have no answer once more, although nothing has changed: make study RETRY=1
@@ -111,6 +111,7 @@ lint: .venv/test.ready
 	$(BIN)/ruff check .
 	$(BIN)/snakefmt --check Snakefile workflow/rules
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 
 format: .venv/test.ready
 	$(BIN)/ruff format .

@@ -19,15 +19,15 @@ from pathlib import Path
 import numpy as np
 from scipy.optimize import differential_evolution
 
-from sidmacib.chain.rule import SPANS, safe
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import Block, Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
-from sidmacib.mechanics.static import static_first_failure
+from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.pieces import assemble
+from sidmacib.rule.law import SPANS, safe
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
 LEAST = 1e-4  # of ratios that may be 0: spread evenly in their logarithm from here on

@@ -10,10 +10,10 @@ import pandas as pd
 from analysis.published import Published, read_published
 from analysis.pure_shear import pure_shear_weights
 from analysis.rule import ERRORS, law_capacity
+from sidmacib.contact_points.envelope import envelope
+from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint import Direction
-from sidmacib.polygon import envelope
-from sidmacib.programme import Sidmacib, capacities
-from sidmacib.revision import REDUCTIONS
 from workflow.case import REFERENCE, case_name
 from workflow.models import MODELS, Obtained, detailed
 from workflow.results.tables import (

@@ -11,10 +11,10 @@ import pandas as pd
 from scipy.optimize import least_squares
 
 from analysis.fit import detailed_curves, fit_table, misfit
-from sidmacib.contact_points import ContactOption
+from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.programme import Sidmacib, capacities
 from workflow.case import case_name
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
 from workflow.schema import Study

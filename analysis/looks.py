@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from sidmacib.contact_points import OPTIONS
+from sidmacib.contact_points.options import OPTIONS
 
 BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
     *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6d00", "#000000"),

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 
-from sidmacib.contact_points import OPTIONS
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Floats, Piece
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble, cut_pieces
-from sidmacib.programme import Sidmacib, SupportFunction, capacities
 
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest

@@ -7,11 +7,11 @@ from collections.abc import Callable, Iterator
 from itertools import product
 
 from analysis.looks import look_of, option_name, rule_name
-from sidmacib.chain.rule import RULES, LawCapacity
+from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
-from sidmacib.programme import Sidmacib, capacity
-from sidmacib.revision import REDUCTIONS
+from sidmacib.rule.law import RULES, LawCapacity
 from workflow.case import REFERENCE
 from workflow.cases import Place
 from workflow.consistency import needs

@@ -20,7 +20,7 @@ from analysis.beside import beside, difference, name_of
 from analysis.fit import winner
 from analysis.looks import look_of
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.path import SPREAD_LIMIT
+from sidmacib.mechanics.solution import SPREAD_LIMIT
 from workflow.case import REFERENCE
 from workflow.models import Obtained, first_failure_only, obtained_by
 from workflow.results.tables import (

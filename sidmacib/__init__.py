@@ -4,57 +4,57 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # the same names again, for type checkers and completion
-    from sidmacib.chain.pairs import Pairs, pairs_of
-    from sidmacib.chain.rule import LawCapacity, law, safe
-    from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
+    from sidmacib.contact_points.envelope import Envelope, envelope
+    from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
+    from sidmacib.contact_points.programme import Capacity, Sidmacib, capacities, capacity
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.hold_down import HoldDown
     from sidmacib.joint import Block, Direction, Joint, OwnLock
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
-    from sidmacib.mechanics.static import static_first_failure, static_peak
+    from sidmacib.mechanics.static.model import static_first_failure, static_peak
     from sidmacib.pieces import assemble
-    from sidmacib.polygon import Envelope, envelope
-    from sidmacib.programme import Capacity, Sidmacib, capacities, capacity
+    from sidmacib.rule.law import LawCapacity, law, safe
+    from sidmacib.rule.pairs import Pairs, pairs_of
 
 # Where each public name is: a module is imported when one of its names is first used, as solvers
 # take longer to import than most models take to run.
 _HOME = {
-    "OPTIONS": "contact_points",
-    "READY_OPTIONS": "contact_points",
+    "OPTIONS": "contact_points.options",
+    "READY_OPTIONS": "contact_points.options",
     "Assembly": "mechanics.assembly",
     "Block": "joint",
-    "Capacity": "programme",
+    "Capacity": "contact_points.programme",
     "CapacityError": "errors",
-    "ContactOption": "contact_points",
+    "ContactOption": "contact_points.options",
     "Direction": "joint",
     "Elastic": "mechanics.assembly",
-    "Envelope": "polygon",
+    "Envelope": "contact_points.envelope",
     "FaceMaterial": "mechanics.assembly",
     "HoldDown": "hold_down",
     "InfeasibleError": "errors",
     "Joint": "joint",
-    "LawCapacity": "chain.rule",
+    "LawCapacity": "rule.law",
     "Loading": "loading",
     "Loads": "mechanics.assembly",
     "NodeLayout": "mechanics.assembly",
     "OwnLock": "joint",
-    "Pairs": "chain.pairs",
-    "Sidmacib": "programme",
+    "Pairs": "rule.pairs",
+    "Sidmacib": "contact_points.programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
     "assemble": "pieces",
-    "capacities": "programme",
-    "capacity": "programme",
-    "envelope": "polygon",
+    "capacities": "contact_points.programme",
+    "capacity": "contact_points.programme",
+    "envelope": "contact_points.envelope",
     "lateral_load": "loading",
-    "law": "chain.rule",
+    "law": "rule.law",
     "limit_load": "mechanics.limit",
-    "pairs_of": "chain.pairs",
-    "safe": "chain.rule",
-    "static_first_failure": "mechanics.static",
-    "static_peak": "mechanics.static",
+    "pairs_of": "rule.pairs",
+    "safe": "rule.law",
+    "static_first_failure": "mechanics.static.model",
+    "static_peak": "mechanics.static.model",
 }
 
 __all__ = [

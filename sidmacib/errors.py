@@ -1,4 +1,4 @@
-"""What the models raise where they have no answer."""
+"""Errors of models that find no answer."""
 
 
 class CapacityError(RuntimeError):
@@ -14,7 +14,7 @@ class UnboundedError(CapacityError):
 
 
 class SolverError(CapacityError):
-    """The solver ended without a verdict."""
+    """No solver came to a verdict that passes its check."""
 
 
 class NoEquilibriumError(CapacityError):

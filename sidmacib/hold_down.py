@@ -53,7 +53,7 @@ class HoldDown:
         return cls(Hold.WEIGHT)
 
     def force_on(self, area: float) -> float | None:
-        """The force (N) on a top of this ``area`` (m2); None for a plate: what rocking asks for."""
+        """The force (N) on a top of this ``area`` (m2); None for a plate, which only reacts."""
         if self.kind is Hold.PLATE:
             return None
         return self.amount * area if self.kind is Hold.PRESSURE else self.amount

@@ -3,8 +3,8 @@
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.path import StaticSolution
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 
@@ -13,7 +13,7 @@ def load_path(
 ) -> tuple[Assembly, StaticSolution]:
     """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
 
-    ValueError for a mesh that is too coarse, `CapacityError` if the joint carries nothing.
+    Errors of `sidmacib.assemble`, `sidmacib.lateral_load` and `sidmacib.static_peak`.
     """
     assembly = assemble(joint, mesh, nodes)
     return assembly, static_peak(assembly, lateral_load(joint, assembly, loading))

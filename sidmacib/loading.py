@@ -43,14 +43,13 @@ class Loading:
 
 
 def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
-    """What always acts, and 1 N along the direction of ``loading``, on the pieces of ``joint``.
+    """Permanent loads, and 1 N along the direction of ``loading``, on the pieces of ``joint``.
 
-    Self-weight always acts, and what is given to hold the joint down, evenly on its top. The paper
+    Permanent are self-weight and a given force or pressure that acts evenly on the top. The paper
     (section 3) applies a pressure that is uniform in z and linear in x to the lateral face of the
     upper block: its resultant is V at mid-length and the torque M about z. Each loaded piece takes
-    both in proportion to its height. The scale is the strength of the strongest lock, or what
-    always acts on the free pieces where they have no cohesion; `CapacityError` where there is
-    neither.
+    both in proportion to its height. The scale is the strength of the strongest lock, or without
+    cohesion the permanent loads on the free pieces; `CapacityError` if both are 0.
     """
     direction = loading.direction
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
@@ -73,7 +72,7 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     scale = max(joint.strengths) or weight + pressing
     if not scale:
         raise CapacityError(
-            "a joint without cohesion and weight, that nothing presses: no capacity"
+            "no capacity: the joint has neither cohesion nor weight, and nothing presses it"
         )
     return Loads(permanent, variable, scale, tuple(sides))
 

@@ -1,9 +1,10 @@
-"""How far loads are at most from those on an ever finer mesh, told from two meshes.
+"""Mesh errors of loads, estimated from two meshes.
 
-Errors are taken as proportional to the size of cells: with r times as many cells along a side, the
-change from one mesh to the other is r - 1 times what is left. Two numbers for each layout of the
-nodes make this an upper estimate for 95 % of joints or more: a factor on it, and a floor for what
-two meshes cannot see, over the cells along a side. docs/models.md tells what they were found from.
+Errors are assumed proportional to the size of cells: with r times as many cells along a side, the
+change from one mesh to the other is r - 1 times the error that is left. Two constants for each
+layout of the nodes make this an upper estimate for at least 95 % of joints: a factor on it, and a
+floor over the cells along a side for errors that two meshes do not show. docs/models.md says how
+they were found.
 """
 
 import math
@@ -14,19 +15,19 @@ import numpy as np
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.quadrature import cells_along
+from sidmacib.mechanics.contact_nodes import cells_along
 
-APART = 1.4  # ratio of the cells along a side of two meshes, at least, to tell an error
-DIGITS = 9  # after the decimal point, of a relative error; less is rounding
-BEHIND = 0.002  # of the first failure; a peak that is further above it is behind it
+APART = 1.4  # least ratio of the cells along a side of two meshes that give an estimate
+DIGITS = 9  # of a relative error after the decimal point; the rest is rounding
+BEHIND = 0.002  # over the first failure: a peak further above it is a late peak
 
 
 class LoadKind(StrEnum):
-    """What a load is, as far as its mesh error goes."""
+    """Kinds of loads that differ in their mesh errors."""
 
     FIRST_FAILURE = auto()
-    PEAK = auto()  # where it is all but the first failure, or nothing fails
-    LATE_PEAK = auto()  # behind the first failure
+    PEAK = auto()  # almost at the first failure, or without failure
+    LATE_PEAK = auto()  # well above the first failure
 
 
 # Factor, and floor over the cells along a side.
@@ -50,14 +51,14 @@ BOUNDS = {
 
 
 def cells_of(joint: Joint, mesh: float) -> float:
-    """Cells along a side of the locks' horizontal faces on a ``mesh`` (m): their geometric mean."""
+    """Geometric mean of the cells along both sides of a lock's horizontal face, ``mesh`` in m."""
     sides = np.array([joint.a, min(map(joint.width, joint.numbers))])
     along, across = cells_along(sides, mesh)
     return math.sqrt(along * across)
 
 
 def kind_of(loads: Iterable[tuple[float, float | None]]) -> LoadKind:
-    """The kind of the loads (N) of a joint on some meshes, each with its first failure if known."""
+    """The kind of the loads (N) of a joint on several meshes, each with its first failure."""
     late = any(first is not None and load > first * (1.0 + BEHIND) for load, first in loads)
     return LoadKind.LATE_PEAK if late else LoadKind.PEAK
 
@@ -65,10 +66,10 @@ def kind_of(loads: Iterable[tuple[float, float | None]]) -> LoadKind:
 def mesh_errors(
     loads: Mapping[float, float], layout: NodeLayout, kind: LoadKind
 ) -> dict[float, float]:
-    """Relative mesh errors of ``loads`` (N), by cells along a side; empty if they cannot tell.
+    """Relative mesh errors of ``loads`` (N), by cells along a side; empty without two meshes.
 
-    That of the finest mesh follows from the next one that is `APART` from it; those of the others
-    are their differences to the finest and its error.
+    The error on the finest mesh follows from the next mesh that is `APART` from it. The error on
+    another mesh is its difference to the finest plus the error of that.
     """
     finest = max(loads)
     coarser = [cells for cells in loads if APART * cells <= finest]
@@ -78,4 +79,4 @@ def mesh_errors(
     change = {cells: abs(load / loads[finest] - 1.0) for cells, load in loads.items()}
     next_one = max(coarser)
     error = factor * change[next_one] / (finest / next_one - 1.0) + floor / finest
-    return {cells: round(own + error, DIGITS) for cells, own in change.items()}
+    return {cells: round(relative + error, DIGITS) for cells, relative in change.items()}

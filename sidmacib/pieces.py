@@ -16,25 +16,25 @@ from sidmacib.mechanics.assembly import (
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import cells_along, contact_nodes
+from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
-JOINED = 1e3  # stiffness between joined columns over that of inner faces: all but none is lost
+JOINED = 1e3  # stiffness between joined columns over that of inner faces: almost rigid
 
 
 def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    ``mesh`` in m. ValueError if it is not positive, or more than the shorter side of the locks'
-    horizontal faces. But for Lobatto points it must be less: one row of nodes would be a hinge.
+    ``mesh`` in m. ValueError unless it is above 0 and at most the shorter side of the locks'
+    horizontal faces; less than that side except for Lobatto points, as one row of other nodes would
+    be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
     if not mesh > 0 or (mesh > most if one_cell else _cells(most, mesh) < 2):
         raise ValueError(
-            f"mesh: {mesh} m is {'too coarse' if mesh > 0 else 'no distance'}; it must be more "
-            f"than 0 and {'at most' if one_cell else 'less than'} {most} m, the shorter side of "
-            "a lock's horizontal face"
+            f"mesh: must be more than 0 and {'at most' if one_cell else 'less than'} {most} m, the "
+            f"shorter side of a lock's horizontal face (got {mesh} m)"
         )
     pieces = cut_pieces(joint)
     faces = tuple(_faces(joint, pieces))
@@ -108,8 +108,8 @@ def _pieces(joint: Joint) -> Iterator[Piece]:
     if _under_a_plate(joint):
         yield cuboid(PLATE, (0.0, width), (top, top + joint.h), fixed=True)
     for lock in joint.numbers:
-        own = joint.lock_density(lock)
-        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h), density=own)
+        density = joint.lock_density(lock)
+        yield cuboid(lock_name(lock), _strip(joint, lock), (0.0, joint.h), density=density)
     if joint.upper_body is UpperBody.MONOLITHIC:
         yield cuboid(BODY, (0.0, width), (joint.h, top))
         return
@@ -142,14 +142,15 @@ def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
     def face(
         kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = joint.inner
     ) -> Face:
-        pair, law = (index[below], index[above]), {**material, Kind.INNER: inner}[kind]
-        return shared_face(name or f"{kind}-{below}-{above}", kind, law, pieces, pair)
+        pair = index[below], index[above]
+        of_kind = {**material, Kind.INNER: inner}[kind]
+        return shared_face(name or f"{kind}-{below}-{above}", kind, of_kind, pieces, pair)
 
     for lock in joint.numbers:
         foot, head = (Kind.DRY, Kind.INNER) if joint.is_upper(lock) else (Kind.INNER, Kind.DRY)
-        body, own = body_above(joint, lock), joint.inner_of(lock)
-        yield face(foot, LOWER, lock_name(lock), inner=own)
-        yield face(head, lock_name(lock), body, inner=own)
+        body, inner = body_above(joint, lock), joint.inner_of(lock)
+        yield face(foot, LOWER, lock_name(lock), inner=inner)
+        yield face(head, lock_name(lock), body, inner=inner)
         if plate and not monolithic:
             yield face(Kind.PLATE, body, PLATE, f"plate-{body}")
     for lock in range(1, joint.locks):

@@ -1,4 +1,4 @@
-"""Checks of what a model is given: one line that names the key, its value and what is allowed."""
+"""Checks of input: each error is one line that names the key, its value and what is allowed."""
 
 import math
 from enum import Enum
@@ -41,7 +41,7 @@ def is_number(value: Any) -> bool:
 
 
 def refused(name: str, value: Any, allowed: str) -> ValueError:
-    """The error for a ``value`` that is not what is ``allowed``."""
-    # Numbers as Python's own: numpy's say their type.
+    """The error for a ``value`` other than what is ``allowed``."""
+    # As Python's own numbers: the repr of numpy's names their type.
     shown = value.item() if is_number(value) and hasattr(value, "item") else value
     return ValueError(f"{name}: {shown!r} is not possible; it must be {allowed}")

@@ -26,7 +26,7 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import contact_nodes
+from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.pieces import lock_faces
 from workflow.case import Case
 from workflow.configuration import read_study

@@ -12,7 +12,7 @@ from sidmacib.mechanics.assembly import (
     self_weight,
     shared_face,
 )
-from sidmacib.mechanics.quadrature import contact_nodes
+from sidmacib.mechanics.contact_nodes import contact_nodes
 
 
 def tilted_stack(

@@ -24,9 +24,9 @@ from analysis.published import read_published
 from analysis.pure_shear import pure_shear_weights
 from analysis.summary import summary
 from analysis.validation import validation_table
-from sidmacib.contact_points import ContactOption
-from sidmacib.programme import Sidmacib, capacities
-from sidmacib.revision import active
+from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.contact_points.reductions import active
 from sidmacib.weights import LockWeight
 from workflow.case import Case
 from workflow.cases import cases_of

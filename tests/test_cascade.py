@@ -12,9 +12,9 @@ from sidmacib.mechanics.assembly import (
     Piece,
     shared_face,
 )
-from sidmacib.mechanics.contact_law import NodeLaw, utilisation
-from sidmacib.mechanics.quadrature import contact_nodes
-from sidmacib.mechanics.static import StaticSolution, static_peak
+from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.contact_nodes import contact_nodes
+from sidmacib.mechanics.static.model import StaticSolution, static_peak
 
 
 def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> Assembly:
@@ -65,8 +65,8 @@ def test_a_bond_that_fails_in_turn_does_so_before_the_load_goes_on(second: float
     found = pushed(model)
     assert found.first_failure_load == pytest.approx(3.0, rel=1e-5)
     assert found.peak.load == pytest.approx(10.0, rel=1e-5)
-    law = NodeLaw.of(model)
-    used = [utilisation(law, point.state, point.force).max() for point in found.path]
+    contact_law = ContactLaw.of(model)
+    used = [utilisation(contact_law, point.state, point.force).max() for point in found.path]
     assert max(used) <= 1.0 + 1e-9
     assert {int(point.state.bonded.sum()) for point in found.path} == {12, 4}  # never two bonds
 

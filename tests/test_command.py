@@ -11,8 +11,6 @@ from command_runner import answers, run
 from conftest import ROOT
 
 from analysis.looks import look_of
-from sidmacib.chain.pairs import pairs_of
-from sidmacib.chain.rule import law, safe
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
@@ -21,6 +19,8 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.rule.law import law, safe
+from sidmacib.rule.pairs import pairs_of
 from sidmacib.weights import lock_weights
 
 
@@ -336,7 +336,7 @@ def test_friction_in_degrees_is_doubted() -> None:
 def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
     found = run("capacity", "-n", "300", "-m", "limit")
     assert found.exit_code == 1
-    assert "GiB; they must take 2 GiB or less" in found.output
+    assert "GiB; at most 2 GiB are allowed" in found.output
 
 
 def test_studies_are_shown_in_the_project_only(

@@ -19,12 +19,12 @@ from analysis.designs.interaction import curve, interaction_table
 from analysis.designs.points import points_of
 from analysis.designs.sensitivity import PARAMETERS, sensitivity_table
 from analysis.figures.law import DRAWN
-from sidmacib.contact_points import OPTIONS
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.contact_points.reductions import active
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Failure
-from sidmacib.programme import Sidmacib, capacity
-from sidmacib.revision import active
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.design import Designed, designed
 from workflow.design_jobs import LAW_FIGURES

@@ -14,7 +14,7 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind, NodeLayout
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError

@@ -20,9 +20,9 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     Piece,
 )
+from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, wrenches
-from sidmacib.mechanics.quadrature import contact_nodes
-from sidmacib.mechanics.vibration import compliance, natural_frequencies
+from sidmacib.mechanics.springs import compliance, natural_frequencies
 from sidmacib.pieces import assemble
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
@@ -108,7 +108,7 @@ def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: 
 
 
 def test_a_programme_that_only_needs_frequencies_imports_no_solver() -> None:
-    modules = "assembly", "equilibrium", "springs", "vibration", "contact_law"
+    modules = "assembly", "equilibrium", "springs", "contact_law"
     code = "import sys, sidmacib.pieces, sidmacib.loading\n"
     code += "".join(f"import sidmacib.mechanics.{name}\n" for name in modules)
     code += "assert not {'numba', 'scipy', 'cvxpy'} & set(sys.modules)"

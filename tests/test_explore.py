@@ -15,8 +15,8 @@ from analysis.explore.state import (
     from_query,
     understood,
 )
-from sidmacib.chain.rule import law
 from sidmacib.joint import Direction
+from sidmacib.rule.law import law
 from workflow.configuration import read_study
 
 STATES = (

@@ -7,7 +7,7 @@ import skfem
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.finite_elements import Cuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.elastic.finite_elements import Cuboid, Flexibility, Grid, Spread
 
 SIZE = np.array([0.06, 0.05, 0.027])
 POISSON = 0.2

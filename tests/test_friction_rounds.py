@@ -13,18 +13,18 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics import friction_rounds
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
-from sidmacib.mechanics.friction_rounds import Problem, by_rounds
-from sidmacib.mechanics.newton import PATIENT, newton, settled
-from sidmacib.mechanics.path import Equilibrium, FirstFailure, Mode
-from sidmacib.mechanics.rigid import RESIDUAL, RigidSolver
-from sidmacib.mechanics.static import static_first_failure, static_peak
+from sidmacib.mechanics.newton import PATIENT, newton, node_forces
+from sidmacib.mechanics.rigid import friction_rounds
+from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
+from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
+from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.pieces import assemble
 
-# Number 9783 of a design of 13,312 joints, as locks.yaml had: rough locks, soft roots, stiff dry faces.
+# Rough locks, soft roots and stiff dry faces: number 9783 of 13,312 joints of an older study.
 ROUGH = Joint(
     16,
     a=0.066531,
@@ -62,17 +62,17 @@ def loaded(
 def require_equilibrium(model: Assembly, loads: Loads, point: Equilibrium) -> None:
     """The point's forces balance the loads, and no node carries what it cannot.
 
-    Nothing of the solver is used: the equilibrium matrix, and the law as inequalities.
+    Uses nothing of the solver: the equilibrium matrix, and the contact law as inequalities.
     """
     rows, size = free_rows(model), row_units(model)
     target = ((loads.permanent + point.load * loads.variable).ravel())[rows] / size
     carried = (equilibrium_matrix(model) @ point.force.ravel())[rows] / size
     assert np.abs(carried - target).max() <= 1e-9 * np.abs(target).max()
-    law, dry = NodeLaw.of(model), ~point.state.bonded
+    contact_law, dry = ContactLaw.of(model), ~point.state.bonded
     normal, shear = point.force[:, 0], np.hypot(point.force[:, 1], point.force[:, 2])
     assert (normal[dry] >= 0.0).all()
-    assert (shear[dry] <= law.friction[dry] * normal[dry] * (1.0 + 1e-9)).all()
-    assert utilisation(law, point.state, point.force).max() <= 1.0 + 1e-9
+    assert (shear[dry] <= contact_law.friction[dry] * normal[dry] * (1.0 + 1e-9)).all()
+    assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
 
 
 def first_failure(model: Assembly, loads: Loads) -> FirstFailure:
@@ -128,7 +128,7 @@ def test_every_equilibrium_of_rough_locks_obeys_the_law(
 def problem(model: Assembly, loads: Loads, load: float) -> tuple[Problem, np.ndarray]:
     """The search at ``load`` (N) with nothing slipped yet, and the elastic displacements."""
     solver = RigidSolver(model, loads)
-    state = NodeState.initial(solver.law)
+    state = NodeState.initial(solver.contact_law)
     target = solver.weight + load * solver.load
     limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.farthest
     own = target, state.slip, state.whole, solver.stiffness, *limits
@@ -156,7 +156,7 @@ def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
         guess = rest + far * size * random.normal(size=len(rest))
         found, holds = friction_rounds._given_limits(own, guess, limits)
         assert holds
-        forces.append(settled(structure, own.slip, own.whole, found)[0])
+        forces.append(node_forces(structure, own.slip, own.whole, found)[0])
     largest = np.abs(forces[0]).max()
     for force in forces[1:]:
         assert force == pytest.approx(forces[0], abs=1e-6 * largest)

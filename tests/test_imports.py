@@ -17,7 +17,8 @@ HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", 
     "yaml",
 }
 DESCRIPTION = (
-    *("errors", "joint", "contact_points", "pieces", "loading", "revision", "validation"),
+    *("errors", "joint", "pieces", "loading", "validation"),
+    *("contact_points.options", "contact_points.reductions"),
     *("mechanics.assembly", "mechanics.equilibrium", "mechanics.contact_law"),
 )
 

@@ -13,7 +13,7 @@ from test_execute import becomes_true
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, execute

@@ -9,9 +9,10 @@ import pytest
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Elastic, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics import memory
-from sidmacib.mechanics.deformable import DeformableSolver, memory_needed
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.elastic import memory
+from sidmacib.mechanics.elastic.memory import memory_needed
+from sidmacib.mechanics.elastic.solver import ElasticSolver
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 
@@ -37,7 +38,7 @@ def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
     assembly = assemble(own, 0.02)
     loads = lateral_load(own, assembly, Loading(Direction(0.0)))
     tracemalloc.start()
-    solver = DeformableSolver(assembly, loads)
+    solver = ElasticSolver(assembly, loads)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     needed = memory_needed(assembly, np.asarray(solver.kept))

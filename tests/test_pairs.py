@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.chain.pairs import Pairs, bearing_pairs, pairs_of
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import Push
+from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of
 
 LAGS = st.floats(1e-6, 1e3)
 COUNTS = st.integers(1, 40)

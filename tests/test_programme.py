@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption, contact_points
+from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
+from sidmacib.contact_points.programme import Sidmacib, _programme, capacities, capacity
 from sidmacib.errors import InfeasibleError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.programme import Sidmacib, _programme, capacities, capacity
 
 PURE_SHEAR, TORSION = Direction(0.0), Direction(math.inf)
 

@@ -24,7 +24,17 @@ PIN = re.compile(
 # Used, but not by an import: programs, a plugin of a page's theme, an engine of pandas; and what
 # builds this project.
 NOT_IMPORTED = {
-    *("furo", "mypy", "myst-parser", "ruff", "snakefmt", "sphinx", "types-pyyaml", "uv"),
+    *(
+        "furo",
+        "import-linter",
+        "mypy",
+        "myst-parser",
+        "ruff",
+        "snakefmt",
+        "sphinx",
+        "types-pyyaml",
+        "uv",
+    ),
     *("highspy", "setuptools", "snakemake-executor-plugin-slurm"),
 }
 

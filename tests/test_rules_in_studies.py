@@ -10,8 +10,8 @@ from test_analysis import record_with
 from analysis.capacity import capacity_table, law_rows
 from analysis.collect import cases_table, weights_table
 from analysis.rule import describe
-from sidmacib.chain.rule import law, safe
 from sidmacib.joint import Direction
+from sidmacib.rule.law import law, safe
 from workflow.__main__ import case
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.stats import lognorm
 
-from sidmacib.chain.scatter import Scatter, scatter
 from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.rule.scatter import Scatter, scatter
 
 PURE_SHEAR = Direction(0.0)
 
@@ -31,7 +31,7 @@ def test_one_lock_has_the_quantiles_of_its_strength(variation: float, share: flo
 @pytest.mark.parametrize("share", [0.05, 0.5])
 def test_quantiles_are_those_of_many_joints(share: float) -> None:
     own = scatter(Joint(7), Direction(0.2), 0.2)
-    drawn = (strengths(0.2, (40_000, 7)) / own.used).min(axis=1) * own.load
+    drawn = (strengths(0.2, (40_000, 7)) / own.utilisation).min(axis=1) * own.load
     assert own.quantile(share) == pytest.approx(np.quantile(drawn, share), rel=5e-3)
 
 

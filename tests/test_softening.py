@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from sidmacib.joint import INNER, Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Kind, NodeLayout
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.path import StaticSolution
-from sidmacib.mechanics.softening import Softening
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.softening import Softening
 from sidmacib.pieces import assemble
 
 STORED = INNER.cohesion**2 / (2 * INNER.shear_stiffness)  # J/m2, elastically, at failure
@@ -40,20 +40,26 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
     return replace(block_on_ground(joint, Kind.INNER, mesh), failure=failure)
 
 
-# --- the law -------------------------------------------------------------------------------------
+# --- how a bond softens --------------------------------------------------------------------------
 @given(st.floats(0.5, 200.0), st.floats(0.0, 1.0))
 def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: float) -> None:
     model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
-    law, fade, state = NodeLaw.of(model), Softening.of(model), NodeState.initial(NodeLaw.of(model))
+    contact_law, fade, state = (
+        ContactLaw.of(model),
+        Softening.of(model),
+        NodeState.initial(ContactLaw.of(model)),
+    )
     last = 2 * energy / INNER.cohesion
     rise = 2.0 * INNER.cohesion / INNER.shear_stiffness
     moves = np.union1d(np.linspace(0.0, rise, 40), np.linspace(0.0, 1.2 * last, 200))
     stress = []
     for moved in moves:
-        force = np.zeros((len(law.friction), 3))
-        force[:, 1] = state.whole * law.shear_stiffness * moved
-        state = replace(state, whole=fade.left(law, state, force))
-        stress.append(float(state.whole[0] * law.shear_stiffness[0] * moved / model.nodes.area[0]))
+        force = np.zeros((len(contact_law.friction), 3))
+        force[:, 1] = state.whole * contact_law.shear_stiffness * moved
+        state = replace(state, whole=fade.left(contact_law, state, force))
+        stress.append(
+            float(state.whole[0] * contact_law.shear_stiffness[0] * moved / model.nodes.area[0])
+        )
     kept = residual * INNER.cohesion
     # Two triangles less what the residual strength cuts off, and a rectangle beyond.
     fallen = last * (1 - residual) + residual * INNER.cohesion / INNER.shear_stiffness
@@ -75,13 +81,13 @@ def test_each_way_of_failing_fades_by_its_own_strength(way: str, tougher: str) -
     law_of = {"shear": weak, "tension": weak} | {tougher: strong}
     material = replace(fading(energy), cohesion=law_of["shear"], tensile_strength=law_of["tension"])
     model = one_lock(material, Failure.SOFTENING, 0.03)
-    law, fade = NodeLaw.of(model), Softening.of(model)
+    contact_law, fade = ContactLaw.of(model), Softening.of(model)
     strength, last = law_of[way], 2.0 * energy / law_of[way]
-    stiffness = law.shear_stiffness if way == "shear" else law.normal_stiffness
+    stiffness = contact_law.shear_stiffness if way == "shear" else contact_law.normal_stiffness
     moved = 0.6 * last
-    force = np.zeros((len(law.friction), 3))
+    force = np.zeros((len(contact_law.friction), 3))
     force[:, 1 if way == "shear" else 0] = stiffness * moved * (1.0 if way == "shear" else -1.0)
-    found = fade.left(law, NodeState.initial(law), force)
+    found = fade.left(contact_law, NodeState.initial(contact_law), force)
     start = strength / material.shear_stiffness
     carried = strength * (last - moved) / (last - start)
     assert found == pytest.approx(carried / (material.shear_stiffness * moved))
@@ -89,9 +95,11 @@ def test_each_way_of_failing_fades_by_its_own_strength(way: str, tougher: str) -
 
 def test_what_is_left_never_grows() -> None:
     model = one_lock(fading(10.0), Failure.SOFTENING, 0.03)
-    law, fade = NodeLaw.of(model), Softening.of(model)
-    state = replace(NodeState.initial(law), whole=np.full(len(law.friction), 0.3))
-    assert fade.left(law, state, np.zeros((len(law.friction), 3))) == pytest.approx(0.3)
+    contact_law, fade = ContactLaw.of(model), Softening.of(model)
+    state = replace(NodeState.initial(contact_law), whole=np.full(len(contact_law.friction), 0.3))
+    assert fade.left(contact_law, state, np.zeros((len(contact_law.friction), 3))) == pytest.approx(
+        0.3
+    )
 
 
 # --- between the ends ----------------------------------------------------------------------------

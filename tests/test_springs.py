@@ -7,11 +7,11 @@ from stack import tilted_stack
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import NodeLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.newton import settled, solve_linear, tangent_stiffness, unbalanced
-from sidmacib.mechanics.ordering import ordering
-from sidmacib.mechanics.rigid import RigidSolver
+from sidmacib.mechanics.newton import node_forces, solve_linear, tangent_stiffness, unbalanced
+from sidmacib.mechanics.rigid.ordering import ordering
+from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs
 from sidmacib.pieces import assemble
 
@@ -45,16 +45,22 @@ def dense(solver: RigidSolver) -> np.ndarray:
 
 def some_state(model: Assembly, seed: int = 1) -> tuple[np.ndarray, NodeState]:
     """Displacements (m) under which nodes stick, slide and open; bonds broken, faded and whole."""
-    random, law = np.random.default_rng(seed), NodeLaw.of(model)
-    slip = 1e-7 * random.normal(size=(len(law.friction), 2))
-    whole = law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
+    random, contact_law = np.random.default_rng(seed), ContactLaw.of(model)
+    slip = 1e-7 * random.normal(size=(len(contact_law.friction), 2))
+    whole = contact_law.cohesive * random.choice([0.0, 0.0, 0.4, 1.0], len(slip))
     return 1e-6 * random.normal(size=len(free_rows(model))), NodeState(slip, whole)
 
 
 def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> None:
-    balance, law, springs = equilibrium_matrix(model), NodeLaw.of(model), Springs.of(model)
+    balance, contact_law, springs = (
+        equilibrium_matrix(model),
+        ContactLaw.of(model),
+        Springs.of(model),
+    )
     balance = balance[free_rows(model)] / springs.units[:, None]
-    stiffness = np.column_stack([law.normal_stiffness, law.shear_stiffness, law.shear_stiffness])
+    stiffness = np.column_stack(
+        [contact_law.normal_stiffness, contact_law.shear_stiffness, contact_law.shear_stiffness]
+    )
     expected = (balance * stiffness.ravel()) @ balance.T
     assert springs.elastic_stiffness() == pytest.approx(expected, rel=1e-9, abs=1e-6)
 
@@ -74,7 +80,7 @@ def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) 
     unknowns, state = some_state(model)
     residual = np.empty_like(unknowns)
     unbalanced(own.structure, state.slip, state.whole, unknowns, 0.0 * unknowns, residual)
-    force, _ = settled(own.structure, state.slip, state.whole, unknowns)
+    force, _ = node_forces(own.structure, state.slip, state.whole, unknowns)
     inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / own.units
     assert -residual[own.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
 
@@ -83,12 +89,14 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
     bonded = np.ones_like(state.whole)
-    force, _ = settled(own.structure, 0.0 * state.slip, bonded, unknowns)
+    force, _ = node_forces(own.structure, 0.0 * state.slip, bonded, unknowns)
     displacement = unknowns[own.place] / own.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
-    law = NodeLaw.of(model)
-    assert force[:, 0] == pytest.approx(law.normal_stiffness * delta[:, 0], rel=1e-9, abs=1e-9)
-    expected = law.shear_stiffness[:, None] * delta[:, 1:]
+    contact_law = ContactLaw.of(model)
+    assert force[:, 0] == pytest.approx(
+        contact_law.normal_stiffness * delta[:, 0], rel=1e-9, abs=1e-9
+    )
+    expected = contact_law.shear_stiffness[:, None] * delta[:, 1:]
     assert force[:, 1:] == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
@@ -109,8 +117,8 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
 def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     own = solver(model)
     unknowns, state = some_state(model)
-    force, slip = settled(own.structure, state.slip, state.whole, unknowns)
-    again, same = settled(own.structure, slip, state.whole, unknowns)
+    force, slip = node_forces(own.structure, state.slip, state.whole, unknowns)
+    again, same = node_forces(own.structure, slip, state.whole, unknowns)
     assert again == pytest.approx(force, rel=1e-9, abs=1e-9)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
     assert (slip[state.bonded] == state.slip[state.bonded]).all()

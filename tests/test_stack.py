@@ -5,7 +5,7 @@ from stack import hinge, overturning, tilted_stack
 
 from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 
 
 def weight(loads: Loads) -> float:

@@ -27,9 +27,9 @@ from sidmacib.mechanics.assembly import (
     Piece,
     self_weight,
 )
-from sidmacib.mechanics.contact_law import NodeLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
-from sidmacib.mechanics.static import Mode, StaticSolution, static_first_failure, static_peak
+from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
 from sidmacib.pieces import assemble, lock_faces
 
 
@@ -184,9 +184,9 @@ def test_every_equilibrium_on_the_path_balances_the_loads(locks: int, e_over_a: 
 
 def test_no_bond_is_overstressed_on_the_path(joint: Joint) -> None:
     model, found = solved(joint, 0.5, mesh=0.01)
-    law = NodeLaw.of(model)
+    contact_law = ContactLaw.of(model)
     for point in found.path:
-        assert utilisation(law, point.state, point.force).max() <= 1.0 + 1e-9
+        assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
 
 
 def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:
@@ -203,7 +203,7 @@ def test_the_first_failure_alone_is_that_of_the_path_to_the_peak(failure: Failur
     loads = lateral_load(joint, model, Loading(Direction(2.0)))
     found = static_first_failure(model, loads)
     assert found.point.load == whole.first_failure_load
-    used = utilisation(NodeLaw.of(model), found.point.state, found.point.force)
+    used = utilisation(ContactLaw.of(model), found.point.state, found.point.force)
     assert found.mode is Mode.BONDS
     assert used[found.failing].min() == pytest.approx(1.0, abs=2e-5)
     assert found.point.state.whole.min() == 0.0 and found.failing.any()  # dry nodes have no bond

@@ -10,7 +10,7 @@ from conftest import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.contact_points import OPTIONS, READY_OPTIONS
+from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
 from sidmacib.joint import Joint, OwnLock, UpperBody
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble

@@ -12,10 +12,10 @@ from analysis.capacity import capacity_table
 from analysis.collect import cases_table, weights_table
 from analysis.fit import fit_table
 from analysis.summary import summary
-from sidmacib.chain.rule import safe
-from sidmacib.contact_points import ContactOption
+from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint import Direction
-from sidmacib.programme import Sidmacib, capacities
+from sidmacib.rule.law import safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.schema import Study

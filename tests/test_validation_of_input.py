@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points.programme import Sidmacib
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, OwnLock
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.pieces import assemble
-from sidmacib.programme import Sidmacib
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
 
@@ -161,7 +161,7 @@ def test_friction_in_sidmacib_is_a_choice_and_no_coefficient(joint: Joint) -> No
 @pytest.mark.parametrize(
     ("positions", "portions", "message"),
     [
-        ((0.1,), (0.4, 0.6), "positions: 1 values are not possible"),
+        ((0.1,), (0.4, 0.6), "positions: must be one for each of the 2 portions"),
         ((), (), r"portions: \(\) is not possible"),
         ((-0.6, 0.6), (0.5, 0.5), "positions: .* must be from -0.5 to 0.5"),
         ((math.nan, 0.1), (0.5, 0.5), "positions: .* must be from -0.5 to 0.5"),

@@ -234,7 +234,7 @@ def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
     assert found.returncode == 0, found.stderr
     assert "MINE" in (workspace.results / "summary.txt").read_text()
     # An edit runs what executes it, and what depends on that, again.
-    law = checkout / "sidmacib/revision.py"
+    law = checkout / "sidmacib/contact_points/reductions.py"
     law.write_text(law.read_text() + "\n# a comment\n")
     assert workspace.planned() == set()
     law.write_text(law.read_text() + "\nADDED = 1\n")

@@ -15,7 +15,7 @@ from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, LoadShare, lateral_load
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS

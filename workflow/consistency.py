@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from sidmacib.doubts import doubts
+from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import LoadShare
 from sidmacib.mechanics.assembly import Failure, NodeLayout
-from sidmacib.mechanics.quadrature import RULES
-from sidmacib.revision import REDUCTIONS
+from sidmacib.mechanics.contact_nodes import CELL_RULES
+from sidmacib.unit_warnings import unit_warnings
 from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
 from workflow.schema import Study
@@ -113,7 +113,7 @@ def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
     """About how many nodes ``joint`` has on cells of ``mesh`` (m); never an underestimate."""
 
     def along(side: float) -> float:
-        step = max(1, len(RULES[nodes][0]) - 1)
+        step = max(1, len(CELL_RULES[nodes][0]) - 1)
         return step * (side / mesh + 1.0) + 1.0
 
     upright = along(joint.h) + along(joint.H)  # between neighbours
@@ -132,8 +132,12 @@ def notes(study: Study) -> list[str]:
         **{f"variants.{name}.numerics": v.numerics for name, v in study.variants.items()},
         **{f"overrides.{shown_key(name)}": change for name, change in study.overrides.items()},
     }
-    doubted = {f"{name}: {doubt}" for name in study.samples for doubt in doubts(study.joint(name))}
-    found = [*sorted(doubted), *_fading(study)]
+    warnings = {
+        f"{name}: {warning}"
+        for name in study.samples
+        for warning in unit_warnings(study.joint(name))
+    }
+    found = [*sorted(warnings), *_fading(study)]
     for model in (MODELS[name] for name in study.dem.engines):
         ignored = model.ignores | (frozenset() if Ability.RANKS in model.abilities else {"ranks"})
         for place, numerics in given.items():
@@ -196,7 +200,7 @@ def _lists(study: Study) -> Iterator[str]:
 def _densest(study: Study) -> NodeLayout:
     """Of the study's and its variants' layouts, the one with most nodes."""
     every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
-    return max(every, key=lambda layout: len(RULES[layout][0]))
+    return max(every, key=lambda layout: len(CELL_RULES[layout][0]))
 
 
 def _meshes(

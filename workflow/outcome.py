@@ -28,8 +28,8 @@ class Outcome:
     ``failed_load``: the smallest load known not to be carried. ``first_failure_load``: where the
     first node fails; None in a model
     without failure. ``mode``: how the joint gives way; None if the model does not say.
-    ``peak_spread``: of the peak, see `sidmacib.mechanics.spread`; where that is above its limit,
-    the last state is the first failure.
+    ``peak_spread``: of the peak, see `sidmacib.mechanics.static.peak_spread`; where that is
+    above its limit, the last state is the first failure.
     """
 
     path: tuple[State, ...]

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.chain.rule import law
 from sidmacib.joint import Direction, Joint
+from sidmacib.rule.law import law
 from workflow.plain import read_plain
 from workflow.results.tables import ASSUMED_SIZES, write_table
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.chain.scatter import FIFTH_PERCENTILE, scatter
 from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.plain import read_plain
 from workflow.results.tables import CHARACTERISTIC, write_table
 

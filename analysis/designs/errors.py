@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.programme import Sidmacib, capacities
 from workflow.results.tables import LAW, POINTS, RULE_ERRORS, Table, read_table, write_table
 
 ALL = "all"

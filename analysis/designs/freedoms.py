@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.designs.errors import GROUPS, brittle_odd_joints, unit_loads
-from sidmacib.contact_points import OPTIONS, ContactOption
+from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.mechanics.assembly import Floats
 from workflow.results.tables import FREEDOMS, POINTS, read_table, write_table
 

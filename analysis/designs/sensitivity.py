@@ -13,10 +13,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.chain.failure import first_failure
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.rule.first_failure import first_failure
 from workflow.design import Design, with_ratios
 from workflow.plain import read_plain
 from workflow.results.tables import SENSITIVITY, write_table

@@ -8,14 +8,14 @@ from typing import Any
 from analysis.explore.state import Playing
 from analysis.looks import BLUE, GREY, look_of
 from analysis.outlines import outlines
-from sidmacib.chain.failure import first_failure
-from sidmacib.chain.rule import RULES, LawCapacity, law
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.spread import static_capacity
+from sidmacib.mechanics.static.peak_spread import static_capacity
 from sidmacib.pieces import assemble
+from sidmacib.rule.first_failure import first_failure
+from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from analysis.designs.errors import brittle_odd_joints, known, rule_errors
 from analysis.figures import style
 from analysis.looks import rule_name
-from sidmacib.chain.pairs import Pairs
+from sidmacib.rule.pairs import Pairs
 from workflow.results.tables import POINTS, read_table
 
 MOST_DRAWN = 20_000  # points of a figure: more only add ink

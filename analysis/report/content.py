@@ -11,11 +11,11 @@ import pandas as pd
 from analysis.looks import SERIES, look_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.summary import AGREEMENT, leading_models
-from sidmacib.chain.pairs import pairs_of
-from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.mechanics.path import SPREAD_LIMIT
+from sidmacib.mechanics.solution import SPREAD_LIMIT
+from sidmacib.rule.law import RULES
+from sidmacib.rule.pairs import pairs_of
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
 from workflow.models import MODELS, WITNESS, Obtained

@@ -10,7 +10,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
 from sidmacib.load_path import load_path
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
-from sidmacib.mechanics.path import Equilibrium
+from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.pieces import cut_pieces, lock_faces, upper_block
 from workflow.case import REFERENCE, Case
 from workflow.models import WITNESS

@@ -1,6 +1,6 @@
-"""What is told of one joint: rows of names and values, with units in the names.
+"""Answers for one joint: rows of names and values, with units in the names.
 
-Models are imported where they are asked: a solver takes longer to load than the law to answer.
+Models are imported where they are used: a solver takes longer to load than the law to answer.
 """
 
 import math
@@ -13,21 +13,21 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, Push
 
 if TYPE_CHECKING:
-    from sidmacib.mechanics.path import StaticSolution
-    from sidmacib.mechanics.spread import StaticCapacity
+    from sidmacib.mechanics.solution import StaticSolution
+    from sidmacib.mechanics.static.peak_spread import StaticCapacity
 
 Row = dict[str, Any]
-# Meshes over the shorter side of a lock, coarse and fine: they tell the mesh error of the fine one.
-# Pieces that bend take much longer.
-RIGID, BENT = (0.4995, 0.24975), (0.999, 0.4995)
+# Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
+# Elastic pieces take much longer.
+RIGID, ELASTIC = (0.4995, 0.24975), (0.999, 0.4995)
 
 
 @dataclass(frozen=True)
 class Answer:
-    """A model's load (N) along a direction, and what it says beside; None: no such load.
+    """A model's load (N) along a direction, None if it has none, and further results.
 
     ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.spread`.
+    `sidmacib.mechanics.static.peak_spread`.
     """
 
     load: float | None
@@ -39,23 +39,23 @@ class Answer:
 
 def _meshes(joint: Joint) -> tuple[float, float]:
     """Coarse and fine mesh (m) of a joint."""
-    coarse, fine = RIGID if joint.elastic is None else BENT
+    coarse, fine = RIGID if joint.elastic is None else ELASTIC
     return coarse * joint.least_side, fine * joint.least_side
 
 
 def usual_models(joint: Joint) -> tuple[str, ...]:
-    """The models that are asked where none are named: those that answer at once."""
+    """The default models: those that answer at once."""
     return ("safe", "law", "static") if joint.elastic is None else ("safe", "law")
 
 
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.rule import law
+    from sidmacib.rule.law import law
 
     return Answer(law(joint, direction, push).load, "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.rule import safe
+    from sidmacib.rule.law import safe
 
     return Answer(safe(joint, direction, push).load, "for design")
 
@@ -63,33 +63,33 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.load_path import load_path
     from sidmacib.loading import lateral_load
-    from sidmacib.mechanics.spread import static_capacity
+    from sidmacib.mechanics.static.peak_spread import static_capacity
     from sidmacib.pieces import assemble
 
     loading, meshes = Loading(direction, push=push), _meshes(joint)
     coarse = load_path(joint, loading, meshes[0])[1]
     assembly = assemble(joint, meshes[1])
-    found = static_capacity(assembly, lateral_load(joint, assembly, loading))
-    if not (found.load > 0.0 and coarse.peak.load > 0.0):
-        return Answer(float(found.load), "nothing is carried", peak_spread=found.spread)
+    fine = static_capacity(assembly, lateral_load(joint, assembly, loading))
+    if not (fine.load > 0.0 and coarse.peak.load > 0.0):
+        return Answer(float(fine.load), "nothing is carried", peak_spread=fine.spread)
     note = (
         "peak"
-        if found.is_peak
-        else f"first failure; peaks behind it spread by {100.0 * found.spread:.0f} % or more"
+        if fine.is_peak
+        else f"first failure; peaks behind it spread by {100.0 * fine.spread:.0f} % or more"
     )
-    first = float(found.solution.first_failure_load / found.load)
-    error = _mesh_error(joint, coarse, found)
-    return Answer(float(found.load), note, first, float(error), found.spread)
+    first = float(fine.solution.first_failure_load / fine.load)
+    error = _mesh_error(joint, coarse, fine)
+    return Answer(float(fine.load), note, first, float(error), fine.spread)
 
 
-def _mesh_error(joint: Joint, coarse: "StaticSolution", found: "StaticCapacity") -> float:
-    """Of what was ``found`` on the finer mesh."""
+def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticCapacity") -> float:
+    """Relative mesh error of the capacity on the ``fine`` mesh."""
     from sidmacib.mechanics.assembly import NodeLayout
     from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
 
-    both = coarse, found.solution
+    both = coarse, fine.solution
     cells = [cells_of(joint, mesh) for mesh in _meshes(joint)]
-    if found.is_peak:
+    if fine.is_peak:
         kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
         loads = [one.peak.load for one in both]
     else:
@@ -109,10 +109,10 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.chain.pairs import bearing_pairs
-    from sidmacib.contact_points import OPTIONS
-    from sidmacib.programme import Sidmacib, capacity
-    from sidmacib.revision import active
+    from sidmacib.contact_points.options import OPTIONS
+    from sidmacib.contact_points.programme import Sidmacib, capacity
+    from sidmacib.contact_points.reductions import active
+    from sidmacib.rule.pairs import bearing_pairs
 
     counted = bearing_pairs(joint, push)
     model = Sidmacib(joint, OPTIONS["option4"], active(joint, counted), friction=False)
@@ -164,10 +164,10 @@ def capacity_rows(
 
 def reason(error: Exception) -> str:
     """Why a model has no answer, in one line."""
-    told = " ".join(str(error).split()) or type(error).__name__
+    message = " ".join(str(error).split()) or type(error).__name__
     if isinstance(error, ArithmeticError):
-        return f"numbers are too large or too small for the model ({told})"
-    return told
+        return f"numbers are too large or too small for the model ({message})"
+    return message
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
@@ -191,16 +191,16 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
 
 
 def _without_noise(force: float, joint: Joint) -> float:
-    """0 for what rounding makes of forces that balance."""
+    """The force, or 0 for the rounding error of forces that balance."""
     return force if abs(force) > 1e-9 * max(joint.strengths) else 0.0
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
     """How many locks work in pure shear: the closed form, the law, the safe rule."""
-    from sidmacib.chain.pairs import pairs_of
+    from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)
-    told: list[tuple[str, Any, str]] = [
+    results: list[tuple[str, Any, str]] = [
         ("pairs that bear", pairs.count, "(n - 1) / 2 of an odd joint"),
         ("locks that work, closed form", pairs.working, "smooth columns, V over T0"),
         ("locks that work among any number", _finite(pairs.most), "closed form"),
@@ -213,9 +213,9 @@ def law_rows(joint: Joint, push: Push) -> list[Row]:
     for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
         load = row["V (N)"]
         working = None if load is None else load / joint.T0
-        told.append((f"locks that work, {row['model']}", working, row["note"]))
-        told.append((f"V (N), {row['model']}", load, row["note"]))
-    return [{"what": what, "value": value, "note": note} for what, value, note in told]
+        results.append((f"locks that work, {row['model']}", working, row["note"]))
+        results.append((f"V (N), {row['model']}", load, row["note"]))
+    return [{"what": what, "value": value, "note": note} for what, value, note in results]
 
 
 def _finite(value: float) -> float | None:

@@ -9,11 +9,11 @@ from typing import Any
 
 import click
 
-from sidmacib.doubts import doubts
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.unit_warnings import unit_warnings
 from sidmacib.validation import refused
 
 MOST_LOCKS = 300  # that a command takes: the static model of more takes minutes
@@ -137,7 +137,7 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
             raise _in_file(path, f"{key}:{rest}") from None
         flag = FLAGS.get(key, f"--{key.replace('_', '-')}")
         raise click.UsageError(f"{flag}:{rest}") from None
-    for doubt in doubts(joint):
+    for doubt in unit_warnings(joint):
         click.echo(f"Note: {doubt}", err=True)
     return joint
 

@@ -99,7 +99,7 @@ def capacity(
     form: str,
     picture: Path | None,
     push: str,
-    **joint: Any,
+    **flags: Any,
 ) -> None:
     """Shear and torque that a joint carries, after several models.
 
@@ -109,11 +109,11 @@ def capacity(
     """
     from sidmacib.command.answers import capacity_rows, usual_models
 
-    own = joint_of(joint)
-    asked = list(dict.fromkeys(models or usual_models(own)))
-    rows = capacity_rows(own, list(dict.fromkeys(ratios)), asked, Push(push))
+    joint = joint_of(flags)
+    asked = list(dict.fromkeys(models or usual_models(joint)))
+    rows = capacity_rows(joint, list(dict.fromkeys(ratios)), asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{own.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks"), picture)
     _show(rows, form)
 
 
@@ -141,16 +141,16 @@ def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
 @_format
 @_picture
 def envelope(
-    models: Sequence[str], form: str, picture: Path | None, push: str, **joint: Any
+    models: Sequence[str], form: str, picture: Path | None, push: str, **flags: Any
 ) -> None:
     """The V-M curve from pure shear to pure torsion."""
     from sidmacib.command.answers import capacity_rows
 
-    own = joint_of(joint)
+    joint = joint_of(flags)
     asked = list(dict.fromkeys(models or ("safe", "law")))
-    rows = capacity_rows(own, DIRECTIONS, asked, Push(push))
+    rows = capacity_rows(joint, DIRECTIONS, asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{own.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks"), picture)
     _show(rows, form)
 
 
@@ -161,28 +161,28 @@ def envelope(
 )
 @_format
 @_picture
-def weights(ratio: float, form: str, picture: Path | None, push: str, **joint: Any) -> None:
+def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
     """What each lock carries at the peak, over its strength (static model)."""
     from sidmacib.command.answers import weight_rows
 
-    own = joint_of(joint)
+    joint = joint_of(flags)
     with _refused_in_one_line():
-        rows = weight_rows(own, ratio, Push(push))
+        rows = weight_rows(joint, ratio, Push(push))
     if picture is not None:
-        draw(bars(rows, f"weights of {own.locks} locks"), picture)
+        draw(bars(rows, f"weights of {joint.locks} locks"), picture)
     click.echo(text_of(rows, form))
 
 
 @main.command()
 @joint_options
 @_format
-def law(form: str, push: str, **joint: Any) -> None:
+def law(form: str, push: str, **flags: Any) -> None:
     """How many locks work in pure shear: closed form, law and safe rule."""
     from sidmacib.command.answers import law_rows
 
-    own = joint_of(joint)
+    joint = joint_of(flags)
     with _refused_in_one_line():
-        click.echo(text_of(law_rows(own, Push(push)), form))
+        click.echo(text_of(law_rows(joint, Push(push)), form))
 
 
 @main.command()

@@ -76,8 +76,9 @@ def bars(rows: "Sequence[Row]", title: str) -> "Figure":
     figure = Figure(figsize=(6.0, 4.0), layout="constrained")
     axes = figure.subplots()
     for block, colour in BLOCKS.items():
-        own = [row for row in rows if row["block"] == block]
-        locks, weights = [row["lock"] for row in own], [row["weight"] for row in own]
+        of_block = [row for row in rows if row["block"] == block]
+        locks = [row["lock"] for row in of_block]
+        weights = [row["weight"] for row in of_block]
         axes.bar(locks, weights, color=colour, label=f"{block} block")
     axes.set_xlabel("lock")
     axes.set_ylabel("weight")
@@ -94,9 +95,9 @@ def curves(rows: "Sequence[Row]", title: str) -> "Figure":
     figure = Figure(figsize=(6.0, 4.5), layout="constrained")
     axes = figure.subplots()
     for model in dict.fromkeys(row["model"] for row in rows):
-        own = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
-        own.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
-        shear, torque = [r["V (N)"] for r in own], [r["M (N m)"] for r in own]
+        points = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
+        points.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
+        shear, torque = [r["V (N)"] for r in points], [r["M (N m)"] for r in points]
         axes.plot(shear, torque, "o-", ms=3, color=COLOURS.get(model), label=model)
     axes.set_xlabel("shear V (N)")
     axes.set_ylabel("torque M (N m)")

@@ -1,1 +1,1 @@
-"""Rigid pieces that meet across faces: equilibrium, failure and limit load of any such assembly."""
+"""Pieces that meet across faces: assemblies, equilibrium, failure and limit load. No joint here."""

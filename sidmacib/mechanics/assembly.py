@@ -1,6 +1,6 @@
-"""An assembly of rigid pieces that meet across faces, with contact nodes on every face, and loads.
+"""An assembly: pieces that meet across faces, contact nodes on every face, and loads.
 
-This is the one description that every model and every engine works from, whatever was assembled.
+Every model and every engine works from this one description, whatever was assembled.
 All quantities are in SI units.
 """
 
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sidmacib.validation import refused, require_member, require_not_negative, require_positive
 
 GRAVITY = 9.81  # m/s2
-CLOSE = 1e-9  # of a size: what is no further apart is in the same place
+CLOSE = 1e-9  # over a size: points no further apart than this are the same point
 
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
@@ -23,13 +23,13 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class FaceMaterial:
-    """Law of a contact face, per unit of area.
+    """Stiffnesses and strengths of a contact face, per unit of area.
 
     ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. Where failure is softening,
-    ``residual`` is the part of both strengths that is kept, ``fracture_energy`` (J/m2) the work to
-    lose all of one. ValueError unless stiffnesses are above 0, the others not negative and
-    ``residual`` at most 1.
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. For softening failure,
+    ``residual`` is the fraction of both strengths that remains, and ``fracture_energy`` (J/m2) the
+    work that uses up one of them. ValueError unless stiffnesses are above 0, the other values not
+    negative and ``residual`` at most 1.
     """
 
     normal_stiffness: float
@@ -56,11 +56,11 @@ class FaceMaterial:
 
 
 class Failure(StrEnum):
-    """What a node of an inner face keeps once its strength is reached."""
+    """What a node of an inner face still carries once its strength is reached."""
 
-    BRITTLE = "brittle"  # it loses cohesion and tensile strength at once
-    SOFTENING = "softening"  # it loses them as it moves on, but for the residual part
-    DUCTILE = "ductile"  # it goes on to carry its strength
+    BRITTLE = "brittle"  # nothing: cohesion and tensile strength are lost at once
+    SOFTENING = "softening"  # less and less as it moves on, down to the residual fraction
+    DUCTILE = "ductile"  # its full strength
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Kind(StrEnum):
 class NodeLayout(StrEnum):
     """Where the contact nodes of a cell lie, and how its area is shared among them.
 
-    Stresses are largest at a face's edges, so a layout without nodes there finds failure late.
+    Stresses are largest at the edges of a face, so a layout without nodes there finds failure late.
     """
 
     CENTRES = "centres"  # one, in the middle: midpoint rule, no node on an edge
@@ -101,9 +101,9 @@ class NodeLayout(StrEnum):
 
 @dataclass(frozen=True)
 class Piece:
-    """A cuboid, given by two opposite corners in m; rigid, unless it has an elastic material.
+    """A cuboid, given by two opposite corners in m; rigid unless it has an elastic material.
 
-    ValueError if it has no size, or if that or its mass is no finite number.
+    ValueError unless its edges are finite and above 0, and its mass finite and not negative.
     """
 
     name: str
@@ -173,7 +173,7 @@ class Face:
 class Nodes:
     """Contact nodes of all faces, one row each, face by face.
 
-    ValueError if they are not in this order, or if a number is not finite or an area not positive.
+    ValueError unless nodes are in the order of their faces, all numbers finite and areas above 0.
     """
 
     face: Integers  # (N,) index of the face
@@ -182,7 +182,7 @@ class Nodes:
 
     def __post_init__(self) -> None:
         if np.any(self.face[1:] < self.face[:-1]):
-            raise ValueError("nodes: they must be in the order of their faces")
+            raise ValueError("nodes: must be in the order of their faces")
         if not (np.isfinite(self.position).all() and np.isfinite(self.area).all()):
             raise ValueError("nodes: positions and areas must be finite")
         if not np.all(self.area > 0.0):
@@ -193,9 +193,9 @@ class Nodes:
 class Assembly:
     """Pieces, their faces and the nodes on them.
 
-    ``length`` (m) is the size that rotations and moments are measured by. ``failure`` is that of
-    all inner faces. ``mesh`` (m) and ``layout`` tell how the nodes were made, which elements of
-    elastic pieces follow. ValueError if a length is not positive.
+    ``length`` (m) converts rotations to displacements and moments to forces. ``failure`` applies
+    to all inner faces. ``mesh`` (m) and ``layout`` are those of the nodes; the finite elements of
+    elastic pieces use the same. ValueError unless both lengths are above 0.
     """
 
     pieces: tuple[Piece, ...]
@@ -217,10 +217,9 @@ class Assembly:
 class SideLoad:
     """The part of a piece's loads that acts on one of its sides.
 
-    The side lies across ``axis``, the far one if ``high``.
-
-    ``wrench``: force (N) and moment (N m) about the centroid, or per newton of load unless
-    ``permanent``; the stress on the side varies linearly.
+    The side is normal to ``axis``: the one with the larger coordinate if ``high``. ``wrench``:
+    force (N) and moment (N m) about the centroid if ``permanent``, otherwise these per newton of
+    load. The stress varies linearly over the side.
     """
 
     piece: int
@@ -234,11 +233,11 @@ class SideLoad:
 class Loads:
     """Forces and moments on the pieces, about their centroids, both of shape (P, 6).
 
-    ``permanent`` in N and N m: what always acts, such as self-weight. ``variable``: what is
-    raised, per newton of load. ``scale`` in N: a load of the order of what the assembly carries,
-    which first increments are parts of. ``sides``: which parts of these act on sides of pieces;
-    the rest is spread over the volume. That matters only where pieces deform. ValueError if a
-    number is not finite, or the scale not positive.
+    ``permanent`` (N and N m): loads that always act, such as self-weight. ``variable``: the load
+    that is raised, per newton. ``scale`` (N): a load of the order of the capacity; the first
+    increments are fractions of it. ``sides``: the parts of both that act on sides of pieces; the
+    rest is spread over the volume, which matters only for elastic pieces. ValueError unless all
+    numbers are finite and the scale above 0.
     """
 
     permanent: Floats

@@ -1,13 +1,13 @@
-"""Law of the contact nodes: elastic, with failure, opening and Coulomb friction.
+"""The contact law of the nodes: elastic, with failure, opening and Coulomb friction.
 
-At a node, delta is the displacement of the piece below relative to the piece above in the frame of
+At a node, delta is the displacement of the piece below relative to the piece above, in the frame of
 `sidmacib.mechanics.equilibrium.face_frames`, and s the force that the piece below exerts on the
-piece above: s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). A bonded
-node keeps both until it fails. Any other node cannot pull, and its shear force stays on or inside
-the circular friction cone, |s_t| <= mu s_n: slip makes up the difference, without dilation.
+piece above: s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). For a
+bonded node this holds until it fails. Any other node carries no tension, and its shear force stays
+within the circular friction cone, |s_t| <= mu s_n; slip takes the rest, without dilation.
 
-Here is what a node is, what it remembers and when it fails; the forces that follow, and their
-derivatives, are compiled with what sums them up, see `sidmacib.mechanics.newton`.
+This module holds the constants of a node, its state, and its utilisation. Its forces and their
+derivatives are compiled, see `sidmacib.mechanics.newton`.
 """
 
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 
 Flags = NDArray[np.bool_]
 
-ROUNDING = 1e-9  # of the largest node force; equilibria are ten times as exact
+ROUNDING = 1e-9  # of the largest node force; equilibria are ten times more accurate
 
 
 @dataclass(frozen=True)
-class NodeLaw:
+class ContactLaw:
     """Stiffness (N/m), friction coefficient and strengths (N) of each node, all of shape (N,)."""
 
     normal_stiffness: Floats
@@ -31,11 +31,11 @@ class NodeLaw:
     friction: Floats
     shear_strength: Floats
     tensile_strength: Floats
-    cohesive: Flags  # bonded at the start
+    cohesive: Flags  # whether the node is bonded at the start
 
     @classmethod
-    def of(cls, assembly: Assembly) -> "NodeLaw":
-        """The law of every node of ``assembly``: the face's material times the node's area."""
+    def of(cls, assembly: Assembly) -> "ContactLaw":
+        """Material of each node's face times the node's area."""
         material = [face.material for face in assembly.faces]
         per_face = np.array(
             [
@@ -50,17 +50,18 @@ class NodeLaw:
             ]
         )
         inner = np.array([face.kind is Kind.INNER for face in assembly.faces])
-        own = per_face[assembly.nodes.face]
+        per_node = per_face[assembly.nodes.face]
         area = assembly.nodes.area[:, None]
-        normal, shear, held, torn = np.ascontiguousarray((own[:, :4] * area).T)
-        return cls(normal, shear, own[:, 4].copy(), held, torn, inner[assembly.nodes.face])
+        normal, shear, held, torn = np.ascontiguousarray((per_node[:, :4] * area).T)
+        return cls(normal, shear, per_node[:, 4].copy(), held, torn, inner[assembly.nodes.face])
 
 
 @dataclass(frozen=True)
 class NodeState:
-    """What a node remembers: its slip (m), shape (N, 2), and how much of its bond is left, (N,).
+    """The history of the nodes.
 
-    ``whole`` is the part of the bond's stiffness, from 1 to 0: no bond.
+    ``slip``: in m, (N, 2). ``whole``: the fraction of the bond's stiffness that is left, from 1 to
+    0 (no bond), (N,).
     """
 
     slip: Floats
@@ -72,20 +73,20 @@ class NodeState:
         return self.whole > 0.0
 
     @classmethod
-    def initial(cls, law: NodeLaw) -> "NodeState":
+    def initial(cls, contact_law: ContactLaw) -> "NodeState":
         """No slip yet, and every cohesive node bonded."""
-        return cls(np.zeros((len(law.friction), 2)), law.cohesive.astype(float))
+        return cls(np.zeros((len(contact_law.friction), 2)), contact_law.cohesive.astype(float))
 
 
-def utilisation(law: NodeLaw, state: NodeState, force: Floats) -> Floats:
-    """Largest of shear and tension over strength at the bonded nodes, 0 at others, shape (N,).
+def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Floats:
+    """Shear or tension over strength at each bonded node, whichever is larger; 0 at others, (N,).
 
-    ``force`` in N, (N, 3). Without strength any such force counts as infinite, unless it is below
-    what rounding makes of the largest force.
+    ``force``: in N, (N, 3). At a node without strength the result is infinite for any force above
+    the rounding error of the largest force.
     """
     noise = ROUNDING * float(np.abs(force).max(initial=0.0))
-    shear = _over(np.hypot(force[:, 1], force[:, 2]), law.shear_strength, noise)
-    tension = _over(-force[:, 0], law.tensile_strength, noise)
+    shear = _over(np.hypot(force[:, 1], force[:, 2]), contact_law.shear_strength, noise)
+    tension = _over(-force[:, 0], contact_law.tensile_strength, noise)
     return np.where(state.bonded, np.maximum(shear, tension), 0.0)
 
 

@@ -1,9 +1,9 @@
-"""Equilibrium matrices: the force and moment of unit forces at points."""
+"""Equilibrium of pieces: matrices of unit node forces, and what given node forces leave over."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 
 
 def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
@@ -39,13 +39,13 @@ def equilibrium_matrix(assembly: Assembly) -> Floats:
     matrix = np.zeros((6 * len(assembly.pieces), 3 * len(assembly.nodes.area)))
     frames = face_frames(assembly)
     for number, face in enumerate(assembly.faces):
-        own = np.flatnonzero(assembly.nodes.face == number)
-        columns = (3 * own[:, None] + np.arange(3)).ravel()
+        nodes = np.flatnonzero(assembly.nodes.face == number)
+        columns = (3 * nodes[:, None] + np.arange(3)).ravel()
         for piece, sign in ((face.below, 1.0), (face.above, -1.0)):
             rows = slice(6 * piece, 6 * piece + 6)
             centre = assembly.pieces[piece].centre
             matrix[rows, columns] = sign * wrenches(
-                assembly.nodes.position[own], frames[own], centre
+                assembly.nodes.position[nodes], frames[nodes], centre
             )
     return matrix
 
@@ -63,3 +63,28 @@ def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     """Rows of the free pieces in `equilibrium_matrix`, (6 F,)."""
     free = [i for i, piece in enumerate(assembly.pieces) if not piece.fixed]
     return (6 * np.array(free)[:, None] + np.arange(6)).ravel()
+
+
+def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:
+    """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
+
+    ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
+    of the face. The moments are about the pieces' centroids; fixed pieces have 0.
+    """
+    unbalanced = loads.permanent + load * loads.variable
+    on_above = np.einsum("nk,nkx->nx", force, face_frames(assembly))
+    for side, sign in (("above", 1.0), ("below", -1.0)):
+        piece = np.array([getattr(face, side) for face in assembly.faces])[assembly.nodes.face]
+        centre = np.array([each.centre for each in assembly.pieces])[piece]
+        moment = np.cross(assembly.nodes.position - centre, on_above)
+        np.add.at(unbalanced, piece, sign * np.hstack([on_above, moment]))
+    unbalanced[[i for i, each in enumerate(assembly.pieces) if each.fixed]] = 0.0
+    return unbalanced
+
+
+def unbalanced_share(assembly: Assembly, loads: Loads, load: float, force: Floats) -> float:
+    """Largest unbalanced force on a piece over ``load``, or moment over that times the length."""
+    unbalanced = unbalanced_forces(assembly, loads, load, force)
+    most_force = float(np.linalg.norm(unbalanced[:, :3], axis=1).max())
+    most_moment = float(np.linalg.norm(unbalanced[:, 3:], axis=1).max())
+    return max(most_force, most_moment / assembly.length) / load

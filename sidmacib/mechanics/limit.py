@@ -1,13 +1,13 @@
-"""Limit analysis of an assembly: pieces and nodes of the distinct elements, rigid-plastic.
+"""Limit analysis of an assembly: the pieces and nodes of the distinct elements, rigid-plastic.
 
 The static theorem: the largest load for which node forces exist that keep every piece in
-equilibrium and no strength exceeded. At inner nodes |s_t| <= tau A and s_n >= -sigma A; dry nodes
-cannot pull, and resist along the face only where friction is asked for, |s_t| <= mu s_n
-(associated: sliding would dilate, so it overestimates). Forces can be redistributed freely: every
-lock is used as far as the geometry allows, with no reduction rule put in.
+equilibrium and exceed no strength. At inner nodes |s_t| <= tau A and s_n >= -sigma A. Dry nodes
+carry no tension, and shear only if friction is asked for, |s_t| <= mu s_n (associated: sliding
+would dilate, so it overestimates). Forces redistribute freely: the geometry alone decides how far
+each lock is used, without a reduction rule.
 
-A first programme finds the load. Many states of forces carry it; a second programme, which also
-weighs the sum of s^2 / A a little, picks the one where it is least, which is unique.
+A first programme finds the load. Many states of forces carry it; a second programme, with a small
+penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique.
 """
 
 import math
@@ -19,24 +19,24 @@ from scipy.sparse import csr_array
 
 from sidmacib.errors import CapacityError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
-from sidmacib.mechanics.contact_law import NodeLaw
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 
-# Of the load, over itself or the loads' scale if that is larger, and the digits that are checked
-# then. In joints of an even number of locks the last ones are lost in rounding.
+# Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
+# kept. With an even number of locks, rounding loses the last ones.
 ACCURACIES = {1e-9: 9, 1e-7: 7}
-# Of the second aim in units of the first, so that it decides between equals only.
+# Penalty of the second programme: so small that it decides between equal loads only.
 SMALL = (1e-5, 1e-7, 1e-9)
-LOST = 1e-8  # of the load, at most, to the second aim
-LARGEST = 10.0  # force of a node over its part of the scale, about, where forces concentrate
+LOST = 1e-8  # relative loss of load by the penalty, at most
+LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
 WHAT = "limit analysis"
-MOST_MEMORY = 2**31  # bytes, of the equations of equilibrium
+MOST_MEMORY = 2**31  # bytes, for the equations of equilibrium
 
 
 @dataclass(frozen=True)
 class LimitState:
-    """The limit load, and of the forces that carry it those of least sum of s^2 / A.
+    """The limit load, and the forces that carry it with the least sum of s^2 / A.
 
     ``load``: along the direction, in N. ``force``: (N, 3) in N, what the piece below each node
     exerts on the piece above, in the frame of the face (normal, two tangents).
@@ -50,14 +50,14 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
     Accurate to 1e-9, sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
-    rounded to that. Associated friction has no limit under a fixed plate, which can press as hard
-    as it likes: put a force in its place, see `sidmacib.hold_down`. ValueError otherwise;
-    `sidmacib.errors.CapacityError` where there is no largest load.
+    rounded to that. ValueError for ``friction`` under a fixed plate, whose force has no limit: use
+    a given force instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no
+    largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(
-            "friction: true is not possible under a fixed plate, where associated friction has no "
-            "limit; put a force in its place"
+            "friction: must be false under a fixed plate, where associated friction has no limit; "
+            "or replace the plate by a force"
         )
     _require_room(assembly)
     programme = _Programme(assembly, loads, friction)
@@ -68,28 +68,28 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     for small in SMALL:
-        aim = cp.Maximize(load - small * size)
-        of_forces = solve(cp.Problem(aim, constraints), WHAT, *ACCURACIES)
+        objective = cp.Maximize(load - small * size)
+        met_with_penalty = solve(cp.Problem(objective, constraints), WHAT, *ACCURACIES)
         if largest - float(load.value) <= max(LOST, met) * max(abs(largest), 1.0):
             break
     else:
-        raise SolverError(f"{WHAT}: no forces of least size were found that carry the limit load")
-    digits = ACCURACIES[max(met, of_forces)]
+        raise SolverError(f"{WHAT}: the second programme found no forces that carry the limit load")
+    digits = ACCURACIES[max(met, met_with_penalty)]
     return LimitState(
         _rounded(largest * programme.scale, programme.scale, ACCURACIES[met]),
-        # Noise is rounded away; plus 0: no -0 in tables.
+        # Rounded to remove noise; plus 0 turns -0 into 0.
         programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, digits) + 0.0),
     )
 
 
 def _require_room(assembly: Assembly) -> None:
-    """`CapacityError` if the equations of ``assembly``, kept as a full matrix, are too large."""
+    """`CapacityError` if the equations of ``assembly``, as a full matrix, are too large."""
     pieces, nodes = len(assembly.pieces), len(assembly.nodes.area)
     size = 8 * (6 * pieces) * (3 * nodes)
     if size > MOST_MEMORY:
         raise CapacityError(
-            f"{WHAT}: {pieces:,} pieces with {nodes:,} nodes would take {size / 2**30:.1f} GiB; "
-            f"they must take {MOST_MEMORY / 2**30:g} GiB or less: fewer locks or a coarser mesh"
+            f"{WHAT}: {pieces:,} pieces with {nodes:,} nodes would take {size / 2**30:.1f} GiB; at "
+            f"most {MOST_MEMORY / 2**30:g} GiB are allowed: use fewer locks or a coarser mesh"
         )
 
 
@@ -97,12 +97,12 @@ class _Programme:
     """The constraints that both programmes share, in units in which their numbers are about 1."""
 
     def __init__(self, assembly: Assembly, loads: Loads, friction: bool) -> None:
-        law, rows = NodeLaw.of(assembly), free_rows(assembly)
+        contact_law, rows = ContactLaw.of(assembly), free_rows(assembly)
         area = assembly.nodes.area
         self.share = area / area.sum()
-        # Where nothing has strength, permanent loads are the only measure.
+        # If nothing has strength, permanent loads are the only measure.
         self.scale = loads.scale or float(np.abs(loads.permanent).max()) or 1.0
-        # A node's unit: its part of the scale on a face of mean area, and more.
+        # Unit of a node's force: its share of the scale on a face of mean area, times `LARGEST`.
         self.unit = LARGEST * self.scale * self.share * len(assembly.faces)
         # Forces over the scale, and moments over the scale times the length, are about 1.
         size = row_units(assembly) * self.scale
@@ -110,22 +110,25 @@ class _Programme:
         self.balance = csr_array(equilibrium_matrix(assembly)[rows] / size[:, None] * columns)
         self.permanent = loads.permanent.ravel()[rows] / size
         self.variable = loads.variable.ravel()[rows] / size * self.scale
-        self.shear, self.tension = law.shear_strength / self.unit, law.tensile_strength / self.unit
-        self.friction = law.friction
-        rough = ~law.cohesive & friction & (law.friction > 0.0)
-        self.inner, self.rough = np.flatnonzero(law.cohesive), np.flatnonzero(rough)
-        self.smooth = np.flatnonzero(~law.cohesive & ~rough)
+        self.shear, self.tension = (
+            contact_law.shear_strength / self.unit,
+            contact_law.tensile_strength / self.unit,
+        )
+        self.friction = contact_law.friction
+        rough = ~contact_law.cohesive & friction & (contact_law.friction > 0.0)
+        self.inner, self.rough = np.flatnonzero(contact_law.cohesive), np.flatnonzero(rough)
+        self.smooth = np.flatnonzero(~contact_law.cohesive & ~rough)
 
     def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
-        """Equilibrium under ``load``, and the law of the nodes."""
+        """Equilibrium under ``load``, and the strengths of the nodes."""
         normal, shear = force[:, 0], force[:, 1:]
         inner, rough, smooth = self.inner, self.rough, self.smooth
 
-        def size(own: Integers) -> cp.Expression:
-            return cp.norm(shear[own], 2, axis=1)
+        def size(nodes: Integers) -> cp.Expression:
+            return cp.norm(shear[nodes], 2, axis=1)
 
         return [
-            # The pieces below get the opposite of ``force``: hence no minus on this side.
+            # ``force`` acts on the pieces above, the matrix is for those below: hence no minus.
             self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
             size(inner) <= self.shear[inner],
             normal[inner] >= -self.tension[inner],

@@ -1,11 +1,12 @@
-"""Newton's method on contact nodes, compiled: the law of a node, sums over faces, elimination.
+"""Newton's method on contact nodes, compiled: the contact law, sums over faces, elimination.
 
-Everything that is compiled stands in this file, as numba's cache notices changes of this file only.
-No library for linear algebra is called: the results are the same on every processor.
+All compiled functions are in this one file because numba's cache of a function notices changes of
+its own file only, not of the functions that it calls. No library for linear algebra is called, so
+results are the same on every processor.
 
-Unknowns are those of `sidmacib.mechanics.springs`, in the order that `sidmacib.mechanics.ordering`
-finds, in m; forces in N. A piece's unknowns are a slice that begins at ``Structure.begin``; faces
-move by six components of it, which is where pieces that deform would enter.
+The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
+`sidmacib.mechanics.rigid.ordering` finds; forces are in N. The unknowns of a piece are a slice that
+begins at ``Structure.begin``; its faces move by six components of it.
 """
 
 # mypy: allow-untyped-defs
@@ -17,19 +18,20 @@ from numba import njit
 
 from sidmacib.mechanics.assembly import Floats, Integers
 
-STEPS = 60  # of Newton's method
-QUICK, PATIENT = (0.1, 0), (0.01, 3)  # least share of a step, and how many may go too far
+STEPS = 60  # of Newton's method, at most
+# The least fraction of a step, and how many steps may be longer than allowed.
+QUICK, PATIENT = (0.1, 0), (0.01, 3)
 
 
 class Structure(NamedTuple):
-    """What does not change along a path, see `sidmacib.mechanics.springs.Springs`.
+    """What stays the same along a path, see `sidmacib.mechanics.springs.Springs`.
 
     ``nodes``: normal and shear stiffness (N/m), friction coefficient, given friction (N) and place
-    of each, (N, 6). Given friction is there whatever the normal force is, also where a node is
-    open: with it alone the nodes' energy is convex.
+    of each, (N, 6). Given friction is a limit that does not depend on the normal force, not even at
+    an open node; if there is no other friction, the energy of the nodes is convex.
     ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
-    ``inner`` unknowns come first, and those that share an entry of the stiffness are at most
-    ``band`` apart; the ``outer`` ones behind them may share one with all.
+    The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
+    The ``outer`` unknowns follow and may be coupled to all others.
     """
 
     nodes: Floats
@@ -57,14 +59,14 @@ class Matrix(NamedTuple):
 compiled = njit(cache=True, error_model="numpy")  # division by zero gives inf, as in numpy
 
 
-# --- the law of a node ---------------------------------------------------------------------------
+# --- contact law of a node -----------------------------------------------------------------------
 @compiled
 def node_force(normal, shear, friction, given, whole, d0, d1, d2):
-    """Force (N) of a node at displacement d (m), less its slip: return mapping to its cone.
+    """Force (N) of a node at displacement d less its slip (m): return mapping to the friction cone.
 
-    ``normal``, ``shear``: stiffness in N/m; ``whole``: the part of it that a bond still has, 0 if
-    there is none. A bond that is pressed together has all of it. ``given``: friction in N beside
-    that of the normal force.
+    ``normal``, ``shear``: stiffness in N/m; ``whole``: the fraction of it that the bond still has,
+    0 without a bond. Under compression a bond has its full stiffness. ``given``: friction limit in
+    N, added to that of the normal force.
     """
     if whole > 0.0:
         return (
@@ -85,7 +87,7 @@ def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
     """Derivatives (N/m) of `node_force`.
 
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
-    d2 and of 2 by d1 (they are the same), of 2 by d2.
+    d2 (the same as of 2 by d1), of 2 by d2.
     """
     if whole > 0.0:
         along = whole * shear
@@ -102,7 +104,7 @@ def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
 
 
 @compiled
-def node_laws(stiffness, friction, whole, displacement):
+def forces_and_tangents(stiffness, friction, whole, displacement):
     """Forces (N), (N, 3), and tangents (N/m), (N, 3, 3), of nodes at ``displacement`` (m), (N, 3).
 
     ``stiffness``: normal and shear (N/m), (N, 2). Displacements are less the slip.
@@ -112,10 +114,10 @@ def node_laws(stiffness, friction, whole, displacement):
     for n in range(count):
         normal, shear = stiffness[n]
         d0, d1, d2 = displacement[n]
-        law = normal, shear, friction[n], 0.0, whole[n], d0, d1, d2
-        force[n, 0], force[n, 1], force[n, 2] = node_force(*law)
+        contact_law = normal, shear, friction[n], 0.0, whole[n], d0, d1, d2
+        force[n, 0], force[n, 1], force[n, 2] = node_force(*contact_law)
         t = tangent[n]
-        t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*law)
+        t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*contact_law)
         t[2, 1] = t[1, 2]
     return force, tangent
 
@@ -206,8 +208,8 @@ def face_stiffness(structure, face, slip, whole, w, k):
 def tangent_stiffness(structure, slip, whole, unknowns, floor, matrix):
     """Put the derivative of the nodes' forces on the pieces into ``matrix``.
 
-    ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds for a moment from
-    flying off, and changes no equilibrium.
+    ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds during an iteration
+    from flying off, and changes no equilibrium.
     """
     w, k, moved, block = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
@@ -259,35 +261,35 @@ def add(structure, matrix, row, column, block):
 def solve_linear(structure, matrix, x):
     """Turn the right side ``x`` into the solution, and destroy ``matrix``.
 
-    Gaussian elimination; rows are exchanged within the band, and within the border after it.
-    Returns whether there is one.
+    Gaussian elimination with row exchanges, within the band and then within the border. Returns
+    whether there is a solution.
     """
     inner, outer, width = structure.inner, structure.outer, structure.band
     band, right, below = matrix.band, matrix.right, matrix.below
-    reach = np.empty(inner, np.int64)  # last column of each row
+    reach = np.empty(inner, np.int64)  # last nonzero column of each row
     for i in range(inner):
         reach[i] = min(i + width, inner - 1)
     for j in range(inner):
         exchange(structure, matrix, x, reach, j)
         count = reach[j] - j + 1
-        own = band[j, width : width + count]
-        if own[0] == 0.0:
+        pivot_row = band[j, width : width + count]
+        if pivot_row[0] == 0.0:
             return False
-        # Zeros are not skipped: where they are is hard to foresee, for a processor as well.
+        # Zeros are not skipped: a branch on them would be mispredicted too often.
         for i in range(j + 1, min(j + width, inner - 1) + 1):
             row = band[i, width + j - i : width + j - i + count]
-            factor = row[0] / own[0]
+            factor = row[0] / pivot_row[0]
             reach[i] = max(reach[i], reach[j])
             for c in range(count):
-                row[c] -= factor * own[c]
+                row[c] -= factor * pivot_row[c]
             for c in range(outer):
                 right[i, c] -= factor * right[j, c]
             x[i] -= factor * x[j]
         for i in range(outer):
             row = below[i, j : j + count]
-            factor = row[0] / own[0]
+            factor = row[0] / pivot_row[0]
             for c in range(count):
-                row[c] -= factor * own[c]
+                row[c] -= factor * pivot_row[c]
             for c in range(outer):
                 below[i, inner + c] -= factor * right[j, c]
             x[inner + i] -= factor * x[j]
@@ -299,7 +301,7 @@ def solve_linear(structure, matrix, x):
 
 @compiled
 def substitute(structure, matrix, x, reach):
-    """The inner part of the solution from the last one on, after elimination."""
+    """Back substitution: the inner part of the solution, after elimination."""
     inner, width = structure.inner, structure.band
     for j in range(inner - 1, -1, -1):
         for c in range(structure.outer):
@@ -311,7 +313,7 @@ def substitute(structure, matrix, x, reach):
 
 @compiled
 def exchange(structure, matrix, x, reach, j):
-    """Exchange row ``j`` for the one of the band with the largest element in column ``j``."""
+    """Exchange row ``j`` with the row of the band that has the largest element in column ``j``."""
     width, band, right = structure.band, matrix.band, matrix.right
     pivot = j
     for i in range(j + 1, min(j + width, structure.inner - 1) + 1):
@@ -330,7 +332,7 @@ def exchange(structure, matrix, x, reach, j):
 
 @compiled
 def solve_dense(matrix, x):
-    """`solve_linear` without a band."""
+    """`solve_linear` for a full matrix."""
     size = len(x)
     for j in range(size):
         pivot = j
@@ -357,7 +359,7 @@ def solve_dense(matrix, x):
 # --- equilibrium ---------------------------------------------------------------------------------
 @compiled
 def elastic(structure, matrix, target, slip, whole, floor):
-    """Displacements (m) under ``target`` (N) where all nodes are ``whole``."""
+    """Displacements (m) under the forces ``target`` (N) with all nodes closed and ``whole``."""
     tangent_stiffness(structure, slip, whole, np.zeros(len(target)), floor, matrix)
     unknowns = target.copy()
     solve_linear(structure, matrix, unknowns)
@@ -366,7 +368,7 @@ def elastic(structure, matrix, target, slip, whole, floor):
 
 @compiled
 def stepped(structure, slip, whole, unknowns, step, share, target, trial, residual):
-    """Put ``unknowns`` after a ``share`` of ``step`` into ``trial``; see `unbalanced`."""
+    """Put ``unknowns`` after a fraction of ``step`` into ``trial``; see `unbalanced`."""
     for i in range(len(trial)):
         trial[i] = unknowns[i] + share * step[i]
     return unbalanced(structure, slip, whole, trial, target, residual)
@@ -377,11 +379,12 @@ def newton(structure, matrix, target, guess, slip, whole, limits, patience):
     """Displacements (m) at which the nodes carry ``target`` (N), from ``guess``.
 
     ``slip``, ``whole``: of the nodes. ``limits``: the floor of `tangent_stiffness` (N/m) and the
-    largest norms of unbalanced forces (N) and of a step (m); what is loose for a moment may return.
-    Where a whole step would not bring equilibrium closer it is halved, with ``patience``. Returns
-    whether equilibrium was found, and the displacements.
+    largest norms of unbalanced forces (N) and of a step (m). A step that does not reduce the
+    unbalanced forces is halved. ``patience``: the least fraction of a step, and the number of steps
+    that may exceed the limit, as pieces that come loose may return. Returns whether equilibrium was
+    found, and the displacements.
     """
-    (floor, allowed, farthest), (least_share, most_far), far = limits, patience, 0
+    (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
     unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
     size = unbalanced(structure, slip, whole, unknowns, target, residual)
     for _ in range(STEPS):
@@ -391,7 +394,7 @@ def newton(structure, matrix, target, guess, slip, whole, limits, patience):
         if not solve_linear(structure, matrix, residual):
             break
         step = residual.copy()
-        far += not norm(step) <= farthest  # or no number
+        far += not norm(step) <= largest_step  # true for NaN as well
         if far > most_far:
             break
         before, share = size, 2.0
@@ -405,8 +408,8 @@ def newton(structure, matrix, target, guess, slip, whole, limits, patience):
 
 
 @compiled
-def settled(structure, slip, whole, unknowns):
-    """Forces (N) of all nodes, (N, 3), and their slip (m) from here on, (N, 2)."""
+def node_forces(structure, slip, whole, unknowns):
+    """Forces (N) of all nodes, (N, 3), and their slip (m) after this equilibrium, (N, 2)."""
     w, force, after = np.empty(6), np.empty((len(slip), 3)), slip.copy()
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
@@ -423,9 +426,9 @@ def settled(structure, slip, whole, unknowns):
 
 @compiled
 def equilibrium(structure, matrix, target, guess, slip, whole, limits):
-    """`newton` and then `settled`: whether there is equilibrium, displacements, forces, slip."""
-    found, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, QUICK)
-    if not found:
-        found, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, PATIENT)
-    force, after = settled(structure, slip, whole, unknowns)
-    return found, unknowns, force, after
+    """`newton`, then `node_forces`: whether equilibrium was found, displacements, forces, slip."""
+    converged, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, QUICK)
+    if not converged:
+        converged, unknowns = newton(structure, matrix, target, guess, slip, whole, limits, PATIENT)
+    force, after = node_forces(structure, slip, whole, unknowns)
+    return converged, unknowns, force, after

@@ -1,14 +1,14 @@
-"""Solve a convex programme, and take no answer that was not checked here.
+"""Solve a convex programme and check every answer, independently of the solver.
 
-A solver's own verdict depends on its tolerances, on scaling and on rounding. So every optimum is
+The verdict of a solver depends on its tolerances, on scaling and on rounding. So every optimum is
 checked against the conditions of optimality (Boyd & Vandenberghe, Convex Optimization, 2004,
 section 5.5) of the standard form that the solver was given,
 
     minimise x'Px / 2 + c'x    subject to    A x + s = b,  s in K,
 
-and every verdict that there is none against its certificate. What does not pass is tried again
-with other settings or another solver. Programmes should be stated in units in which their numbers
-are about 1.
+and every verdict of infeasible or unbounded against its certificate. If an answer does not pass,
+other settings or another solver are tried. Programmes should be stated in units in which their
+numbers are about 1.
 """
 
 from collections.abc import Callable, Iterator
@@ -27,7 +27,7 @@ ACCURACY = 1e-8  # of the optimum's value
 FEASIBLE = 1e-8  # largest violation of a constraint, over the largest unknown or 1
 CERTAIN = 1e-7  # residual of a certificate over what it proves
 
-# As far as they go: what counts is the check, not whether the solver reaches its tolerance.
+# As tight as solvers accept. Answers that miss these tolerances may still pass the check.
 _SIMPLEX = {"solver": "simplex", "threads": 1} | dict.fromkeys(
     ["primal_feasibility_tolerance", "dual_feasibility_tolerance"], 1e-10
 )
@@ -45,7 +45,7 @@ _CONIC: tuple[tuple[str, dict[str, Any]], ...] = (
     (cp.CLARABEL, _INTERIOR | _CAREFUL | {"equilibrate_enable": False}),
 )
 _LINEAR: tuple[tuple[str, dict[str, Any]], ...] = (
-    (cp.HIGHS, _SIMPLEX | {"presolve": "off"}),  # it takes longer than such programmes
+    (cp.HIGHS, _SIMPLEX | {"presolve": "off"}),  # presolve takes longer than such programmes
     (cp.HIGHS, _SIMPLEX),
     *_CONIC[:2],
 )
@@ -53,9 +53,9 @@ _LINEAR: tuple[tuple[str, dict[str, Any]], ...] = (
 
 @dataclass(frozen=True)
 class _Answer:
-    """What a solver returned: its verdict, and the unknowns and multipliers of the standard form.
+    """The answer of a solver: its verdict, unknowns and multipliers of the standard form.
 
-    Where there is no optimum they are the certificate.
+    Without an optimum, the unknowns or multipliers are the certificate.
     """
 
     status: str
@@ -64,34 +64,34 @@ class _Answer:
 
 
 def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
-    """Solve; the variables of ``problem`` then hold an optimum that was checked.
+    """Solve ``problem``; its variables then hold a checked optimum.
 
-    ``accuracies``: of the optimum's value over itself or 1, whichever is larger, the least one
-    first; the first that some solver meets is returned. Everything but an optimum raises an error
-    that names ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
-    `sidmacib.errors.SolverError` where no solver came to a verdict that holds.
+    ``accuracies``: of the optimum's value, relative to the value or to 1, whichever is larger;
+    tightest first. Returns the first that a solver meets. Otherwise raises an error that names
+    ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
+    `sidmacib.errors.SolverError` if no verdict passes its check.
     """
-    given = partial(problem.get_problem_data, solver_opts={})  # they do not change the form
+    given = partial(problem.get_problem_data, solver_opts={})  # options do not change the form
     return _solved(problem, what, accuracies, given)
 
 
 class Family:
     """A programme that is solved for many values of its only parameter.
 
-    What a solver is given is affine in the parameter (disciplined parametrised programming, Agrawal
-    et al. 2019), so it is made once and added up for each value, in place of being made each time.
+    The standard form is affine in the parameter (disciplined parametrised programming, Agrawal et
+    al. 2019), so its coefficients are computed once instead of compiling each value anew.
     """
 
     def __init__(self, problem: cp.Problem) -> None:
-        """``problem``: with one parameter, a vector, and no constant in its aim."""
+        """``problem``: with one parameter, a vector, and no constant in its objective."""
         (self.parameter,) = problem.parameters()
         self.problem = problem
         self._forms: dict[str, _Form] = {}
 
     def solve(self, value: Floats, what: str) -> None:
-        """Solve for a ``value`` of the parameter, as `solve` does."""
+        """Solve for a ``value`` of the parameter; errors of `solve`."""
 
-        def form(solver: str) -> _Given:
+        def form(solver: str) -> _Input:
             if solver not in self._forms:
                 self._forms[solver] = _Form.of(self.problem, self.parameter, solver)
             return self._forms[solver].at(value)
@@ -99,9 +99,10 @@ class Family:
         _solved(self.problem, what, (), form)
 
 
-# What a solver is given, what gives it, and what takes its answer back.
-_Given = tuple[dict[str, Any], Any, Any]
-_Giver = Callable[[str], _Given]
+# Data for a solver, the reductions that made it, and how to invert them; and a function from the
+# name of a solver to these.
+_Input = tuple[dict[str, Any], Any, Any]
+_InputOf = Callable[[str], _Input]
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class _Form:
     ``constant``, ``slopes``: of c, b and A one after the other, (E,) and (E, p).
     """
 
-    given: _Given
+    given: _Input
     constant: Floats
     slopes: Floats
 
@@ -128,32 +129,34 @@ class _Form:
         pattern.sort_indices()
         columns = np.repeat(np.arange(pattern.shape[1]), np.diff(pattern.indptr))
         entries = [
-            np.concatenate([own["c"], own["b"], matrix.toarray()[pattern.indices, columns]])
-            for (own, _, _), matrix in zip(forms, matrices, strict=True)
+            np.concatenate([form["c"], form["b"], matrix.toarray()[pattern.indices, columns]])
+            for (form, _, _), matrix in zip(forms, matrices, strict=True)
         ]
         slopes = np.column_stack([each - entries[0] for each in entries[1:]])
         return cls((data | {"A": pattern}, *rest), entries[0], slopes)
 
-    def at(self, value: Floats) -> _Given:
-        """What the solver is given at a ``value`` of the parameter, until it is asked for again."""
-        data, chain, inverse = self.given
-        # Not by BLAS, which rounds as the processor likes.
-        now = self.constant + np.sum(self.slopes * value, axis=1)
+    def at(self, value: Floats) -> _Input:
+        """The solver's input at a ``value`` of the parameter; overwritten by the next call."""
+        data, reductions, inverse = self.given
+        # Not by BLAS, whose rounding depends on the processor.
+        values = self.constant + np.sum(self.slopes * value, axis=1)
         A, unknowns = data["A"], len(data["c"])
         rows = unknowns + len(data["b"])
-        A.data[:] = now[rows:]
-        return {**data, "c": now[:unknowns], "b": now[unknowns:rows]}, chain, inverse
+        A.data[:] = values[rows:]
+        return {**data, "c": values[:unknowns], "b": values[unknowns:rows]}, reductions, inverse
 
 
-def _solved(problem: cp.Problem, what: str, accuracies: tuple[float, ...], given: _Giver) -> float:
-    """Do what `solve` says, with what solvers are ``given``."""
+def _solved(
+    problem: cp.Problem, what: str, accuracies: tuple[float, ...], given: _InputOf
+) -> float:
+    """Implement `solve`; ``given``: input of each solver."""
     verdicts: list[str] = []
-    found: list[tuple[float, Any, Any]] = []  # of all solvers: errors, and how to take the answer
+    optima: list[tuple[float, Any, Any]] = []  # error, reductions, raw answer with its inverse
     wanted = accuracies or (ACCURACY,)
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
         try:
-            data, chain, inverse = given(solver)
-            raw = chain.solve_via_data(problem, data, solver_opts=dict(settings))
+            data, reductions, inverse = given(solver)
+            raw = reductions.solve_via_data(problem, data, solver_opts=dict(settings))
         except (cp.SolverError, ValueError) as refusal:
             verdicts.append(f"{solver}: {refusal}")
             continue
@@ -161,22 +164,22 @@ def _solved(problem: cp.Problem, what: str, accuracies: tuple[float, ...], given
         verdicts.append(f"{solver}: {answer.status}")
         error = _error(data, answer) if answer.x.size and answer.z.size else np.inf
         if error <= wanted[-1]:
-            found.append((error, chain, (raw, inverse)))
-            if error <= wanted[0] and _taken(problem, chain, raw, inverse):
+            optima.append((error, reductions, (raw, inverse)))
+            if error <= wanted[0] and _taken(problem, reductions, raw, inverse):
                 return wanted[0]
         elif "infeasible" in answer.status and _infeasible(data, answer.z):
             raise InfeasibleError(f"{what}: no forces balance the permanent loads")
         elif "unbounded" in answer.status and _unbounded(data, answer.x):
             raise UnboundedError(f"{what}: the load can grow without limit")
-    for error, chain, (raw, inverse) in sorted(found, key=lambda each: each[0]):
-        if _taken(problem, chain, raw, inverse):
+    for error, reductions, (raw, inverse) in sorted(optima, key=lambda each: each[0]):
+        if _taken(problem, reductions, raw, inverse):
             return next(accuracy for accuracy in wanted if error <= accuracy)
-    raise SolverError(f"{what}: no verdict that holds ({'; '.join(verdicts)})")
+    raise SolverError(f"{what}: no verdict passes its check ({'; '.join(verdicts)})")
 
 
-def _taken(problem: cp.Problem, chain: Any, raw: Any, inverse: Any) -> bool:
-    """Whether ``problem`` takes a solver's answer as an optimum."""
-    problem.unpack(chain.invert(raw, inverse))
+def _taken(problem: cp.Problem, reductions: Any, raw: Any, inverse: Any) -> bool:
+    """Whether ``problem`` accepts the answer as an optimum; it then holds the values."""
+    problem.unpack(reductions.invert(raw, inverse))
     return problem.status in (cp.OPTIMAL, cp.OPTIMAL_INACCURATE)
 
 
@@ -191,7 +194,7 @@ def _answer(solver: str, raw: Any) -> _Answer:
 
 
 def _error(data: dict[str, Any], answer: _Answer) -> float:
-    """Of an optimum that unknowns and multipliers prove each other, over its value or 1.
+    """Largest error of the optimum by its unknowns and multipliers, over its value or 1.
 
     Infinite if a constraint is violated.
     """
@@ -202,7 +205,7 @@ def _error(data: dict[str, Any], answer: _Answer) -> float:
     z = _projected(answer.z, data["dims"], dual=True)
     residual = curved + c + A.T @ z
     value = float(np.sum((curved / 2 + c) * x))
-    # What the optimum can differ by, to first order: the gap, and what the residuals are worth.
+    # To first order: the duality gap, and the residuals weighed by unknowns and multipliers.
     error = abs(float(np.sum((curved + c) * x) + np.sum(b * z))) + float(
         np.sum(np.abs(residual * x)) + np.sum(np.abs(violation * z))
     )
@@ -222,7 +225,7 @@ def _infeasible(data: dict[str, Any], ray: Floats) -> bool:
 
 
 def _unbounded(data: dict[str, Any], ray: Floats) -> bool:
-    """Whether ``ray``, of unknowns, improves the aim for ever and meets no constraint."""
+    """Whether ``ray``, of unknowns, improves the objective without limit and stays feasible."""
     if not ray.size:
         return False
     slack = -(data["A"] @ ray)
@@ -235,19 +238,19 @@ def _unbounded(data: dict[str, Any], ray: Floats) -> bool:
 
 def _projected(values: Floats, dims: Any, dual: bool) -> Floats:
     """The nearest point of the cone K, or of its dual."""
-    found = np.zeros_like(values)
+    projected = np.zeros_like(values)
     if dual:
-        found[: dims.zero] = values[: dims.zero]
+        projected[: dims.zero] = values[: dims.zero]
     linear = slice(dims.zero, dims.zero + dims.nonneg)
-    found[linear] = np.maximum(values[linear], 0.0)
+    projected[linear] = np.maximum(values[linear], 0.0)
     for size, first in _second_order(dims):  # its own dual
         cones = values[first].reshape(-1, size)
-        found[first] = _projected_on_second_order(cones).ravel()
-    return found
+        projected[first] = _projected_on_second_order(cones).ravel()
+    return projected
 
 
 def _second_order(dims: Any) -> Iterator[tuple[int, slice]]:
-    """Size of the second-order cones and where they are, neighbours of one size together."""
+    """Sizes and places of the second-order cones; neighbours of equal size together."""
     start = dims.zero + dims.nonneg
     sizes = list(dims.soc)
     while sizes:
@@ -268,4 +271,4 @@ def _projected_on_second_order(cones: Floats) -> Floats:
 
 
 def _length(vector: Floats) -> float:
-    return float(np.sqrt(np.sum(vector**2)))  # not by BLAS, which rounds as the processor likes
+    return float(np.sqrt(np.sum(vector**2)))  # not by BLAS, whose rounding depends on the processor

@@ -1,44 +1,45 @@
 """Contact nodes as springs between pieces, in terms of the pieces' displacements.
 
-The unknowns are the displacements of the free pieces, so that there are few of them however fine
-the mesh. Lengths are measured by the assembly's own: a rotation counts as the displacement (m) that
-it makes at this distance, a moment as the force (N) that makes it at this distance. All unknowns
-are then in m, all forces in N and all stiffnesses in N/m.
+The unknowns are the displacements of the free pieces, so their number does not depend on the mesh.
+Rotations are multiplied by the assembly's ``length`` and moments divided by it: all unknowns are in
+m, all forces in N and all stiffnesses in N/m.
 
-Pieces are rigid: their displacements are three of the centroid and three rotations, and the nodes
-of a face move like a rigid body. A piece that deforms has more unknowns, a longer slice of all of
-them, and moves the nodes of its faces by more than six components: it enters through
-``Springs.unknowns`` and ``Springs.motion``.
+Pieces are rigid: each has three displacements of its centroid and three rotations, and the nodes of
+a face move as a rigid body.
+
+The same springs, unbroken, give the natural frequencies and the compliance that set the scales of
+an explicit computation: its time step, its loading rate, and the displacement beyond which the
+assembly can only have failed.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers
-from sidmacib.mechanics.contact_law import NodeLaw
-from sidmacib.mechanics.equilibrium import face_axes
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import face_axes, free_rows
 
 RIGID = 6  # unknowns of a rigid piece
 
 
 @dataclass(frozen=True)
 class Springs:
-    """Pieces and the nodes between them.
+    """Springs at the nodes, and how the pieces move them.
 
     The motion of a face, w, is the displacement of the piece below relative to the piece above, at
     the face's middle: three translations along the face's normal and tangents and three rotations
     about them. A node at ``place`` (p, q) of its face moves by delta = (w0 + q w4 - p w5,
     w1 - q w3, w2 + p w3).
 
-    ``start``: each face's first node, and the number of nodes, (F + 1,). ``place``: along the
-    tangents, from the face's middle, over ``length``, (N, 2). ``piece``: numbers among the free
-    pieces of those below and above, -1 for a fixed one, (F, 2). ``motion``: what each of the two
-    contributes to w per unit of its unknowns, (F, 2, 6, 6). ``unknowns``: where those of each free
-    piece begin, and their number, (P + 1,). ``length`` in m.
+    ``start``: first node of each face, then the number of nodes, (F + 1,). ``place``: of each node
+    along the tangents, from the face's middle, over ``length``, (N, 2). ``piece``: the pieces below
+    and above each face, counted among the free pieces, -1 for a fixed one, (F, 2). ``motion``: w
+    per unit of the unknowns of either piece, (F, 2, 6, 6). ``unknowns``: first unknown of each free
+    piece, then the number of unknowns, (P + 1,). ``length`` in m.
     """
 
-    law: NodeLaw
+    contact_law: ContactLaw
     start: Integers
     place: Floats
     piece: Integers
@@ -67,7 +68,7 @@ class Springs:
         motion[:, :, :3, 3:] = np.cross(levers[:, :, None], axes[:, None])
         motion[:, 1] *= -1.0
         return cls(
-            NodeLaw.of(assembly),
+            ContactLaw.of(assembly),
             np.searchsorted(nodes.face, np.arange(len(faces) + 1)),
             (tangents * arms[:, None]).sum(axis=2),
             number[ends],
@@ -79,7 +80,11 @@ class Springs:
     def elastic_stiffness(self) -> Floats:
         """Stiffness (N/m) by all unknowns, (U, U), with every node closed and bonded."""
         p, q = self.place.T
-        normal, shear, zero = self.law.normal_stiffness, self.law.shear_stiffness, np.zeros(len(p))
+        normal, shear, zero = (
+            self.contact_law.normal_stiffness,
+            self.contact_law.shear_stiffness,
+            np.zeros(len(p)),
+        )
         one = zero + 1.0
         rows = np.array(  # of the nodes' displacements by the motion of their face
             [
@@ -101,8 +106,30 @@ class Springs:
 
     @property
     def units(self) -> Floats:
-        """Displacements (m) and rotations (rad) of the free pieces times this are unknowns, (U,).
+        """Factor from displacements (m) and rotations (rad) of the free pieces to unknowns, (U,).
 
-        Forces (N) and moments (N m) over this are in N.
+        Forces (N) and moments (N m) are divided by it.
         """
         return np.tile([1.0] * 3 + [self.length] * 3, len(self.unknowns) - 1)
+
+
+def natural_frequencies(assembly: Assembly) -> Floats:
+    """Angular frequencies of the free pieces, ascending, in rad/s, with every node closed.
+
+    Every piece has its largest principal moment of inertia about all axes.
+    """
+    free = [piece for piece in assembly.pieces if not piece.fixed]
+    inertia = [piece.inertia.max() / assembly.length**2 for piece in free]  # kg, as rotations in m
+    mass = np.concatenate(
+        [[piece.mass] * 3 + [turned] * 3 for piece, turned in zip(free, inertia, strict=True)]
+    )
+    root = np.sqrt(mass)
+    stiffness = Springs.of(assembly).elastic_stiffness() / root / root[:, None]
+    return np.sqrt(np.linalg.eigvalsh(stiffness))
+
+
+def compliance(assembly: Assembly, loads: Loads) -> float:
+    """Displacement along the variable load, per newton of load, in m/N, with every node closed."""
+    springs = Springs.of(assembly)
+    force = loads.variable.ravel()[free_rows(assembly)] / springs.units
+    return float(np.sum(force * np.linalg.solve(springs.elastic_stiffness(), force)))

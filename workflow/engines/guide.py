@@ -5,7 +5,7 @@ Apart from `workflow.engines.render`, so that whoever only plans loads no compil
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.static.model import static_peak
 from workflow.engines.scripts.assembly import Guide
 
 

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.balance import unbalanced_share
-from sidmacib.mechanics.path import SPREAD_LIMIT
+from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.weights import LockWeight, lock_weights
 from workflow.case import Case
@@ -38,7 +38,7 @@ class CaseRecord:
     Loads are along the case's direction, in N: ``load_N`` the largest at equilibrium,
     ``failed_load_N`` the smallest known not to be carried, ``first_failure_load_N`` where the
     first node fails. ``mode``: how the joint gives way. ``peak_spread``: of the static model's
-    peak; where it is above `sidmacib.mechanics.path.SPREAD_LIMIT`, ``load_N`` and all that
+    peak; where it is above `sidmacib.mechanics.solution.SPREAD_LIMIT`, ``load_N`` and all that
     belongs to it are those of the first failure. ``unbalanced_share``: largest force (or moment
     over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
     that the load does work on). What a model does not give is None or empty. ``error``: why

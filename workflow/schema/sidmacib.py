@@ -5,8 +5,8 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from sidmacib.contact_points import OPTIONS, READY_OPTIONS, ContactOption
-from sidmacib.revision import REDUCTIONS
+from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
+from sidmacib.contact_points.reductions import REDUCTIONS
 from workflow.schema.section import Section
 from workflow.schema.values import Entries, Force, Name, Number, Some, shown
 

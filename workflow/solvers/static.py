@@ -1,9 +1,9 @@
 """The static brittle model."""
 
 from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.path import Equilibrium, StaticSolution
-from sidmacib.mechanics.spread import static_capacity
-from sidmacib.mechanics.static import static_peak
+from sidmacib.mechanics.solution import Equilibrium, StaticSolution
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.peak_spread import static_capacity
 from workflow.outcome import Outcome, State
 
 

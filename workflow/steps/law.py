@@ -5,13 +5,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from sidmacib.chain.failure import first_failure
-from sidmacib.chain.pairs import pairs_of
-from sidmacib.chain.rule import RULES
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
+from sidmacib.rule.first_failure import first_failure
+from sidmacib.rule.law import RULES
+from sidmacib.rule.pairs import pairs_of
 from workflow.design import Designed
 from workflow.steps.joints import write_rows
 

@@ -1,0 +1,1 @@
+"""SiDMACIB: limit analysis of a joint on a few contact points per lock."""

@@ -1,0 +1,1 @@
+"""Equilibrium of elastic pieces, in terms of the openings and slips at contact nodes."""

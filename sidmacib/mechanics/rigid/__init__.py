@@ -1,0 +1,1 @@
+"""Equilibrium of rigid pieces, in terms of their displacements."""

@@ -1,0 +1,139 @@
+"""Equilibrium of rigid pieces on contact nodes, in terms of the pieces' displacements.
+
+The contact law gives a node's force from the relative displacement of its two pieces, so the size
+of the matrices in Newton's method depends on the number of pieces only, not on the mesh.
+"""
+
+import math
+
+import numpy as np
+
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium, node_forces
+from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.ordering import Ordering, ordering
+from sidmacib.mechanics.solution import Equilibrium, lifted_part
+from sidmacib.mechanics.springs import Springs
+
+RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
+FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
+DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than holds them
+LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
+
+
+class RigidSolver:
+    """Newton's method on ``assembly`` under ``loads``.
+
+    Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
+    forces have the units of `sidmacib.mechanics.springs` and the order of
+    `sidmacib.mechanics.rigid.ordering`.
+    """
+
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        springs = Springs.of(assembly)
+        order, rows = ordering(springs), free_rows(assembly)
+        self.contact_law = springs.contact_law
+        self.structure, self.matrix = _structure(springs, order), _matrix(order)
+        size = np.diff(springs.unknowns)
+        self.place = np.arange(springs.unknowns[-1])
+        self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
+        self.units = springs.units
+        self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
+        self.load = self._inside(loads.variable.ravel()[rows] / self.units)
+        per_face = np.add.reduceat(self.contact_law.normal_stiffness, springs.start[:-1])
+        self.stiffness = float(per_face.max())
+        self.floor, self.drag = FLOOR * self.stiffness, DRAG * self.stiffness
+        self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
+        self.largest_step = LARGEST_STEP * float(np.abs(self.rest).max() + np.abs(reach).max())
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+        initial = NodeState.initial(self.contact_law)
+        return self.solve(0.0, self._outside(self.rest), initial, thorough=True)
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        """Equilibrium at ``load`` (N), from a ``guess`` of the displacements and the nodes' state.
+
+        Raises `NoEquilibriumError` where Newton's method finds none and, if ``thorough``, rounds of
+        given friction limits find none either.
+        """
+        target = load * self.load + self.weight
+        allowed = RESIDUAL * float(np.abs(target).max())
+        begin = self._inside(guess * self.units)
+        limits = self.floor, allowed, self.largest_step
+        converged, unknowns, force, slip = equilibrium(
+            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
+        )
+        if thorough and not converged:
+            at_nodes = target, state.slip, state.whole, self.stiffness
+            problem = Problem(self.structure, self.matrix, *at_nodes, *limits)
+            by_limits = by_rounds(problem, begin)
+            if by_limits is not None:
+                converged, unknowns = True, by_limits
+                force, slip = node_forces(self.structure, state.slip, state.whole, unknowns)
+        if not converged:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        displacement = float(self.load @ unknowns)
+        after = NodeState(slip, state.whole)
+        return Equilibrium(load, self._outside(unknowns), displacement, force, after)
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
+        target = load * self.load + self.weight
+        begin = self._inside(point.unknowns * self.units)
+        # With drag in place of the floor: as nothing carries the load, Newton's steps go on.
+        limits = self.drag, 0.0, math.inf
+        state = point.state
+        _, end, _, _ = equilibrium(
+            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
+        )
+        return lifted_part(self.weight, end - begin)
+
+    def _elastic(self, target: Floats) -> Floats:
+        """Unknowns under ``target`` (N) with every node closed and bonded."""
+        count = len(self.contact_law.friction)
+        slip, whole = np.zeros((count, 2)), np.ones(count)
+        return np.asarray(elastic(self.structure, self.matrix, target, slip, whole, self.floor))
+
+    def _inside(self, values: Floats) -> Floats:
+        inside = np.empty_like(values)
+        inside[self.place] = values
+        return inside
+
+    def _outside(self, unknowns: Floats) -> Floats:
+        return np.asarray(unknowns[self.place] / self.units)
+
+
+def _structure(springs: Springs, order: Ordering) -> Structure:
+    contact_law = springs.contact_law
+    return Structure(
+        np.column_stack(
+            [
+                contact_law.normal_stiffness,
+                contact_law.shear_stiffness,
+                contact_law.friction,
+                0.0 * contact_law.friction,
+                springs.place,
+            ]
+        ),
+        springs.start,
+        springs.motion,
+        np.where(springs.piece < 0, -1, order.begin[springs.piece]),
+        order.inner,
+        order.outer,
+        order.band,
+    )
+
+
+def _matrix(order: Ordering) -> Matrix:
+    inner, outer = order.inner, order.outer
+    return Matrix(
+        np.empty((inner, 3 * order.band + 1)),
+        np.empty((inner, outer)),
+        np.empty((outer, inner + outer)),
+    )

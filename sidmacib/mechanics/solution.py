@@ -1,0 +1,106 @@
+"""What solvers and the static model return: equilibria, first failure, path to the peak."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
+
+LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
+# Of a peak, see `sidmacib.mechanics.static.peak_spread`; above it the first failure counts.
+SPREAD_LIMIT = 0.02
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """An equilibrium of the assembly.
+
+    ``load``: along the direction of loading, in N. ``unknowns``: of its solver, (U,), see there.
+    ``displacement``: along the load, in m. ``force``: (N, 3) in N, the force of the piece below
+    each node on the piece above in the frame of the face: normal (compression positive) and two
+    tangents. ``state``: of the nodes.
+    """
+
+    load: float
+    unknowns: Floats
+    displacement: float
+    force: Floats
+    state: NodeState
+
+
+class Solver(Protocol):
+    """Finds equilibria of an assembly."""
+
+    @property
+    def contact_law(self) -> ContactLaw:
+        """The contact law of its nodes."""
+
+    def start(self) -> Equilibrium:
+        """Equilibrium under the permanent loads alone."""
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        """Equilibrium at ``load`` (N), from a ``guess`` of the unknowns and the nodes' state.
+
+        Raises `NoEquilibriumError` if none is found. ``thorough``: try every method of the solver
+        before giving up, which takes longer.
+        """
+
+    def lift(self, point: Equilibrium, load: float) -> float:
+        """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
+
+
+def lifted_part(weight: Floats, motion: Floats) -> float:
+    """Fraction of a motion that lifts: cosine between it and the opposite of permanent loads."""
+    size = float(np.linalg.norm(weight) * np.linalg.norm(motion))
+    return -float(weight @ motion) / size if size else 0.0
+
+
+class Mode(StrEnum):
+    """Why the load cannot rise beyond the peak."""
+
+    BONDS = "bonds"  # bonds fail, and no equilibrium follows
+    MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
+    ROCKING = (
+        "rocking"  # pieces are lifted against the permanent loads, and no bond is at its strength
+    )
+
+
+@dataclass(frozen=True)
+class FirstFailure:
+    """The end of the path on which all bonds are whole.
+
+    ``point``: the last equilibrium. ``failing``: the nodes that are about to fail there, (N,); none
+    if the load cannot rise for another reason. ``mode``: the reason.
+    """
+
+    point: Equilibrium
+    failing: Flags
+    mode: Mode
+
+
+@dataclass(frozen=True)
+class StaticSolution:
+    """The path of the assembly to its peak.
+
+    ``first_failure_load``: in N, where the first node fails, or the peak if none does. ``path``:
+    the equilibria; the last is the peak. ``mode``: why the load does not rise further.
+    """
+
+    first_failure_load: float
+    path: tuple[Equilibrium, ...]
+    mode: Mode
+
+    @property
+    def peak(self) -> Equilibrium:
+        """The equilibrium at the largest load."""
+        return self.path[-1]
+
+    @property
+    def failed_load(self) -> float:
+        """The load just above the peak, for which there is no equilibrium, in N."""
+        return self.peak.load * (1.0 + LEAST_INCREMENT)

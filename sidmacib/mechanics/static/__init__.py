@@ -1,0 +1,1 @@
+"""The static model: the load rises until bonds fail, and on to the peak."""

@@ -1,0 +1,221 @@
+"""The static model of an assembly: equilibrium of pieces on springs that can fail.
+
+The load rises in increments, so that friction has its history. When a node reaches its strength it
+loses all of it at once, together with the nodes that fail at the same load, and a new equilibrium
+is sought at that load; if there is none, the load is the peak. A solver finds the equilibria: one
+for rigid pieces, one for elastic pieces.
+
+Pieces may also move away while all bonds are whole. To see how, the model pushes them slightly
+beyond the peak, against drag. If that lifts them against the permanent loads they rock; otherwise
+they slide, as sliding along plane faces lifts nothing.
+"""
+
+import importlib
+from dataclasses import replace
+
+import numpy as np
+
+from sidmacib.errors import NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.contact_law import Flags, utilisation
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.solution import (
+    LEAST_INCREMENT,
+    Equilibrium,
+    FirstFailure,
+    Mode,
+    Solver,
+    StaticSolution,
+)
+from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
+from sidmacib.validation import require_positive
+
+INCREMENT = 0.1  # largest load increment over the loads' scale,
+GROWTH = 0.01  # or over the load where that is more
+LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
+HISTORY = 1e-3  # change of the first failure when increments are halved, over the load: converged
+LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
+MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
+SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
+LEAST_SOFTENING_INCREMENT = 1e-4  # over the load: precision of their peak
+MOST_DISPLACEMENT = 200.0  # over that of whole bonds, as in the engines; more is failure
+BEYOND = 0.01  # over the peak: excess of the load at which the motion of the pieces is seen
+LIFT = 1e-3  # least fraction of the motion that counts as lifting; rounding and elasticity: 1e-5
+TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
+
+
+def solver_of(assembly: Assembly, loads: Loads) -> Solver:
+    """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic."""
+    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+        # Imported here: finite elements take longer to import than most joints to solve.
+        elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")
+        return elastic.ElasticSolver(assembly, loads)
+    return RigidSolver(assembly, loads)
+
+
+def static_first_failure(
+    assembly: Assembly, loads: Loads, *, increment: float | None = None
+) -> FirstFailure:
+    """Raise ``loads`` from 0 to the first failure of ``assembly``, on the path of `static_peak`.
+
+    ``increment``: the largest increment over the loads' scale; None: increments are halved until
+    the first failure converges, as friction depends on its history. Errors of `static_peak`, and
+    ValueError unless ``increment`` is above 0.
+    """
+    solver = solver_of(assembly, loads)
+    if increment is None:
+        path, failing, _ = _to_first_failure(solver, loads.scale)
+    else:
+        require_positive(increment=increment)
+        path, failing = _raised(solver, [solver.start()], loads.scale, increment / INCREMENT)
+    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], loads.scale)
+    return FirstFailure(path[-1], failing, mode)
+
+
+def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
+    """Raise ``loads`` from 0 to the peak of ``assembly``.
+
+    Raises `NoEquilibriumError` if there is no equilibrium under the permanent loads,
+    `UnboundedError` if the assembly carries any load.
+    """
+    if assembly.failure is not Failure.BRITTLE:
+        return _softened(assembly, loads)
+    solver = solver_of(assembly, loads)
+    path, failing, refinement = _to_first_failure(solver, loads.scale)
+    first_failure, mode = path[-1].load, Mode.BONDS
+    while failing.any():
+        try:
+            path.append(_redistributed(solver, path[-1], failing))
+        except NoEquilibriumError:
+            break
+        path, failing = _raised(solver, path, loads.scale, refinement)
+    else:
+        mode = _motion(solver, path[-1], loads.scale)
+    peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
+    return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
+
+
+def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
+    """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
+    solver, softening = solver_of(assembly, loads), Softening.of(assembly)
+    path, failing, _ = _to_first_failure(solver, loads.scale)
+    first_failure = path[-1].load
+    if not failing.any():
+        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], loads.scale))
+    increment = SOFTENING_INCREMENT * first_failure
+    compliance = abs(path[-1].displacement) / first_failure
+    while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
+        low = path[-1]
+        if low.load > MOST_LOAD * loads.scale:
+            raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
+        load = low.load + increment
+        try:
+            point = softened_equilibrium(
+                solver, softening, load, _guess(load, path, None), low.state
+            )
+        except NoEquilibriumError:
+            increment /= 2
+            continue
+        if abs(point.displacement) > MOST_DISPLACEMENT * load * compliance:
+            increment /= 2
+        else:
+            path.append(point)
+    return StaticSolution(first_failure, tuple(path), Mode.BONDS)
+
+
+def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
+    """How pieces move away beyond the peak ``point``, where no bond is at its strength."""
+    load = point.load + BEYOND * max(point.load, LEAST_LOAD * scale)
+    return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
+
+
+def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], Flags, float]:
+    """The path to the first failure, the nodes that fail there, and the refinement of increments.
+
+    Friction depends on its history, which increments follow to first order. So if contacts have
+    slipped on the path, the increments are halved until the first failure no longer changes.
+    """
+    start, refinement = solver.start(), 1.0
+    path, failing = _raised(solver, [start], scale)
+    while refinement > LEAST_REFINEMENT and any(point.state.slip.any() for point in path):
+        finer_path, finer_failing = _raised(solver, [start], scale, refinement / 2)
+        if abs(finer_path[-1].load - path[-1].load) <= HISTORY * path[-1].load:
+            break
+        path, failing, refinement = finer_path, finer_failing, refinement / 2
+    return path, failing, refinement
+
+
+def _raised(
+    solver: Solver, path: list[Equilibrium], scale: float, refinement: float = 1.0
+) -> tuple[list[Equilibrium], Flags]:
+    """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
+
+    ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
+    Returns the path to there and the nodes that fail: none if the load cannot rise further. The
+    increment is halved where no equilibrium is found, as Newton's method may fail from afar and
+    converge from nearby, and doubled again where one is. If it becomes too small, the solver is
+    thorough from there on.
+    """
+
+    def utilisation_at(point: Equilibrium) -> Floats:
+        return utilisation(solver.contact_law, point.state, point.force)
+
+    def least(load: float) -> float:
+        return LEAST_INCREMENT * max(load, LEAST_LOAD * scale)
+
+    path, increment, thorough = list(path), refinement * INCREMENT * scale, False
+    used = utilisation_at(path[-1])
+    above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
+    used_above = used
+    while path[-1].load <= MOST_LOAD * scale:
+        low, most = path[-1], used.max()
+        if most >= 1.0 - LEAST_INCREMENT:
+            return path, used >= most * (1.0 - TOGETHER)
+        if above and above.load - low.load <= least(above.load):
+            return path, used_above >= 1.0
+        if increment <= least(low.load + increment):
+            if thorough:
+                return path, np.zeros(len(low.force), bool)
+            thorough = True
+        load = low.load + increment
+        if above:  # where the utilisation, which is almost linear, is just below 1
+            most_above = used_above.max()
+            share = (1.0 - most) / (most_above - most) if np.isfinite(most_above) else 0.5
+            near = low.load + (above.load - low.load) * min(share, 0.99) * (1.0 - 1e-7)
+            load = min(load, max(near, low.load + least(above.load) / 2))
+        try:
+            point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
+        except NoEquilibriumError:
+            increment = (load - low.load) / 2
+            continue
+        used_here = utilisation_at(point)
+        if used_here.max() > 1.0:
+            above, used_above = point, used_here
+        else:
+            path.append(point)
+            used = used_here
+            increment = min(2 * increment, refinement * max(INCREMENT * scale, GROWTH * load))
+    raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
+
+
+def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:
+    """Unknowns at ``load``, on a line through the two nearest equilibria."""
+    low = path[-1]
+    other = above or (path[-2] if len(path) > 1 else low)
+    if other.load == low.load:
+        return low.unknowns
+    onward = (load - low.load) / (other.load - low.load)
+    return low.unknowns + onward * (other.unknowns - low.unknowns)
+
+
+def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equilibrium:
+    """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
+
+    Raises `NoEquilibriumError` if there is none.
+    """
+    state = point.state
+    while failing.any():
+        state = replace(state, whole=np.where(failing, 0.0, state.whole))
+        after = solver.solve(point.load, point.unknowns, state, thorough=True)
+        failing = utilisation(solver.contact_law, state, after.force) > 1.0
+    return after

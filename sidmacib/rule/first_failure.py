@@ -1,0 +1,129 @@
+"""The first failure of a joint: the load at which a bonded face reaches its strength.
+
+The static model finds it, with the history of friction, on the coarsest nodes that represent all
+stresses of a rigid lock: Lobatto points, which integrate linear stresses exactly. Up to this load
+it makes no difference how bonds fail.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Joint, UpperBody
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.pieces import assemble, lock_faces
+from sidmacib.rule.pairs import bearing_pairs
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """``cells`` along the shorter side of a lock; largest ``increment`` of the load over T0."""
+
+    cells: int
+    increment: float
+
+
+# Two cells, so that dry faces may open in part. FINE, with smaller increments that follow friction
+# more closely, shows how far a load depends on both. Elastic blocks cost more, and three nodes a
+# side represent their bending.
+COARSE, FINE, ELASTIC = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
+FINEST = Fineness(6, 0.05)  # for dry faces so stiff that four cells may not be enough
+
+
+@dataclass(frozen=True)
+class JointFailure:
+    """The state of a joint at its first failure, lock by lock.
+
+    ``load``: along the direction of loading, N. ``force_x``, ``force_y`` in N and ``torque`` in
+    N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
+    strength at each root, shape (n,). ``cut_utilisation``: the same at the cuts between columns.
+    """
+
+    load: float
+    force_x: Floats
+    force_y: Floats
+    torque: Floats
+    utilisation: Floats
+    cut_utilisation: float
+
+    @property
+    def cut_fails(self) -> bool:
+        """Whether a cut between columns fails first."""
+        return self.cut_utilisation > self.utilisation.max()
+
+
+@lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
+def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = None) -> JointFailure:
+    """The state in which the first face of ``joint`` reaches its strength.
+
+    ``fineness``: None for the coarsest that suffices. ValueError for joints that the law does not
+    cover: fewer than two locks, locks that differ, joined columns, bonds with friction or without
+    strength. `CapacityError` if no pair of locks bears, if permanent loads alone make the joint
+    fail, or if it slides or rocks before a bond fails.
+    """
+    _require_row(joint)
+    if not bearing_pairs(joint, loading.push):
+        raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
+    fineness = fineness or (COARSE if joint.elastic is None else ELASTIC)
+    assembly = assemble(joint, joint.least_side / fineness.cells)
+    loads = lateral_load(joint, assembly, loading)
+    failure = static_first_failure(assembly, loads, increment=fineness.increment)
+    if not failure.point.load > 0.0:
+        raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
+    if not failure.failing.any():
+        raise CapacityError(
+            f"law: {joint.locks} locks move away ({failure.mode}) at {failure.point.load:.4g} N, "
+            "before a bond fails; use the static model"
+        )
+    return _state(joint, assembly, failure.point)
+
+
+def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:
+    """Forces and utilisation of the roots of ``joint`` at ``point``."""
+    nodes, roots = assembly.nodes, lock_faces(joint)
+    of_nodes = utilisation(ContactLaw.of(assembly), point.state, point.force)
+    start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
+    of_faces = np.maximum.reduceat(of_nodes, start)
+    force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
+    middle = np.array([(np.array(face.low) + face.high) / 2 for face in assembly.faces])
+    arm = nodes.position - middle[nodes.face]
+    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
+    x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))
+    locks = {roots[face.name]: i for i, face in enumerate(assembly.faces) if face.name in roots}
+    order = [locks[lock] for lock in joint.numbers]
+    cuts = [
+        of_faces[i]
+        for i, face in enumerate(assembly.faces)
+        if face.kind is Kind.INNER and face.name not in roots
+    ]
+    return JointFailure(
+        float(point.load),
+        x[order],
+        y[order],
+        turned[order],
+        of_faces[order],
+        max(cuts, default=0.0),
+    )
+
+
+def _require_row(joint: Joint) -> None:
+    """ValueError if the law does not cover ``joint``."""
+    bond = joint.inner
+    faults = (
+        (joint.locks < 2, "locks", joint.locks, "at least 2"),
+        (bool(joint.different), "different", "locks that differ", "none"),
+        (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
+        (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
+        (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
+        (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
+    )
+    for wrong, name, value, allowed in faults:
+        if wrong:
+            raise ValueError(f"{name}: must be {allowed} for the law (got {value})")

@@ -1,0 +1,175 @@
+"""The first-failure law of a joint, and the safe rule for design.
+
+``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is lower, by
+the factor `SAFETY` and by the change on a finer mesh. Both refuse joints outside `SPANS`, the
+tested ranges of the dimensionless groups that the answer depends on. `make attack` searches inside
+them for the joint with the highest safe load relative to its first failure.
+"""
+
+import math
+from dataclasses import dataclass
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading, Push
+from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.rule.first_failure import FINE, FINEST, first_failure
+from sidmacib.validation import refused, require_positive
+
+SAFETY, SAFETY_ELASTIC = 1.06, 1.12
+STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
+STIFFER = 10.0  # than this: the safe rule looks at a third mesh
+SPANS = {
+    "locks": (2.0, 31.0),
+    "a / b": (0.5, 3.0),
+    "h / b": (0.06, 0.6),
+    "H / b": (0.3, 3.0),
+    "shear over normal stiffness of inner faces": (0.003, 3.0),
+    "normal stiffness of dry over inner faces": (0.03, 30.0),
+    "shear over normal stiffness of dry faces": (0.1, 10.0),
+    STIFF: (0.0, 30.0),
+    "friction": (0.0, 0.8),
+    "tensile strength over cohesion": (1.0, 50.0),
+    "weight of the upper block per area over cohesion": (0.0, 1.0),
+    "force on top per area over cohesion": (0.0, 10.0),
+    "locks of elastic blocks": (0.0, 15.0),
+    "E / (Kn b)": (5.0, math.inf),  # rigid pieces have inf
+    "Poisson's ratio": (0.0, 0.4),
+}
+STRETCH = 1e-9  # by which a span may be exceeded, for rounding
+# Friction and e / a: a rigid monolithic body above both may snap from one equilibrium to another
+# before a bond fails, at less than half the first failure.
+ROUGHEST, TORSION = 0.5, 1.0
+MOST_ECCENTRIC_PAIR = 0.5  # e / a of two locks: beyond it the force leaves their only dry face
+
+
+@dataclass(frozen=True)
+class LawCapacity:
+    """A load along its direction (N), its shear V (N) and its torque M (N m)."""
+
+    load: float
+    shear: float
+    torque: float
+
+
+def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+    """The load at which ``joint`` first fails, by the static model on coarse nodes.
+
+    ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure.first_failure`.
+    """
+    require_covered(joint, direction)
+    load = first_failure(joint, Loading(direction, push=push)).load
+    return _capacity(joint, direction, load)
+
+
+def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
+    """A load that ``joint`` carries, for design.
+
+    For rigid pieces the first failure is computed on two meshes with two load increments, and on
+    a third mesh where dry faces are more than `STIFFER` times as stiff as roots. The difference
+    between the highest and the lowest is subtracted from the lowest: joints that are about to rock
+    depend on the mesh, and rough ones on the increments, by more than `SAFETY` covers. Elastic
+    blocks are solved on one mesh; `SAFETY_ELASTIC` covers its error as well.
+
+    Errors of `law`. `CapacityError` too if only friction between the locks keeps the joint from
+    overturning, and for one rigid piece in torsion with a friction above `ROUGHEST`.
+    """
+    _require_no_snap(joint, direction)
+    load = law(joint, direction, push).load
+    if joint.elastic is not None:
+        return _designed(joint, direction, load / SAFETY_ELASTIC)
+    meshes = (FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (FINE,)
+    loading = Loading(direction, push=push)
+    loads = (load, *(first_failure(joint, loading, mesh).load for mesh in meshes))
+    least = min(loads) - (max(loads) - min(loads))
+    if least <= 0.0:
+        raise CapacityError(
+            f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
+            f"{max(loads):.4g} N; use the static model"
+        )
+    return _designed(joint, direction, least / SAFETY)
+
+
+def spans_of(joint: Joint) -> dict[str, float]:
+    """The dimensionless groups of ``joint``, in the order of `SPANS`."""
+    inner, dry, block = joint.inner, joint.dry, joint.elastic
+    require_positive(cohesion=inner.cohesion)
+    top = joint.a * joint.total_width
+    values = (
+        joint.locks,
+        *(size / joint.b for size in (joint.a, joint.h, joint.H)),
+        inner.shear_stiffness / inner.normal_stiffness,
+        dry.normal_stiffness / inner.normal_stiffness,
+        dry.shear_stiffness / dry.normal_stiffness,
+        dry.normal_stiffness * joint.h / (inner.shear_stiffness * joint.b),
+        dry.friction,
+        inner.tensile_strength / inner.cohesion,
+        joint.density * GRAVITY * (joint.h + joint.H) / inner.cohesion,
+        (joint.pressing_force or 0.0) / (top * inner.cohesion),
+        joint.locks if block else 0,
+        joint.stiffness_ratio,
+        block.poisson if block else 0.0,
+    )
+    return dict(zip(SPANS, map(float, values), strict=True))
+
+
+def require_covered(joint: Joint, direction: Direction) -> None:
+    """ValueError if ``joint`` lies outside `SPANS`.
+
+    `CapacityError` if the force leaves the only dry face of two locks.
+    """
+    for name, value in spans_of(joint).items():
+        low, high = SPANS[name]
+        if not low * (1.0 - STRETCH) <= value <= high * (1.0 + STRETCH):
+            allowed = (
+                f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
+            )
+            raise refused(
+                name,
+                _short(value),
+                f"{allowed}, where the rule was tested; else use the static model",
+            )
+    if joint.locks == 2 and abs(direction.eccentricity) > MOST_ECCENTRIC_PAIR:
+        raise CapacityError(
+            f"law: the eccentricity on two locks must be at most {MOST_ECCENTRIC_PAIR:g} a, within "
+            f"their only dry face (got {direction.eccentricity:g} a)"
+        )
+
+
+def _short(value: float) -> float:
+    short = float(f"{value:.4g}")
+    return int(short) if short.is_integer() else short
+
+
+def _require_no_snap(joint: Joint, direction: Direction) -> None:
+    rigid = joint.upper_body is UpperBody.MONOLITHIC and joint.elastic is None
+    if rigid and joint.dry.friction > ROUGHEST and abs(direction.eccentricity) > TORSION:
+        raise CapacityError(
+            f"safe: one rigid piece with a friction of {joint.dry.friction:g}, loaded at "
+            f"{direction.eccentricity:g} a, may slide before a bond fails; design with a friction "
+            f"of at most {ROUGHEST:g}, give the block its Young's modulus, or use the static model"
+        )
+
+
+def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
+    """The capacity at ``load`` (N); `CapacityError` if it may overturn a joint without a plate.
+
+    V acts at half the height, weight and pressure at half the length.
+    """
+    capacity = _capacity(joint, direction, load)
+    if joint.pressing_force is not None:
+        weight = joint.density * GRAVITY * joint.a * joint.total_width * joint.H
+        most = (joint.pressing_force + weight) * joint.total_width / (joint.H + joint.h)
+        if abs(capacity.shear) > most:
+            raise CapacityError(
+                f"safe: V = {capacity.shear:.4g} N may overturn the joint; weight and pressure "
+                f"prevent this only up to {most:.4g} N; use the static model, or a plate"
+            )
+    return capacity
+
+
+def _capacity(joint: Joint, direction: Direction, load: float) -> LawCapacity:
+    return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a)
+
+
+RULES = {"law": law, "safe": safe}  # by the names of their models in studies

@@ -1,0 +1,127 @@
+"""Contact nodes: what their areas integrate, and how fast failure loads converge with the mesh."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.contact_nodes import cell_counts, contact_nodes, side_rule
+from sidmacib.mechanics.static.model import StaticSolution, static_peak
+from sidmacib.pieces import assemble
+
+LAYOUTS = list(NodeLayout)
+EXACT = {NodeLayout.CENTRES: 1, NodeLayout.VERTICES: 1, NodeLayout.LOBATTO: 3}  # degree
+NODES = {NodeLayout.CENTRES: 4, NodeLayout.VERTICES: 5, NodeLayout.LOBATTO: 9}  # on four cells
+
+
+def solved(joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float) -> StaticSolution:
+    model = assemble(joint, mesh, nodes)
+    return static_peak(model, lateral_load(joint, model, Loading(Direction(eccentricity))))
+
+
+@given(st.sampled_from(LAYOUTS), st.integers(1, 40))
+def test_a_rule_is_symmetric_and_its_weights_are_shares(layout: NodeLayout, cells: int) -> None:
+    places, weights = side_rule(layout, cells)
+    assert weights.sum() == pytest.approx(1.0)
+    assert np.all(weights > 0.0) and np.all(np.diff(places) > 0.0)
+    assert places == pytest.approx(1.0 - places[::-1])
+    assert weights == pytest.approx(weights[::-1])
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_rule_is_exact_up_to_its_degree_and_no_further(layout: NodeLayout) -> None:
+    places, weights = side_rule(layout, 3)
+    assert len(side_rule(layout, 4)[0]) == NODES[layout]
+    error = [abs(weights @ places**k - 1.0 / (k + 1)) for k in range(6)]
+    assert max(error[: EXACT[layout] + 1]) < 1e-14
+    assert error[EXACT[layout] + 1] > 1e-5
+
+
+@pytest.mark.parametrize("more", [0.0, 2e-9, 5e-8, -2e-9])
+def test_digits_of_a_size_that_nobody_means_make_no_more_cells(more: float) -> None:
+    model = assemble(Joint(3, a=0.06 + more), 0.02)
+    assert cell_counts(model.faces, 0.02)[:, 0].max() == 3
+
+
+def test_a_size_that_is_longer_by_more_makes_more_cells() -> None:
+    model = assemble(Joint(3, a=0.0601), 0.02)
+    assert cell_counts(model.faces, 0.02)[:, 0].max() == 4
+
+
+@pytest.mark.parametrize("more", [0.0, 2e-9])
+def test_one_row_of_nodes_is_refused_whatever_the_last_digits(more: float) -> None:
+    with pytest.raises(ValueError, match=r"mesh: must be .* less than 0\.05\d* m.*got 0\.05 m"):
+        assemble(Joint(3, b=0.05 + more), 0.05, NodeLayout.VERTICES)
+
+
+def test_one_cell_of_lobatto_points_is_enough() -> None:
+    model = assemble(Joint(3), 0.05)
+    assert cell_counts(model.faces, 0.05)[:, 1].max() == 1
+    with pytest.raises(ValueError, match=r"at most 0\.05 m, .* \(got 0\.051 m\)"):
+        assemble(Joint(3), 0.051)
+
+
+@pytest.mark.parametrize("layout", [NodeLayout.VERTICES, NodeLayout.LOBATTO])
+def test_every_corner_of_a_face_has_a_node(layout: NodeLayout) -> None:
+    model = assemble(Joint(3), 0.02, layout)
+    for number, face in enumerate(model.faces):
+        own = model.nodes.position[model.nodes.face == number]
+        for corner in (face.low, face.high):
+            assert np.abs(own - corner).sum(axis=1).min() < 1e-12
+
+
+@given(st.sampled_from(LAYOUTS), st.floats(0.004, 0.045))
+def test_the_nodes_of_a_face_have_its_area_and_its_middle(layout: NodeLayout, mesh: float) -> None:
+    model = assemble(Joint(2), mesh, layout)
+    for number, face in enumerate(model.faces):
+        own = model.nodes.face == number
+        assert model.nodes.area[own].sum() == pytest.approx(face.area)
+        middle = np.average(model.nodes.position[own], axis=0, weights=model.nodes.area[own])
+        assert middle == pytest.approx((np.array(face.low) + face.high) / 2)
+        assert np.ptp(model.nodes.position[own], axis=0)[face.axis] == 0.0
+
+
+def test_no_cell_is_longer_than_the_mesh() -> None:
+    faces = assemble(Joint(3), 0.02).faces
+    for face, counts in zip(faces, cell_counts(faces, 0.02), strict=True):
+        sides = np.subtract(face.high, face.low)
+        assert np.all(sides / counts <= 0.02 * (1 + 1e-9))
+        assert counts[face.axis] == 1
+    assert len(contact_nodes(faces, 0.02, NodeLayout.CENTRES).area) == sum(
+        x * y * z for x, y, z in cell_counts(faces, 0.02)
+    )
+
+
+@pytest.mark.parametrize("locks", [3, 5])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf])
+def test_lobatto_nodes_find_the_first_failure_on_a_coarse_mesh(
+    locks: int, eccentricity: float
+) -> None:
+    joint = Joint(locks)
+    coarse, fine = (
+        solved(joint, mesh, NodeLayout.LOBATTO, eccentricity).first_failure_load
+        for mesh in (0.02, 0.0025)
+    )
+    assert coarse == pytest.approx(fine, rel=5e-3)
+
+
+@pytest.mark.parametrize(
+    ("layout", "order"), [(NodeLayout.CENTRES, 1.0), (NodeLayout.VERTICES, 2.0)]
+)
+def test_the_first_failure_under_torque_converges_at_the_order_of_the_layout(
+    layout: NodeLayout, order: float
+) -> None:
+    joint = Joint(3)
+    limit = solved(joint, 0.0025, NodeLayout.LOBATTO, math.inf).first_failure_load
+    meshes = (0.02, 0.01, 0.005)
+    errors = [
+        solved(joint, mesh, layout, math.inf).first_failure_load / limit - 1.0 for mesh in meshes
+    ]
+    found = -np.polyfit(np.log(1.0 / np.array(meshes)), np.log(errors), 1)[0]
+    assert found == pytest.approx(order, abs=0.3)
+    assert min(errors) > 0.0  # from above: unsafe

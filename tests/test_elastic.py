@@ -1,0 +1,255 @@
+"""Joints of elastic pieces: the rigid ones' limit, exact cases, energy and convergence."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    Elastic,
+    FaceMaterial,
+    Floats,
+    Kind,
+    Loads,
+    NodeLayout,
+    Piece,
+    SideLoad,
+    self_weight,
+    shared_face,
+)
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.contact_nodes import contact_nodes
+from sidmacib.mechanics.elastic.solver import ElasticSolver
+from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import solver_of, static_peak
+from sidmacib.pieces import assemble
+
+YOUNG = 1e10
+LAYOUTS = list(NodeLayout)
+BODIES = [UpperBody.COLUMNS, UpperBody.MONOLITHIC]
+
+
+def posed(
+    joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float, push: Push = Push.PLUS_Y
+) -> tuple[Assembly, Loads]:
+    model = assemble(joint, mesh, nodes)
+    return model, lateral_load(joint, model, Loading(Direction(eccentricity), push=push))
+
+
+def solved(
+    joint: Joint, mesh: float, nodes: NodeLayout, eccentricity: float = 0.0
+) -> StaticSolution:
+    return static_peak(*posed(joint, mesh, nodes, eccentricity))
+
+
+def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMNS) -> Joint:
+    return Joint(locks, upper_body=body, elastic=Elastic(young))
+
+
+# --- the limit of stiff blocks -------------------------------------------------------------------
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+def test_stiff_blocks_are_rigid_ones(
+    layout: NodeLayout, body: UpperBody, eccentricity: float
+) -> None:
+    stiff = solved(elastic(3, 1e15, body), 0.03, layout, eccentricity)
+    rigid = solved(Joint(3, upper_body=body), 0.03, layout, eccentricity)
+    assert stiff.first_failure_load == pytest.approx(rigid.first_failure_load, rel=1e-3)
+    assert stiff.peak.load == pytest.approx(rigid.peak.load, rel=1e-3)
+    assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=1e-3)
+
+
+def test_a_joint_moves_further_and_fails_earlier_the_softer_its_block() -> None:
+    moduli = (1e12, 1e11, 1e10, 3e9)
+    found = [solved(elastic(3, young), 0.03, NodeLayout.LOBATTO) for young in moduli]
+    loads = [each.first_failure_load for each in found]
+    give = [each.path[1].displacement / each.path[1].load for each in found]
+    assert loads == sorted(loads, reverse=True)
+    assert give == sorted(give)
+
+
+# --- exact cases ---------------------------------------------------------------------------------
+def bonded_block(layout: NodeLayout, young: float, poisson: float) -> Assembly:
+    """One elastic block on a fixed one, across an inner face."""
+    pieces = (
+        Piece("ground", (-0.03, 0.0, -0.02), (0.03, 0.05, 0.0), 1.0, fixed=True),
+        Piece("block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=Elastic(young, poisson)),
+    )
+    material = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
+    faces = (shared_face("face", Kind.INNER, material, pieces, (0, 1)),)
+    nodes = contact_nodes(faces, 0.02, layout)
+    return Assembly(pieces, faces, nodes, 0.06, mesh=0.02, layout=layout)
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_uniform_tension_passes_the_patch_test(layout: NodeLayout) -> None:
+    model = bonded_block(layout, YOUNG, poisson=0.0)
+    variable = np.zeros((2, 6))
+    variable[1, 2] = 1.0
+    loads = Loads(
+        np.zeros((2, 6)),
+        variable,
+        100.0,
+        sides=(SideLoad(1, 2, True, (0.0, 0.0, 1.0, 0.0, 0.0, 0.0)),),
+    )
+    found = ElasticSolver(model, loads).solve(100.0, *_fresh(model, loads))
+    area = 0.06 * 0.05
+    stress = -found.force[:, 0] / model.nodes.area
+    assert stress == pytest.approx(np.full(len(stress), 100.0 / area), rel=1e-9)
+    assert np.abs(found.force[:, 1:]).max() < 1e-9 * 100.0
+    # The face's springs and the block's whole height, in series.
+    assert found.displacement == pytest.approx(100.0 / area * (1e-10 + 0.04 / YOUNG), rel=1e-9)
+
+
+def _fresh(model: Assembly, loads: Loads) -> tuple[Floats, NodeState]:
+    start = solver_of(model, loads).start()
+    return start.unknowns, start.state
+
+
+def test_weight_alone_presses_by_the_weight() -> None:
+    model = bonded_block(NodeLayout.LOBATTO, YOUNG, 0.2)
+    loads = Loads(self_weight(model.pieces), np.zeros((2, 6)), 100.0)
+    found = ElasticSolver(model, loads).start()
+    assert found.force[:, 0].sum() == pytest.approx(9.81)
+
+
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
+def test_the_work_of_the_load_is_stored_while_all_nodes_hold(
+    body: UpperBody, eccentricity: float
+) -> None:
+    """Clapeyron: load times displacement is twice the energy of springs and elements."""
+    joint = replace(elastic(3, body=body), density=0.0, dry=replace(Joint(3).dry, friction=1e6))
+    displacement, springs = solved_displacement(joint, YOUNG, eccentricity)
+    whole = 10.0 * displacement
+    assert 0.2 * whole < springs < whole
+    # Blocks ten times as stiff store a tenth at the same forces, to first order in 1 / E.
+    stiffer = [solved_displacement(joint, young, eccentricity) for young in (1e13, 1e14)]
+    rest = [10.0 * moved - stored for moved, stored in stiffer]
+    assert rest[0] == pytest.approx(10.0 * rest[1], rel=0.02)
+    assert min(rest) > 0.0
+
+
+def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tuple[float, float]:
+    """Displacement of the load at 10 N, and twice the energy in the springs."""
+    own = replace(joint, elastic=Elastic(young))
+    model, loads = posed(own, 0.03, NodeLayout.LOBATTO, eccentricity)
+    everything = tuple(replace(face, kind=Kind.INNER) for face in model.faces)
+    solver = ElasticSolver(replace(model, faces=everything), loads)
+    found = solver.solve(10.0, solver.start().unknowns, solver.start().state)
+    contact_law = solver.contact_law
+    stiffness = np.column_stack(
+        [contact_law.normal_stiffness, contact_law.shear_stiffness, contact_law.shear_stiffness]
+    )
+    return found.displacement, float((found.force**2 / stiffness).sum())
+
+
+# --- properties ----------------------------------------------------------------------------------
+@hypothesis_settings(max_examples=12)
+@given(
+    st.integers(3, 4),
+    st.sampled_from([NodeLayout.CENTRES, NodeLayout.VERTICES]),
+    st.sampled_from(list(UpperBody)),
+    st.floats(9.0, 12.0),
+    st.sampled_from([0.0, 0.2, 1.0, math.inf]),
+    st.sampled_from(Push),
+)
+def test_every_piece_is_in_equilibrium_at_the_peak(
+    locks: int,
+    layout: NodeLayout,
+    body: UpperBody,
+    exponent: float,
+    eccentricity: float,
+    push: Push,
+) -> None:
+    joint = elastic(locks, 10.0**exponent, body)
+    model, loads = posed(joint, 0.03, layout, eccentricity, push)
+    peak = static_peak(model, loads).peak
+    assert unbalanced_share(model, loads, peak.load, peak.force) < 1e-6
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_capacity_scales_with_strength_and_stiffness_alike(factor: float) -> None:
+    """Forces scale with strengths, stiffnesses and weight; displacements stay."""
+
+    def scaled(material: FaceMaterial) -> FaceMaterial:
+        return FaceMaterial(
+            factor * material.normal_stiffness,
+            factor * material.shear_stiffness,
+            material.friction,
+            factor * material.cohesion,
+            factor * material.tensile_strength,
+        )
+
+    joint = elastic(3)
+    other = replace(
+        joint,
+        inner=scaled(joint.inner),
+        dry=scaled(joint.dry),
+        density=factor * joint.density,
+        elastic=Elastic(factor * YOUNG),
+    )
+    one, two = (solved(each, 0.03, NodeLayout.LOBATTO, 0.5) for each in (joint, other))
+    assert two.peak.load == pytest.approx(factor * one.peak.load, rel=1e-6)
+    assert two.peak.displacement == pytest.approx(one.peak.displacement, rel=1e-6)
+
+
+def test_pushing_a_symmetric_joint_the_other_way_is_the_same() -> None:
+    joint = elastic(3)
+    one, two = (
+        static_peak(*posed(joint, 0.03, NodeLayout.LOBATTO, 0.0, push)).peak.load for push in Push
+    )
+    assert one == pytest.approx(two, rel=1e-9)
+
+
+# --- elements ------------------------------------------------------------------------------------
+@pytest.mark.parametrize("body", BODIES)
+def test_the_first_failure_converges_with_the_elements(body: UpperBody) -> None:
+    joint = elastic(3, body=body)
+    quadratic = [solved_first(joint, mesh, NodeLayout.LOBATTO) for mesh in (0.03, 0.02, 0.015)]
+    limit = quadratic[-1]
+    assert quadratic == pytest.approx([limit] * 3, rel=5e-3)
+    meshes = np.array([0.03, 0.015, 0.01])
+    linear = np.array([solved_first(joint, mesh, NodeLayout.VERTICES) for mesh in meshes])
+    errors = np.abs(linear / limit - 1.0)
+    assert np.all(np.diff(errors) < 0.0)
+    assert errors[-1] < 6e-3
+
+
+def solved_first(joint: Joint, mesh: float, layout: NodeLayout) -> float:
+    return solved(joint, mesh, layout).first_failure_load
+
+
+@pytest.mark.parametrize(
+    ("locks", "body", "told"),
+    [
+        (3, UpperBody.MONOLITHIC, 234.0),
+        (5, UpperBody.MONOLITHIC, 445.0),
+        (3, UpperBody.COLUMNS, 234.0),
+        (5, UpperBody.COLUMNS, 386.0),
+    ],
+)
+def test_means_over_cells_fail_where_another_program_found_it(
+    locks: int, body: UpperBody, told: float
+) -> None:
+    """Loads (N) in pure shear at mesh 0.02 m, of hexahedra of another make."""
+    found = solved(elastic(locks, body=body), 0.02, NodeLayout.CENTRES)
+    assert found.first_failure_load == pytest.approx(told, rel=0.03)
+
+
+def test_joined_columns_are_as_stiff_as_one_piece() -> None:
+    for block in (None, Elastic(YOUNG)):
+        joined, whole = (
+            solved(Joint(5, upper_body=body, elastic=block), 0.02, NodeLayout.VERTICES)
+            for body in (UpperBody.JOINED, UpperBody.MONOLITHIC)
+        )
+        assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)
