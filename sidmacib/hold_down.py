@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import islice
 from typing import Any
 
 from sidmacib.quantities import Number, shown
@@ -57,10 +58,9 @@ class HoldDown:
                     return cls(Hold(kind), AMOUNTS[Hold(kind)].read(amount))
                 except ValueError as error:
                     raise ValueError(f"{kind}: {error}") from None
-        keys = f"a mapping of {', '.join(map(shown, value))}" if _filled(value) else shown(value)
         names = ", ".join(kind for kind in Hold if kind not in AMOUNTS)
         amounts = " or ".join(f"{{{kind}: a number ({x.unit})}}" for kind, x in AMOUNTS.items())
-        raise ValueError(f"{keys} is not allowed; it must be {names}, {amounts}")
+        raise ValueError(f"{_shown(value)} is not allowed; it must be {names}, {amounts}")
 
     @property
     def spelled(self) -> str | dict[str, float]:
@@ -95,5 +95,8 @@ class HoldDown:
         return self.amount * area if self.kind is Hold.PRESSURE else self.amount
 
 
-def _filled(value: Any) -> bool:
-    return isinstance(value, Mapping) and len(value) > 0
+def _shown(value: Any) -> str:
+    """``value`` in a message; of a mapping its first keys."""
+    if isinstance(value, Mapping) and value:
+        return f"a mapping of {', '.join(map(shown, islice(value, 5)))}"
+    return shown(value)
