@@ -24,7 +24,7 @@ from analysis.published import Published
 from workflow.configuration import ConfigError
 from workflow.models import MODELS, Ability
 from workflow.schema import Study
-from workflow.schema.geometry import GeometrySection as Geometry
+from workflow.schema.joint import GeometrySection as Geometry
 
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005

@@ -1,9 +1,13 @@
 """What holds the joint down, against rocking."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import islice
+from typing import Any
 
-from sidmacib.validation import refused, require_member, require_not_negative
+from sidmacib.quantities import Number, shown
+from sidmacib.validation import require_member
 
 
 class Hold(StrEnum):
@@ -13,6 +17,13 @@ class Hold(StrEnum):
     FORCE = "force"  # given, whatever the upper block does
     PRESSURE = "pressure"  # the same, per area of the upper block's top
     WEIGHT = "weight"  # nothing but self-weight
+
+
+AMOUNTS = {
+    Hold.FORCE: Number(at_least=0, unit="N"),
+    Hold.PRESSURE: Number(at_least=0, unit="Pa"),
+}
+_NOTHING = Number(at_least=0, at_most=0)  # amount of a plate or of nothing
 
 
 @dataclass(frozen=True)
@@ -28,9 +39,34 @@ class HoldDown:
 
     def __post_init__(self) -> None:
         require_member(Hold, hold_down=self.kind)
-        require_not_negative(**{f"hold_down {self.kind}": self.amount})
-        if self.amount and self.kind in (Hold.PLATE, Hold.WEIGHT):
-            raise refused(f"hold_down {self.kind}", self.amount, "0: it has no amount")
+        AMOUNTS.get(self.kind, _NOTHING).require(f"hold_down {self.kind}", self.amount)
+
+    @classmethod
+    def read(cls, value: Any) -> "HoldDown":
+        """The hold-down that a file spells: a name, or the amount by name, such as {force: 2000}.
+
+        ValueError for anything else.
+        """
+        if isinstance(value, HoldDown):
+            return value
+        if isinstance(value, str) and value in (Hold.PLATE, Hold.WEIGHT):
+            return cls(Hold(value))
+        if isinstance(value, Mapping) and len(value) == 1:
+            ((kind, amount),) = value.items()
+            if kind in AMOUNTS:
+                try:
+                    return cls(Hold(kind), AMOUNTS[Hold(kind)].read(amount))
+                except ValueError as error:
+                    raise ValueError(f"{kind}: {error}") from None
+        names = ", ".join(kind for kind in Hold if kind not in AMOUNTS)
+        amounts = " or ".join(f"{{{kind}: a number ({x.unit})}}" for kind, x in AMOUNTS.items())
+        raise ValueError(f"{_shown(value)} is not allowed; it must be {names}, {amounts}")
+
+    @property
+    def spelled(self) -> str | dict[str, float]:
+        """What `read` takes."""
+        kind = str(self.kind)
+        return {kind: self.amount} if self.kind in AMOUNTS else kind
 
     @classmethod
     def plate(cls) -> "HoldDown":
@@ -57,3 +93,10 @@ class HoldDown:
         if self.kind is Hold.PLATE:
             return None
         return self.amount * area if self.kind is Hold.PRESSURE else self.amount
+
+
+def _shown(value: Any) -> str:
+    """``value`` in a message; of a mapping its first keys."""
+    if isinstance(value, Mapping) and value:
+        return f"a mapping of {', '.join(map(shown, islice(value, 5)))}"
+    return shown(value)

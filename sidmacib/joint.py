@@ -13,16 +13,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
+from sidmacib.fields import require_kinds
 from sidmacib.hold_down import HoldDown
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
-from sidmacib.validation import (
-    is_number,
-    refused,
-    require_member,
-    require_not_negative,
-    require_positive,
-    require_whole,
-)
+from sidmacib.quantities import Count, Density, Length
+from sidmacib.validation import is_number, refused
 
 
 class UpperBody(StrEnum):
@@ -53,17 +48,12 @@ class OwnLock:
     block. ValueError as for a `Joint`.
     """
 
-    width: float | None = None
-    density: float | None = None
+    width: Length | None = None
+    density: Density | None = None
     inner: FaceMaterial | None = None
 
     def __post_init__(self) -> None:
-        if self.width is not None:
-            require_positive(width=self.width)
-        if self.density is not None:
-            require_not_negative(density=self.density)
-        if not isinstance(self.inner, FaceMaterial | None):
-            raise refused("inner", self.inner, "a FaceMaterial")
+        require_kinds(self)
 
 
 PLAIN = OwnLock()
@@ -81,16 +71,16 @@ class Joint:
     belongs to the block ``first``, and the locks belong to the blocks in turn. ``different``: what
     some locks have of their own, by number; it is kept as pairs in the order of the numbers.
     ``hold_down``: what acts on the upper block's top. ``elastic``: the material of pieces that
-    deform; they are rigid if it is None. ValueError for anything but at least one lock, sizes above
-    0, a density that is not negative, and locks of their own that there are.
+    deform; they are rigid if it is None. ValueError for a number out of its range, and for a lock
+    of its own that there is not.
     """
 
-    locks: int
-    a: float = 0.06
-    b: float = 0.05
-    h: float = 0.008
-    H: float = 0.027
-    density: float = 1400.0
+    locks: Count
+    a: Length = 0.06
+    b: Length = 0.05
+    h: Length = 0.008
+    H: Length = 0.027
+    density: Density = 1400.0
     inner: FaceMaterial = INNER
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
@@ -101,20 +91,8 @@ class Joint:
     elastic: Elastic | None = None
 
     def __post_init__(self) -> None:
-        require_whole(1, locks=self.locks)
-        require_positive(a=self.a, b=self.b, h=self.h, H=self.H)
-        require_not_negative(density=self.density)
-        for name in ("inner", "dry"):
-            if not isinstance(getattr(self, name), FaceMaterial):
-                raise refused(name, getattr(self, name), "a FaceMaterial")
-        require_member(Failure, failure=self.failure)
-        require_member(UpperBody, upper_body=self.upper_body)
-        require_member(Block, first=self.first)
-        if not isinstance(self.hold_down, HoldDown):
-            raise refused("hold_down", self.hold_down, "a HoldDown")
+        require_kinds(self)
         object.__setattr__(self, "different", _in_order(self.different, self.locks))
-        if not isinstance(self.elastic, Elastic | None):
-            raise refused("elastic", self.elastic, "an Elastic, or None for rigid pieces")
 
     @property
     def T0(self) -> float:

@@ -44,4 +44,4 @@ def refused(name: str, value: Any, allowed: str) -> ValueError:
     """The error for a ``value`` other than what is ``allowed``."""
     # As Python's own numbers: the repr of numpy's names their type.
     shown = value.item() if is_number(value) and hasattr(value, "item") else value
-    return ValueError(f"{name}: {shown!r} is not possible; it must be {allowed}")
+    return ValueError(f"{name}: {shown!r} is not allowed; it must be {allowed}")

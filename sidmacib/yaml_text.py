@@ -1,25 +1,25 @@
-"""Read YAML text as plain values, from any bytes at all: every fault is one line with its place.
+"""Read YAML text as plain values: any bytes give a value or one line with the place of the fault.
 
-Scalars are read by YAML 1.2's core schema: 6e-2 is a number, while ``no`` and dates are text. Keys
-are always text. Duplicate keys, tags, and aliases that grow beyond bounds are refused: the usual
-loaders silently keep the last of two keys, and follow aliases without end.
+Scalars are read as in YAML 1.2's core schema, but in decimals only: 6e-2 is a number, while ``no``,
+010 and dates are text. Keys are always text. Duplicate keys, tags, and aliases that grow beyond
+bounds are refused: PyYAML's loaders keep the last of two keys and follow aliases without end, and
+ruamel.yaml (YAML 1.2) takes 010, 0x10 and 1_000 for numbers.
 """
 
 import math
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from sidmacib.quantities import number_in
+
 # One reader for the workflow's configuration and for the command's joints.
 MAX_BYTES = 4_000_000
 MAX_DEPTH = 20
 MAX_VALUES = 200_000
 
-_NUMBER = re.compile(r"[-+]?(\.[0-9]+|(0|[1-9][0-9]*)(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]{0,30})")
 _WORDS = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -33,14 +33,6 @@ _Loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times as fast, wh
 
 class TextError(ValueError):
     """The text is not one YAML document of plain values; the message is one line."""
-
-
-def number_in(text: str) -> int | float | None:
-    """The decimal number that ``text`` spells; None if it spells none, or one too large."""
-    if _WHOLE.fullmatch(text):
-        return int(text)
-    number = float(text) if _NUMBER.fullmatch(text) else math.inf
-    return number if math.isfinite(number) else None
 
 
 def read_yaml(path: Path) -> Any:
@@ -73,14 +65,14 @@ def parsed(data: bytes) -> Any:
     try:
         return _Reader(yaml.parse(text, Loader=_Loader)).document()
     except yaml.MarkedYAMLError as error:
-        raise TextError(_told(error, text)) from None
+        raise TextError(_syntax_fault(error, text)) from None
     except yaml.YAMLError as error:  # characters that no text has, such as NUL
         place = getattr(error, "position", 0)
         line = text[:place].count("\n") + 1
         raise TextError(f"line {line}: not text; it holds a control character") from None
 
 
-def _told(error: yaml.MarkedYAMLError, text: str) -> str:
+def _syntax_fault(error: yaml.MarkedYAMLError, text: str) -> str:
     mark = error.problem_mark or error.context_mark
     number = mark.line if mark else 0
     lines = text.splitlines()

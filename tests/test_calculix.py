@@ -20,7 +20,7 @@ from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
-from workflow.engines.render import _material_names, assembly_data, script, told_law
+from workflow.engines.render import _material_names, assembly_data, engine_material, script
 from workflow.engines.run import refusal
 from workflow.engines.scripts.assembly import (
     Assembly,
@@ -57,7 +57,9 @@ def loaded(
 def as_read(assembly: Discretised, loads: Loads) -> Assembly:
     """What a script reads of it."""
     data = assembly_data(assembly, loads)
-    laws = {name: Material(**told_law(law)) for law, name in _material_names(assembly).items()}
+    laws = {
+        name: Material(**engine_material(law)) for law, name in _material_names(assembly).items()
+    }
     return Assembly(
         [Piece(**piece) for piece in data["pieces"]],
         [Face(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],

@@ -38,7 +38,7 @@ def test_capacity_tells_what_the_library_does() -> None:
 def test_a_joint_that_no_model_takes_ends_with_an_error() -> None:
     found = run("capacity", "-n", "9", "-H", "60", "-m", "law", "-m", "safe")
     assert found.exit_code == 1
-    assert "H / b: 1200 is not possible" in found.output
+    assert "H / b: 1200 is not allowed" in found.output
     assert "H: 60 m is very large; is it in m?" in found.stderr
 
 
@@ -91,17 +91,13 @@ TOLD = [
 ]
 
 
-@pytest.mark.parametrize(("flag", "default"), TOLD)
-def test_what_help_calls_the_default_is_the_default(flag: str, default: str) -> None:
-    plain = answers("capacity", "-m", "law", "--young", "1e11")
-    if default == "rigid":
-        assert plain != answers("capacity", "-m", "law")
-    else:
-        assert plain == answers("capacity", "-m", "law", "--young", "1e11", flag, default)
-
-
-def test_most_flags_have_a_default() -> None:
-    assert len(TOLD) > 10
+def test_what_help_calls_the_default_is_the_default() -> None:
+    flags = dict(TOLD)
+    assert len(flags) > 15
+    assert flags.pop("--young") == "rigid"
+    given = [word for pair in flags.items() for word in pair]
+    bends = ("capacity", "-m", "law", "--young", "1e11")
+    assert answers(*bends, *given) == answers(*bends) != answers("capacity", "-m", "law")
 
 
 def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> None:
@@ -203,7 +199,7 @@ def test_a_joint_without_cohesion_has_an_answer_or_a_clear_no(
 def test_weights_are_over_the_cohesion() -> None:
     found = run("weights", "-n", "3", "--cohesion", "0")
     assert found.exit_code == 1
-    assert "cohesion of lock 1: 0.0 is not possible; it must be a finite number above 0" in (
+    assert "cohesion of lock 1: 0.0 is not allowed; it must be a finite number above 0" in (
         found.output
     )
 
@@ -236,18 +232,17 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (("capacity", "-n", "0"), "--locks: 0 is not possible; it must be a whole number"),
-        (("capacity", "-a", "-1"), "-a: -1.0 is not possible"),
-        (("capacity", "-H", "nan"), "-H: nan is not possible"),
-        (("capacity", "--friction", "-1"), "--friction: -1.0 is not possible"),
-        (("capacity", "--young", "0"), "--young: 0.0 is not possible"),
+        (("capacity", "-a", "-1"), "-a: -1.0 is not allowed; it must be greater than 0 (m)"),
         (("capacity", "-e", "x"), "neither a number (e / a) nor torsion"),
         (("capacity", "--hold-down", "rope"), "'rope' is not one of plate, weight"),
         (("capacity", "-m", "magic"), "'magic' is not one of 'safe'"),
         (("capacity", "--poisson", "0.7"), "--poisson: 0.7 has no effect on rigid pieces"),
-        (("capacity", "--young", "1e10", "--poisson", "0.7"), "--poisson: 0.7 is not possible"),
-        (("capacity", "--dry-stiffness", "-1"), "--dry-stiffness: -1.0 is not possible"),
-        (("capacity", "-n", "100000"), "--locks: 100000 is not possible; it must be at most 300"),
+        (("capacity", "--young", "1e10", "--poisson", "0.7"), "--poisson: 0.7 is not allowed"),
+        (("capacity", "--dry-stiffness", "-1"), "--dry-stiffness: -1.0 is not allowed"),
+        (
+            ("capacity", "-n", "100000"),
+            "--locks: 100000 is not allowed; it must be a whole number from 1",
+        ),
         (("weights", "-e", ".2", "-e", ".3"), "-e is given more than once; it must be given once"),
         (("law", "-n", "3", "--locks", "5"), "-n is given more than once"),
         (("envelope", "--picture", "x.unknown"), "--picture x.unknown"),

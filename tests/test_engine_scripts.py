@@ -19,7 +19,7 @@ from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
-from workflow.engines.render import assembly_data, told_law
+from workflow.engines.render import assembly_data, engine_material
 from workflow.engines.scripts import assembly as scripts
 from workflow.engines.scripts.flatness import (
     STILL,
@@ -52,7 +52,7 @@ def as_read(assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path) -> 
     names = {
         row["material"]: f.material for row, f in zip(data["faces"], assembly.faces, strict=True)
     }
-    materials = {name: told_law(law) for name, law in names.items()}
+    materials = {name: engine_material(law) for name, law in names.items()}
     return scripts.read_assembly(str(tmp / "data.json"), materials)
 
 

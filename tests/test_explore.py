@@ -8,29 +8,29 @@ from hypothesis import strategies as st
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
-    Playing,
+    Settings,
     as_configuration,
     as_python,
     as_query,
+    checked,
     from_query,
-    understood,
 )
 from sidmacib.joint import Direction
 from sidmacib.rule.law import law
 from workflow.configuration import read_study
 
 STATES = (
-    Playing(),
-    Playing(locks=9, H=60.0, one_piece=True, young=10.0),
-    Playing(locks=4, friction=0.0, pressure=50.0, eccentricity=0.0),
+    Settings(),
+    Settings(locks=9, H=60.0, one_piece=True, young=10.0),
+    Settings(locks=4, friction=0.0, pressure=50.0, eccentricity=0.0),
 )
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_a_link_brings_the_joint_back(state: Playing) -> None:
+def test_a_link_brings_the_joint_back(state: Settings) -> None:
     found = from_query("?" + as_query(state))
     assert found.state == state
-    assert found.told == ()
+    assert found.notes == ()
 
 
 @given(st.text(max_size=60))
@@ -40,8 +40,8 @@ def test_whatever_a_link_says_there_is_a_joint(query: str) -> None:
 
 def test_what_is_not_possible_in_a_link_is_told_and_brought_to_the_sliders() -> None:
     found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2")
-    assert found.state == Playing(a=15.0, b=100.0)
-    assert found.told == (
+    assert found.state == Settings(a=15.0, b=100.0)
+    assert found.notes == (
         "a: -5 is outside 15 to 150; 15 is shown.",
         "b: inf is outside 20 to 100; 100 is shown.",
         "locks: 'zero' is not a number; 5 is shown.",
@@ -52,7 +52,7 @@ def test_what_is_not_possible_in_a_link_is_told_and_brought_to_the_sliders() -> 
 
 @given(st.fixed_dictionaries({name: st.floats() for name in SLIDERS}))
 def test_whatever_is_posted_lies_on_the_sliders(values: dict[str, float]) -> None:
-    found = understood(values).state
+    found = checked(values).state
     assert found.joint
     for name, value in found.values.items():
         slider = SLIDERS[name]
@@ -61,7 +61,7 @@ def test_whatever_is_posted_lies_on_the_sliders(values: dict[str, float]) -> Non
 
 
 @pytest.mark.parametrize("state", STATES)
-def test_the_configuration_is_a_study_of_the_same_joint(state: Playing) -> None:
+def test_the_configuration_is_a_study_of_the_same_joint(state: Settings) -> None:
     study = read_study(yaml.safe_load(as_configuration(state).replace("e+", "e")))
     joint, own = study.joint("mine"), state.joint
     for name in ("locks", "a", "b", "h", "H", "upper_body", "hold_down", "elastic"):
@@ -72,7 +72,7 @@ def test_the_configuration_is_a_study_of_the_same_joint(state: Playing) -> None:
 
 @pytest.mark.parametrize("state", STATES)
 def test_the_python_prints_the_law_of_the_same_joint(
-    state: Playing, capsys: pytest.CaptureFixture[str]
+    state: Settings, capsys: pytest.CaptureFixture[str]
 ) -> None:
     exec(as_python(state), {})
     expected = law(state.joint, Direction(state.eccentricity)).load
@@ -80,7 +80,7 @@ def test_the_python_prints_the_law_of_the_same_joint(
 
 
 def test_a_joint_beyond_the_rule_is_told_and_drawn() -> None:
-    state = Playing(a=150.0, b=20.0)
+    state = Settings(a=150.0, b=20.0)
     told = answers(state)
     assert told.rules == {}
     assert "No safe rule: a / b: 7.5" in told.words
@@ -89,18 +89,18 @@ def test_a_joint_beyond_the_rule_is_told_and_drawn() -> None:
 
 
 def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
-    state = Playing(locks=9, young=10.0, b=20.0, h=40.0)
+    state = Settings(locks=9, young=10.0, b=20.0, h=40.0)
     told = answers(state)
     assert told.peak is None
     assert told.words.startswith(
         "9 locks, e = 0.3 a: no first failure is known. No safe rule: h / b"
     )
     assert pictures(state, told)["curve"]["shear"] == []
-    assert answers(Playing(locks=9, young=10.0)).peak is not None
+    assert answers(Settings(locks=9, young=10.0)).peak is not None
 
 
 def test_the_drawing_has_every_piece() -> None:
-    states = (Playing(locks=4, one_piece=one) for one in (False, True))
+    states = (Settings(locks=4, one_piece=one) for one in (False, True))
     columns, whole = (pictures(state, answers(state))["pieces"] for state in states)
     assert len(columns) == 1 + 4 + 4
     assert len(whole) == 1 + 4 + 1
@@ -108,7 +108,7 @@ def test_the_drawing_has_every_piece() -> None:
 
 
 def test_what_is_shown_is_of_one_joint() -> None:
-    state = Playing(locks=7, eccentricity=0.5)
+    state = Settings(locks=7, eccentricity=0.5)
     told = answers(state)
     shown = pictures(state, told)
     assert told.words.startswith("7 locks, e = 0.5 a: peak at V = ")
@@ -119,15 +119,15 @@ def test_what_is_shown_is_of_one_joint() -> None:
 
 
 def test_peaks_fall_with_the_eccentricity() -> None:
-    shears = [peak(Playing().joint, ratio).shear for ratio in (0.0, 0.1, 0.3, 1.0)]
+    shears = [peak(Settings().joint, ratio).shear for ratio in (0.0, 0.1, 0.3, 1.0)]
     assert shears == sorted(shears, reverse=True)
 
 
 def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_too_far() -> None:
-    def legend(state: Playing) -> str:
+    def legend(state: Settings) -> str:
         return spread_words(state.joint, state.eccentricity)
 
-    assert legend(Playing(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
-    far = legend(Playing(locks=13, eccentricity=1.0))
+    assert legend(Settings(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
+    far = legend(Settings(locks=13, eccentricity=1.0))
     assert "peaks spread by 5 % or more: count on the first failure, V = 101" in far
-    assert legend(Playing(young=10.0)) == ""
+    assert legend(Settings(young=10.0)) == ""

@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 from analysis.explore import app
 from analysis.explore.pictures import Answers
-from analysis.explore.state import SLIDERS, Playing
+from analysis.explore.state import SLIDERS, Settings
 
 CHROMIUM = shutil.which("chromium")
 PATIENCE = 60_000  # ms, on a machine that does much else
@@ -161,7 +161,7 @@ def test_a_slow_answer_is_waited_for_in_grey(
 ) -> None:
     page, quick = opened.page, app.answers
 
-    def slow(state: Playing) -> Answers:
+    def slow(state: Settings) -> Answers:
         time.sleep(1.0)
         return quick(state)
 
@@ -210,7 +210,7 @@ def test_a_step_takes_a_fifth_of_a_second_of_one_processor(
 def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
     opened: Opened, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def broken(state: Playing) -> Answers:
+    def broken(state: Settings) -> Answers:
         raise ArithmeticError("no matrix")
 
     page = opened.page
@@ -277,9 +277,9 @@ def test_nothing_leaves_the_machine(opened: Opened, served: Served) -> None:
 def test_another_page_cannot_frame_it_or_make_it_work(
     browser: Browser, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    computed: list[Playing] = []
+    computed: list[Settings] = []
 
-    def counted(state: Playing) -> Answers:
+    def counted(state: Settings) -> Answers:
         computed.append(state)
         return Answers(None, {}, "counted")
 

@@ -12,9 +12,9 @@ from explorer import Served, explorer
 from analysis.explore import app
 from analysis.explore.desk import Desk, SupersededError
 from analysis.explore.pictures import Answers
-from analysis.explore.state import SLIDERS, Playing
+from analysis.explore.state import SLIDERS, Settings
 
-FIRST = Playing().values
+FIRST = Settings().values
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def computed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Locks of the joints that are computed; each takes a moment."""
     found: list[int] = []
 
-    def slow(state: Playing) -> Answers:
+    def slow(state: Settings) -> Answers:
         found.append(state.locks)
         time.sleep(0.2)
         return Answers(None, {}, "slow")
@@ -87,7 +87,7 @@ def test_a_post_has_only_values_of_the_sliders(
     found = served.ask(values)
     assert found.status == 200, found.text
     assert found.told["values"] == FIRST | shown
-    assert len(found.told["told"]) == len(values)
+    assert len(found.told["notes"]) == len(values)
     for name, value in found.told["values"].items():
         assert SLIDERS[name].least <= value <= SLIDERS[name].most
 
@@ -303,7 +303,7 @@ def test_a_desk_remembers_few_pages() -> None:
 def test_a_model_that_fails_does_not_keep_others_waiting(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def broken(state: Playing) -> None:
+    def broken(state: Settings) -> None:
         raise ArithmeticError("no matrix")
 
     with monkeypatch.context() as patch:

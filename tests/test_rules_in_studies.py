@@ -37,7 +37,7 @@ def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
 @pytest.mark.parametrize(
     ("change", "reason"),
     [
-        ({"samples": {"n3": {"locks": 40}}}, "locks: 40 is not possible; it must be from 2 to 31"),
+        ({"samples": {"n3": {"locks": 40}}}, "locks: 40 is not allowed; it must be from 2 to 31"),
         (
             {"assembly": {"upper_body": "joined"}},
             "assembly.upper_body: joined is not possible with law; it must be columns or",
@@ -87,7 +87,7 @@ def test_a_rule_that_refuses_a_case_says_why(tmp_path: Path) -> None:
     config.write_text("samples: {n3: {locks: 3, dry: {friction: 0.9}}}\n")
     found = case(config, None, "n3-mesh0.02-e0a", "law")
     assert found is not None
-    assert "n3-mesh0.02-e0a (law): no result: friction: 0.9 is not possible" in found
+    assert "n3-mesh0.02-e0a (law): no result: friction: 0.9 is not allowed" in found
 
 
 def test_a_case_that_no_rule_has_is_refused_with_what_is_near(tmp_path: Path) -> None:

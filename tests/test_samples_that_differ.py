@@ -24,7 +24,7 @@ from workflow.configuration import read_study
 from workflow.models import detailed
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
-from workflow.schema.geometry import PartSection
+from workflow.schema.joint import PartSection
 from workflow.threedec import decks
 
 pytestmark = pytest.mark.study

@@ -19,9 +19,16 @@ from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
 from workflow.engines.numerics import Numerics
 from workflow.schema import Study
-from workflow.schema.geometry import GeometrySection, LockSection, SampleSection
-from workflow.schema.materials import DryChanges, DryFaceSection, InnerChanges, InnerFaceSection
-from workflow.schema.numerics import NumericsChanges, NumericsSection
+from workflow.schema.dem import NumericsChanges, NumericsSection
+from workflow.schema.joint import (
+    DryChanges,
+    DryFaceSection,
+    GeometrySection,
+    InnerChanges,
+    InnerFaceSection,
+    LockSection,
+    SampleSection,
+)
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
@@ -162,7 +169,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             differing({4: {"width": 0.06}}),
-            "samples.n: different: 4 is not possible; it must be the number of a lock, 1 to 3",
+            "samples.n: different: 4 is not allowed; it must be the number of a lock, 1 to 3",
         ),
         (
             differing({"last": {"width": 0.06}}),

@@ -120,7 +120,7 @@ def test_a_rule_that_refuses_says_why_in_the_summary() -> None:
     )
     text = summary("there", tables_for(study), [0.02, 0.01])
     assert "long no answer, see below; weak V " in text
-    assert text.count("  - long: locks: 33 is not possible; it must be from 2 to 31") == 2
+    assert text.count("  - long: locks: 33 is not allowed; it must be from 2 to 31") == 2
 
 
 def test_lobatto_nodes_are_not_advised_to_a_study_that_has_them(

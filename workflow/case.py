@@ -6,11 +6,11 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from sidmacib.fields import from_plain
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
-from workflow.plain import read_plain
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 
@@ -75,7 +75,7 @@ class Case:
     def from_json(cls, text: str | bytes) -> "Case":
         """The case that `to_json` wrote; ValueError if ``text`` is anything else."""
         try:
-            return read_plain(cls, json.loads(text, parse_constant=_refused))
+            return from_plain(cls, json.loads(text, parse_constant=_refused))
         except (TypeError, RecursionError, ValueError) as error:
             raise ValueError(f"not a case: {error}") from None
 

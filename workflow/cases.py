@@ -10,6 +10,7 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
+from sidmacib.quantities import shown
 from workflow.case import REFERENCE, Case, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
@@ -18,9 +19,8 @@ from workflow.engines.numerics import Numerics
 from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
-from workflow.schema.geometry import PartSection
-from workflow.schema.numerics import NumericsChanges, NumericsSection
-from workflow.schema.values import shown
+from workflow.schema.dem import NumericsChanges, NumericsSection
+from workflow.schema.joint import PartSection
 
 MAX_CASES = 1_000_000
 CLOSED_FORM = *obtained_by(Obtained.LAW), *obtained_by(Obtained.RULE)  # models with nothing to run

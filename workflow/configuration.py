@@ -8,12 +8,13 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sidmacib.quantities import shown
 from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import faults, needs
 from workflow.engines import ENGINES
 from workflow.models import MODELS, Obtained, obtained_by
 from workflow.schema import Study
-from workflow.schema.values import shown, shown_key
+from workflow.schema.values import shown_key
 
 MAX_LINES, MAX_LINE = 20, 380
 

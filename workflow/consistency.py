@@ -1,22 +1,22 @@
 """Checks across the sections of a study, and of what it asks of the models that it names."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import LoadShare
-from sidmacib.mechanics.assembly import Failure, NodeLayout
+from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
+from sidmacib.quantities import shown
 from sidmacib.unit_warnings import unit_warnings
 from workflow.case import REFERENCE
 from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
-from workflow.schema.geometry import PartSection
-from workflow.schema.materials import InnerFaceSection
-from workflow.schema.numerics import NumericsSection
-from workflow.schema.values import shown, shown_key
+from workflow.schema.dem import NumericsSection
+from workflow.schema.joint import PartSection, changed
+from workflow.schema.values import shown_key
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
@@ -99,14 +99,14 @@ def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, .
     return tuple(found)
 
 
-def _inner_faces(study: Study, sample: str) -> Iterator[tuple[str, InnerFaceSection]]:
+def _inner_faces(study: Study, sample: str) -> Iterator[tuple[str, FaceMaterial]]:
     """The inner faces of a joint, and where they are given."""
-    own, common = study.samples[sample], study.materials.inner
-    inner = own.inner.changed(common)
+    section, common = study.samples[sample], study.materials.inner_face
+    inner = changed(common, section.inner)
     yield ("materials" if inner == common else f"samples.{sample}") + ".inner", inner
-    for number, lock in own.different.items():
-        if (changed := lock.inner.changed(inner)) != inner:
-            yield f"samples.{sample}.different.{number}.inner", changed
+    for number, lock in section.different.items():
+        if (face := changed(inner, lock.inner)) != inner:
+            yield f"samples.{sample}.different.{number}.inner", face
 
 
 def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
@@ -220,16 +220,21 @@ def _meshes(
             )
 
 
+def _names(key: str, names: Sequence[str], allowed: Sequence[str]) -> Iterator[str]:
+    """Names of models that are not ``allowed``, or appear twice."""
+    for place, name in enumerate(names):
+        if name not in allowed:
+            yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
+        elif name in names[:place]:
+            yield f"{key}: {name} appears twice; each name must appear only once"
+
+
 def _models(study: Study) -> Iterator[str]:
     for key, names, allowed in (
         ("models", study.models, (*obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW))),
         ("dem.engines", study.dem.engines, obtained_by(Obtained.ENGINE)),
     ):
-        for place, name in enumerate(names):
-            if name not in allowed:
-                yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
-            elif name in names[:place]:
-                yield f"{key}: {name} appears twice; each name must appear only once"
+        yield from _names(key, names, allowed)
     known = [name for name in study.model_names if name in MODELS]
     refusals = (
         MODELS[name].refusal(needs(study, study.assembly, sample))
@@ -251,11 +256,7 @@ def _models(study: Study) -> Iterator[str]:
 def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
     """Engines that are left out, because they are not installed, may be named too."""
     key, allowed = f"samples.{sample}.models", (*obtained_by(Obtained.ENGINE), *study.models)
-    for place, name in enumerate(own or ()):
-        if name not in allowed:
-            yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
-        elif name in (own or ())[:place]:
-            yield f"{key}: {name} appears twice; each name must appear only once"
+    yield from _names(key, own or (), allowed)
     can = detailed(name for name in study.model_names if name in MODELS)
     if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
         yield f"{key}: {_some(own)} is not enough; it must have {' or '.join(can)}"

@@ -9,6 +9,7 @@ import importlib
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 
@@ -16,8 +17,11 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Elastic, Failure
+from sidmacib.parameters import with_parameters
+from sidmacib.quantities import Count, Number, Part, Span
 
-Span = tuple[float, float]
+Limits = tuple[float, float]
+Ratios = Annotated[Limits, Span(Number(above=0))]
 DIMENSIONS = 13
 POISSON = 0.2
 
@@ -33,22 +37,22 @@ class Design:
     alike.
     """
 
-    joints: int
-    seed: int
-    failure: Failure
-    locks: tuple[int, int]
-    a_over_b: Span
-    h_over_b: Span
-    H_over_b: Span
-    shear_over_normal: Span
-    dry_over_inner: Span
-    friction: Span
-    pressure_over_cohesion: Span
-    stiffness_ratio: Span | None
-    energy_ratio: Span
-    smooth: float
-    one_piece: float
-    pressed: float
+    joints: Count
+    seed: Annotated[int, Number(at_least=0, at_most=2**31, whole=True)] = 1
+    failure: Failure = Failure.BRITTLE
+    locks: Annotated[tuple[int, int], Span(Number(at_least=2, whole=True))] = (2, 31)
+    a_over_b: Ratios = (0.5, 3.0)
+    h_over_b: Ratios = (0.06, 0.6)
+    H_over_b: Ratios = (0.3, 3.0)
+    shear_over_normal: Ratios = (0.003, 3.0)
+    dry_over_inner: Ratios = (0.03, 30.0)
+    friction: Annotated[Limits, Span(Number(at_least=0))] = (0.0, 0.8)
+    pressure_over_cohesion: Ratios = (0.03, 1.0)
+    stiffness_ratio: Ratios | None = None
+    energy_ratio: Ratios = (1.0, 1000.0)
+    smooth: Part = 0.3
+    one_piece: Part = 0.5
+    pressed: Part = 0.2
 
 
 @dataclass(frozen=True)
@@ -73,7 +77,7 @@ def designed(design: Design, base: Joint, start: int, stop: int) -> Iterator[Des
 def _joint(design: Design, base: Joint, number: int, place: list[float]) -> Designed:
     turn = iter(place)
 
-    def ratio(span: Span) -> float:
+    def ratio(span: Limits) -> float:
         return _between(span, next(turn))
 
     def part(share: float) -> bool:
@@ -113,23 +117,18 @@ def with_ratios(
 ) -> Joint:
     """``base`` with other ratios: a, h and H over b, inner Ks and dry stiffness over inner Kn."""
     normal = base.inner.normal_stiffness
-    dry_stiffness = normal * dry
-    return replace(
-        base,
-        a=base.b * a,
-        h=base.b * h,
-        H=base.b * height,
-        inner=replace(base.inner, shear_stiffness=normal * shear),
-        dry=replace(
-            base.dry,
-            normal_stiffness=dry_stiffness,
-            shear_stiffness=dry_stiffness,
-            friction=friction,
-        ),
-    )
+    ratios = {
+        "a": base.b * a,
+        "h": base.b * h,
+        "H": base.b * height,
+        "shear_stiffness": normal * shear,
+        "dry_stiffness": normal * dry,
+        "friction": friction,
+    }
+    return with_parameters(base, ratios)
 
 
-def _between(span: Span, place: float) -> float:
+def _between(span: Limits, place: float) -> float:
     """The value at ``place``, 0 to 1, of a ``span`` that is spread evenly in its logarithm."""
     low, high = np.log(span)
     return float(np.exp(low + place * (high - low)))

@@ -12,16 +12,16 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from sidmacib.hold_down import HoldDown
+from sidmacib.quantities import Number, Span
 from workflow.schema import Study
-from workflow.schema.hold_down import hold_down
 from workflow.schema.measured import words
 from workflow.schema.section import Section
-from workflow.schema.values import Number, eccentricity, entries, folder, name, several, some
+from workflow.schema.values import eccentricity, entries, folder, name, several, some
 
 WORDS = {  # of checks that are functions
     eccentricity: "a number of at least 0 (e / a), or torsion",
     folder: "the name of a folder",
-    hold_down: "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
+    HoldDown.read: "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
     some: "at least one",
     several: "perhaps none",
     entries: "at least one name",
@@ -131,9 +131,11 @@ def _inner(annotation: Any) -> Iterator[str]:
 def _checks(metadata: Any) -> Iterator[str]:
     for each in metadata:
         check: Any = each.func if isinstance(each, BeforeValidator) else None
-        if isinstance(check, Number):
-            one = check.at_least == check.at_most
-            yield f"{check.at_least:g}" if one else check.range(kind=True)
+        if isinstance(each, Number):
+            one = each.at_least == each.at_most
+            yield f"{each.at_least:g}" if one else each.range(kind=True)
+        elif isinstance(each, Span):
+            yield f"the least and the largest, each {each.number.range(kind=True)}"
         elif check in WORDS:
             yield WORDS[check]
         elif check is not None and check.__doc__:

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from sidmacib.fields import from_plain
 from sidmacib.joint import Direction, Joint
 from sidmacib.rule.law import law
-from workflow.plain import read_plain
 from workflow.results.tables import ASSUMED_SIZES, write_table
 
 LOCKS = (3, 5, 7, 15)
@@ -69,5 +69,5 @@ def _working(base: Joint, sizes: tuple[float, float, float], friction: float) ->
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the table."""
-    base = read_plain(Joint, arguments["base"])
+    base = from_plain(Joint, arguments["base"])
     write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs[0])

@@ -8,9 +8,9 @@ from typing import Any
 
 import pandas as pd
 
+from sidmacib.fields import from_plain
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
-from workflow.plain import read_plain
 from workflow.results.tables import CHARACTERISTIC, write_table
 
 LOCKS = (3, 5, 9, 15)
@@ -41,5 +41,5 @@ def characteristic_table(base: Joint) -> pd.DataFrame:
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the table."""
-    base = read_plain(Joint, arguments["base"])
+    base = from_plain(Joint, arguments["base"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs[0])

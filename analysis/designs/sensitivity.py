@@ -13,12 +13,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
+from sidmacib.fields import from_plain
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.design import Design, with_ratios
-from workflow.plain import read_plain
 from workflow.results.tables import SENSITIVITY, write_table
 
 LOCKS = (5, 9)
@@ -82,5 +82,5 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
 
 def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
     """Write the table."""
-    design, base = read_plain(Design, arguments["design"]), read_plain(Joint, arguments["base"])
+    design, base = from_plain(Design, arguments["design"]), from_plain(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(design, base), outputs[0])

@@ -21,13 +21,13 @@ from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
-    Playing,
-    Understood,
+    Checked,
+    Settings,
     as_configuration,
     as_python,
     as_query,
+    checked,
     from_query,
-    understood,
 )
 
 HERE = Path(__file__).parent
@@ -72,7 +72,7 @@ class Explorer:
     def warm_up(self) -> None:
         """Have the static model compiled before somebody waits for it."""
         with self._desk.turn("", 0):
-            answers(Playing())
+            answers(Settings())
 
     def _respond(self, request: Request) -> Response:
         if request.path in self._posts:
@@ -132,7 +132,7 @@ class _Asked:
 
     page: str
     number: int
-    joint: Understood
+    joint: Checked
 
     @property
     def turn(self) -> tuple[str, int]:
@@ -145,7 +145,7 @@ class _Asked:
         return {
             "number": self.number,
             "values": self.joint.state.values,
-            "told": list(self.joint.told),
+            "notes": list(self.joint.notes),
         }
 
 
@@ -164,15 +164,15 @@ def _asked(request: Request) -> _Asked:
         raise BadRequest("number must be a whole number of at least 0.")
     if not isinstance(values, dict):
         raise BadRequest("values must be an object with a number for each slider.")
-    return _Asked(page, number, understood(values))
+    return _Asked(page, number, checked(values))
 
 
-def page(link: Understood) -> str:
+def page(link: Checked) -> str:
     """The page as HTML, with the sliders as ``link`` has them."""
     files = FileSystemLoader(HERE)
     environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
     return environment.get_template("page.html.j2").render(
-        sliders=SLIDERS, values=link.state.values, told=link.told, about=ABOUT, plotly=PLOTLY
+        sliders=SLIDERS, values=link.state.values, notes=link.notes, about=ABOUT, plotly=PLOTLY
     )
 
 

@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
 
-from analysis.explore.state import Playing
+from analysis.explore.state import Settings
 from analysis.looks import BLUE, GREY, look_of
 from analysis.outlines import outlines
 from sidmacib.errors import CapacityError
@@ -110,7 +110,7 @@ def _peak(joint: Joint, direction: Direction) -> Peak | None:
     return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 
 
-def answers(state: Playing) -> Answers:
+def answers(state: Settings) -> Answers:
     """Peak, law and safe rule at the chosen eccentricity; a refusal is told, not raised."""
     joint, ratio = state.joint, state.eccentricity
     found = peak(joint, ratio)
@@ -133,12 +133,12 @@ def answers(state: Playing) -> Answers:
     return Answers(found, rules, words)
 
 
-def ratios(state: Playing) -> tuple[float, ...]:
+def ratios(state: Settings) -> tuple[float, ...]:
     """The directions of the curve, e / a: the chosen one among them."""
     return tuple(sorted({*RATIOS, state.eccentricity}))
 
 
-def pictures(state: Playing, told: Answers) -> dict[str, Any]:
+def pictures(state: Settings, told: Answers) -> dict[str, Any]:
     """What the page draws: points in the V-M plane, weights, the joint from the side (mm)."""
     own = "static" if state.joint.elastic is None else "law"
     what = "peak" if state.joint.elastic is None else "first failure"

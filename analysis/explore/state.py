@@ -1,21 +1,22 @@
-"""The joint on the page: its sliders, and how it is written as file, as Python, as a link."""
+"""The joint on the page: its sliders, and the same joint as a configuration, Python and a link."""
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Joint, UpperBody
-from sidmacib.mechanics.assembly import Elastic
+from sidmacib.joint import INNER, Joint, UpperBody
+from sidmacib.parameters import with_parameters
 
+FIRST = Joint(5)
 MOST_NAMES = 40  # in a link
-SHORT = 24  # letters of a value or a name that is told back
+SHORT = 24  # letters of a value or a name in a note
 
 
 @dataclass(frozen=True)
 class Slider:
-    """The values that a parameter may have, and its words: what it is, and its unit."""
+    """The range and step of a parameter, and its label with the unit."""
 
     least: float
     most: float
@@ -44,16 +45,16 @@ SLIDERS = {
 
 
 @dataclass(frozen=True)
-class Playing:
-    """What the sliders say. Lengths in mm, stresses in kPa, E in GPa (0: rigid), e over a."""
+class Settings:
+    """The sliders' values. Lengths in mm, stresses in kPa, E in GPa (0: rigid), e over a."""
 
-    locks: int = 5
-    a: float = 60.0
-    b: float = 50.0
-    h: float = 8.0
-    H: float = 27.0
-    cohesion: float = 80.0
-    friction: float = 0.3
+    locks: int = FIRST.locks
+    a: float = 1e3 * FIRST.a
+    b: float = 1e3 * FIRST.b
+    h: float = 1e3 * FIRST.h
+    H: float = 1e3 * FIRST.H
+    cohesion: float = FIRST.inner.cohesion / 1e3
+    friction: float = FIRST.dry.friction
     young: float = 0.0
     pressure: float = 0.0
     eccentricity: float = 0.3
@@ -62,22 +63,19 @@ class Playing:
     @property
     def joint(self) -> Joint:
         """The joint; pressure 0 stands for the fixed plate. ValueError as for a `Joint`."""
-        return Joint(
-            self.locks,
-            a=self.a / 1e3,
-            b=self.b / 1e3,
-            h=self.h / 1e3,
-            H=self.H / 1e3,
-            inner=replace(
-                INNER,
-                cohesion=1e3 * self.cohesion,
-                tensile_strength=1e3 * self.cohesion * INNER.tensile_strength / INNER.cohesion,
-            ),
-            dry=replace(DRY, friction=self.friction),
-            elastic=Elastic(1e9 * self.young) if self.young else None,
-            upper_body=UpperBody.MONOLITHIC if self.one_piece else UpperBody.COLUMNS,
-            hold_down=HoldDown.pressure(1e3 * self.pressure) if self.pressure else HoldDown.plate(),
-        )
+        pressed = HoldDown.pressure(1e3 * self.pressure) if self.pressure else HoldDown.plate()
+        cohesion = 1e3 * self.cohesion
+        values = {
+            "locks": self.locks,
+            **{name: getattr(self, name) / 1e3 for name in ("a", "b", "h", "H")},
+            "cohesion": cohesion,
+            "tensile_strength": cohesion * INNER.tensile_strength / INNER.cohesion,
+            "friction": self.friction,
+            "upper_body": UpperBody.MONOLITHIC if self.one_piece else UpperBody.COLUMNS,
+            "hold_down": pressed,
+            **({"young": 1e9 * self.young} if self.young else {}),
+        }
+        return with_parameters(FIRST, values)
 
     @property
     def values(self) -> dict[str, float]:
@@ -86,35 +84,37 @@ class Playing:
 
 
 @dataclass(frozen=True)
-class Understood:
-    """What the sliders are after a request, and in a line each what was asked for and is not."""
+class Checked:
+    """The settings that answer a request, and a note for each value that had to be changed."""
 
-    state: Playing
-    told: tuple[str, ...]
+    state: Settings
+    notes: tuple[str, ...]
 
 
-def understood(given: Mapping[str, object]) -> Understood:
-    """The joint nearest to ``given`` that the sliders allow; what is not given is as at first."""
-    first = Playing().values
-    values, told = dict(first), []
+def checked(given: Mapping[str, object]) -> Checked:
+    """The settings nearest to ``given`` that the sliders allow; others have their default."""
+    first = Settings().values
+    values, notes = dict(first), []
     for name, value in given.items():
         if name not in SLIDERS:
-            told.append(f"{_short(name)} is no parameter.")
+            notes.append(f"{_short(name)} is no parameter.")
             continue
         number = _number(value)
         slider = SLIDERS[name]
         values[name] = first[name] if number is None else slider.nearest(number)
         shown = f"; {values[name]:g} is shown."
         if number is None:
-            told.append(f"{name}: {_short(value)} is not a number{shown}")
+            notes.append(f"{name}: {_short(value)} is not a number{shown}")
         elif not slider.least <= number <= slider.most:
-            told.append(f"{name}: {number:g} is outside {slider.least:g} to {slider.most:g}{shown}")
+            notes.append(
+                f"{name}: {number:g} is outside {slider.least:g} to {slider.most:g}{shown}"
+            )
         elif not math.isclose(values[name], number, abs_tol=1e-9):
-            told.append(f"{name}: {number:g} lies between steps of {slider.step:g}{shown}")
-    state = Playing(
+            notes.append(f"{name}: {number:g} lies between steps of {slider.step:g}{shown}")
+    state = Settings(
         **values | {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}  # type: ignore[arg-type]
     )
-    return Understood(state, tuple(told))
+    return Checked(state, tuple(notes))
 
 
 def _number(value: object) -> float | None:
@@ -131,30 +131,30 @@ def _number(value: object) -> float | None:
 
 
 def _short(value: object) -> str:
-    """What was given, with its end left out if it is long."""
+    """``value`` in a note: printable, and cut if it is long."""
     text = value if isinstance(value, str) else type(value).__name__
     text = "".join(letter if letter.isprintable() else "?" for letter in text[: SHORT + 1])
     return f"'{text}'" if len(text) <= SHORT else f"'{text[:SHORT]}…'"
 
 
-def as_query(state: Playing) -> str:
-    """The part of a link behind ``?``: what is not as at first."""
-    first = Playing().values
+def as_query(state: Settings) -> str:
+    """The query of a link: the settings that differ from the default."""
+    first = Settings().values
     return urlencode({k: f"{v:g}" for k, v in state.values.items() if v != first[k]})
 
 
-def from_query(query: str) -> Understood:
-    """The joint in a link, and what of the link is not shown as it says."""
+def from_query(query: str) -> Checked:
+    """The settings in the query of a link."""
     try:
         given = dict(
             parse_qsl(query.lstrip("?"), keep_blank_values=True, max_num_fields=MOST_NAMES)
         )
     except ValueError:
-        return Understood(Playing(), (f"The link has more than {MOST_NAMES} parameters.",))
-    return understood(given)
+        return Checked(Settings(), (f"The link has more than {MOST_NAMES} parameters.",))
+    return checked(given)
 
 
-def as_configuration(state: Playing) -> str:
+def as_configuration(state: Settings) -> str:
     """A study of the joint, as YAML."""
     hold = f"{{pressure: {1e3 * state.pressure:g}}}" if state.pressure else "plate"
     lines = [
@@ -180,7 +180,7 @@ def as_configuration(state: Playing) -> str:
     return "\n".join(lines) + "\n"
 
 
-def as_python(state: Playing) -> str:
+def as_python(state: Settings) -> str:
     """The joint as Python."""
     joint = state.joint
     given = [

@@ -11,6 +11,16 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from sidmacib.fields import require_kinds
+from sidmacib.quantities import (
+    FractureEnergy,
+    Friction,
+    Modulus,
+    Part,
+    Poisson,
+    Stiffness,
+    Strength,
+)
 from sidmacib.validation import refused, require_member, require_not_negative, require_positive
 
 GRAVITY = 9.81  # m/s2
@@ -28,31 +38,19 @@ class FaceMaterial:
     ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
     ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. For softening failure,
     ``residual`` is the fraction of both strengths that remains, and ``fracture_energy`` (J/m2) the
-    work that uses up one of them. ValueError unless stiffnesses are above 0, the other values not
-    negative and ``residual`` at most 1.
+    work that uses up one of them. ValueError for a number out of its range.
     """
 
-    normal_stiffness: float
-    shear_stiffness: float
-    friction: float
-    cohesion: float
-    tensile_strength: float
-    residual: float = 0.0
-    fracture_energy: float = 0.0
+    normal_stiffness: Stiffness
+    shear_stiffness: Stiffness
+    friction: Friction
+    cohesion: Strength
+    tensile_strength: Strength
+    residual: Part = 0.0
+    fracture_energy: FractureEnergy = 0.0
 
     def __post_init__(self) -> None:
-        require_positive(
-            normal_stiffness=self.normal_stiffness, shear_stiffness=self.shear_stiffness
-        )
-        require_not_negative(
-            friction=self.friction,
-            cohesion=self.cohesion,
-            tensile_strength=self.tensile_strength,
-            residual=self.residual,
-            fracture_energy=self.fracture_energy,
-        )
-        if self.residual > 1.0:
-            raise refused("residual", self.residual, "from 0 to 1")
+        require_kinds(self)
 
 
 class Failure(StrEnum):
@@ -67,17 +65,14 @@ class Failure(StrEnum):
 class Elastic:
     """Linear elastic, isotropic material: Young's modulus in Pa and Poisson's ratio.
 
-    ValueError unless the modulus is above 0 and the ratio from 0 to less than 0.5.
+    ValueError for a number out of its range.
     """
 
-    young: float
-    poisson: float = 0.2
+    young: Modulus
+    poisson: Poisson = 0.2
 
     def __post_init__(self) -> None:
-        require_positive(young=self.young)
-        require_not_negative(poisson=self.poisson)
-        if self.poisson >= 0.5:
-            raise refused("poisson", self.poisson, "from 0 to less than 0.5")
+        require_kinds(self)
 
 
 class Kind(StrEnum):

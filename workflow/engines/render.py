@@ -5,7 +5,7 @@ import json
 import math
 import re
 import shutil
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads
 from sidmacib.mechanics.springs import compliance, natural_frequencies
 from workflow.engines import Engine
 from workflow.engines.numerics import Numerics
-from workflow.engines.scripts.assembly import Guide
+from workflow.engines.scripts.assembly import Guide, Material
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent / "scripts"
@@ -68,7 +68,7 @@ def script(
         title=title,
         script_file=engine.script,
         data_file=DATA_FILE,
-        materials={name: told_law(law) for law, name in _material_names(assembly).items()},
+        materials={name: engine_material(law) for law, name in _material_names(assembly).items()},
         ductile=assembly.failure is Failure.DUCTILE,
         ranks=numerics.ranks,
         first_increment_N=numerics.first_increment * loads.scale,
@@ -203,10 +203,9 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
     return names
 
 
-def told_law(material: FaceMaterial) -> dict[str, float]:
-    """What engines know of a material: none of them has bonds that fade."""
-    fading = ("residual", "fracture_energy")
-    return {key: value for key, value in asdict(material).items() if key not in fading}
+def engine_material(material: FaceMaterial) -> dict[str, float]:
+    """What engines know of a material, as their scripts read it: they have no bonds that fade."""
+    return {field.name: getattr(material, field.name) for field in fields(Material)}
 
 
 def _rounded(value: float) -> float:

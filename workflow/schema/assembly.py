@@ -1,16 +1,18 @@
 """How the joint is cut, loaded, held down and fails, in every model of its pieces."""
 
 from enum import StrEnum
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator, PlainSerializer
 
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import UpperBody
 from sidmacib.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
-from workflow.schema.hold_down import HeldDown
-from workflow.schema.numerics import NumericsChanges
+from sidmacib.quantities import FractureEnergy, Modulus
+from workflow.schema.dem import NumericsChanges
 from workflow.schema.section import Section, changes_to
-from workflow.schema.values import Eccentricities, FractureEnergy, Lengths, Modulus
+from workflow.schema.values import Eccentricities, Lengths
 
 
 class Pieces(StrEnum):
@@ -18,6 +20,15 @@ class Pieces(StrEnum):
 
     RIGID = "rigid"
     ELASTIC = "elastic"  # with the material of the block
+
+
+def _spelled(hold_down: HoldDown) -> str | dict[str, float]:
+    return hold_down.spelled
+
+
+_HeldDown = Annotated[
+    HoldDown, BeforeValidator(HoldDown.read), PlainSerializer(_spelled, when_used="json")
+]
 
 
 class AssemblySection(Section):
@@ -28,7 +39,7 @@ class AssemblySection(Section):
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
-    hold_down: HeldDown = HoldDown()
+    hold_down: _HeldDown = HoldDown()
 
 
 _CHANGES: Any = changes_to(AssemblySection)
@@ -54,5 +65,5 @@ class VariantSection(_CHANGES):
 
     def assembly(self, study: AssemblySection) -> AssemblySection:
         """The assembly of this variant."""
-        own = {key: getattr(self, key) for key in AssemblySection.model_fields}
-        return study.model_copy(update={k: v for k, v in own.items() if v is not None})
+        changes = {key: getattr(self, key) for key in AssemblySection.model_fields}
+        return study.model_copy(update={k: v for k, v in changes.items() if v is not None})

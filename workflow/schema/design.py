@@ -1,72 +1,52 @@
-"""A designed study: joints that fill the space of their parameters evenly."""
+"""Joints beside the samples: those of a designed study, and the grid of the calibration."""
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator
-
-from sidmacib.mechanics.assembly import Failure
+from sidmacib.quantities import Friction, Number, Span
 from workflow.design import Design
-from workflow.schema.geometry import MOST_LOCKS
-from workflow.schema.section import Section
-from workflow.schema.values import Eccentricities, Number, shown
+from workflow.schema.joint import MOST_LOCKS
+from workflow.schema.section import Section, section_of
+from workflow.schema.values import Eccentricities, Lengths, Positive, Share, Some
 
 MOST_JOINTS = 1_000_000
 
-
-def span(number: Number) -> BeforeValidator:
-    """A list of the least and the largest value."""
-
-    def checked(value: Any) -> tuple[float, float]:
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise ValueError(
-                f"{shown(value)} is not allowed; it must be a list of the least and the largest "
-                "value"
-            )
-        least, largest = map(number, value)
-        if least > largest:
-            raise ValueError(f"[{least:g}, {largest:g}] is not allowed; the first must not be more")
-        return least, largest
-
-    return BeforeValidator(checked)
+_Count = Annotated[int, Number(at_least=1, at_most=MOST_JOINTS, whole=True)]
+_Locks = Annotated[tuple[int, int], Span(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
+_Cells = Annotated[tuple[int, int], Span(Number(at_least=1, at_most=8, whole=True))]
+_DESIGN: Any = section_of(Design, joints=_Count, locks=_Locks)
 
 
-_Ratios = Annotated[tuple[float, float], span(Number(above=0))]
-_Locks = Annotated[tuple[int, int], span(Number(at_least=2, at_most=MOST_LOCKS, whole=True))]
-_Frictions = Annotated[tuple[float, float], span(Number(at_least=0))]
-_Cells = Annotated[tuple[int, int], span(Number(at_least=1, at_most=8, whole=True))]
-_Part = Annotated[float, BeforeValidator(Number(at_least=0, at_most=1))]
-_Count = Annotated[int, BeforeValidator(Number(at_least=1, at_most=MOST_JOINTS, whole=True))]
-_Seed = Annotated[int, BeforeValidator(Number(at_least=0, at_most=2**31, whole=True))]
-
-
-class DesignSection(Section):
+class DesignSection(_DESIGN):
     """How many joints, and over which spans; see `workflow.design.Design`.
 
     Widths, strengths and normal stiffness are those of the study. ``cells``: along the shorter
     side of a lock, on two meshes. ``limited``: one joint in as many has limit analysis too.
     """
 
-    joints: _Count
-    seed: _Seed = 1
     eccentricities: Eccentricities | None = None
-    failure: Failure = Failure.BRITTLE
-    locks: _Locks = (2, 31)
-    a_over_b: _Ratios = (0.5, 3.0)
-    h_over_b: _Ratios = (0.06, 0.6)
-    H_over_b: _Ratios = (0.3, 3.0)
-    shear_over_normal: _Ratios = (0.003, 3.0)
-    dry_over_inner: _Ratios = (0.03, 30.0)
-    friction: _Frictions = (0.0, 0.8)
-    pressure_over_cohesion: _Ratios = (0.03, 1.0)
-    stiffness_ratio: _Ratios | None = None
-    energy_ratio: _Ratios = (1.0, 1000.0)
-    smooth: _Part = 0.3
-    one_piece: _Part = 0.5
-    pressed: _Part = 0.2
     cells: _Cells = (1, 2)
     limited: _Count = 16
 
     def design(self) -> Design:
         """The section as `workflow.design` takes it."""
-        kept = {"eccentricities", "cells", "limited"}
-        return Design(**self.model_dump(exclude=kept))
+        return Design(**self.model_dump(exclude={"eccentricities", "cells", "limited"}))
+
+
+class CalibrationSection(Section):
+    """A grid of geometries and frictions, meshes (m), and how many of the best the engines run."""
+
+    a: Lengths = (0.03, 0.06, 0.1)
+    height_share: Annotated[tuple[Share, ...], Some] = (
+        *(0.2, 0.21, 0.22, 0.23),
+        *(0.24, 0.25, 0.26),
+    )  # h / (h + H)
+    height_over_b: Annotated[tuple[Positive, ...], Some] = (
+        *(0.3, 0.5, 0.7, 0.9, 1.0),
+        *(1.1, 1.2, 1.3, 1.4),
+    )  # (h + H) / b
+    friction: Annotated[tuple[Friction, ...], Some] = (
+        *(0.0, 0.005236, 0.01, 0.02, 0.03),
+        *(0.05, 0.1, 0.2, 0.3, 0.4),
+    )  # of dry faces
+    meshes: Lengths = (0.02, 0.005)
+    confirmed: Annotated[int, Number(at_least=1, at_most=20, whole=True)] = 3

@@ -5,8 +5,9 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
 
+from sidmacib.quantities import Number, shown
 from workflow.schema.section import Section
-from workflow.schema.values import Eccentricity, Name, Number, Several, shown
+from workflow.schema.values import Eccentricity, Name, Several
 
 LONGEST = 500  # letters of a source
 FORMULA = ("=", "+", "-", "@")  # what formulas begin with
@@ -35,8 +36,8 @@ def cell(value: Any) -> str:
 
 Words = Annotated[str, BeforeValidator(words)]
 _Cell = Annotated[str, BeforeValidator(cell)]
-_Force = Annotated[float, BeforeValidator(Number(above=0, unit="N"))]
-_Torque = Annotated[float, BeforeValidator(Number(above=0, unit="N m"))]
+_Force = Annotated[float, Number(above=0, unit="N")]
+_Torque = Annotated[float, Number(above=0, unit="N m")]
 
 
 class MeasuredLoad(Section):

@@ -4,6 +4,8 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, create_model
 
+from sidmacib.fields import kinds_of
+
 
 class Section(BaseModel):
     """A part of the configuration, without unknown keys; it does not change after reading."""
@@ -11,10 +13,18 @@ class Section(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
 
 
-def section_of(source: Any, **kinds: Any) -> Any:
-    """A section whose keys and defaults are attributes of ``source``; ``kinds``: their types."""
-    keys: dict[str, Any] = {key: (kind, getattr(source, key)) for key, kind in kinds.items()}
-    return create_model(f"{type(source).__name__}Keys", __base__=Section, **keys)
+def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
+    """A section of some fields of the dataclass ``source``, or all, with its defaults.
+
+    ``source`` may be an instance, whose values are the defaults then. ``kinds``: annotations that
+    are narrower than those of the dataclass.
+    """
+    dataclass: Any = source if isinstance(source, type) else type(source)
+    annotations = {**kinds_of(dataclass), **kinds}
+    chosen: dict[str, Any] = {
+        key: (annotations[key], getattr(source, key, ...)) for key in keys or annotations
+    }
+    return create_model(f"{dataclass.__name__}Keys", __base__=Section, **chosen)
 
 
 def changes_to(section: type[Section]) -> Any:

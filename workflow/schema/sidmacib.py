@@ -7,19 +7,16 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
 from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.quantities import Number, Part, shown
 from workflow.schema.section import Section
-from workflow.schema.values import Entries, Force, Name, Number, Some, shown
+from workflow.schema.values import Entries, Name, Some
 
 
 class OptionSection(Section):
     """Contact points of a lock: positions over a, and shares of its strength."""
 
-    positions: Annotated[
-        tuple[Annotated[float, BeforeValidator(Number(at_least=-0.5, at_most=0.5))], ...], Some
-    ]
-    portions: Annotated[
-        tuple[Annotated[float, BeforeValidator(Number(at_least=0, at_most=1))], ...], Some
-    ]
+    positions: Annotated[tuple[Annotated[float, Number(at_least=-0.5, at_most=0.5)], ...], Some]
+    portions: Annotated[tuple[Part, ...], Some]
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -66,7 +63,7 @@ def _ready_name(name: Any) -> str:
 class SidmacibSection(Section):
     """The overload on the upper block (N), contact points, and rules for which locks count."""
 
-    overload: Force = 1000.0
+    overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
     options: Annotated[dict[Name, OptionSection], Entries, BeforeValidator(_with_ready)] = Field(
         default={name: _READY[name] for name in OPTIONS}
     )

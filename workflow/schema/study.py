@@ -7,19 +7,36 @@ from pydantic import Field
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
+from sidmacib.quantities import Length
 from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
-from workflow.schema.calibration import CalibrationSection
-from workflow.schema.dem import DemSection
-from workflow.schema.design import DesignSection
-from workflow.schema.figures import FiguresSection
-from workflow.schema.geometry import GeometrySection, PartSection, SampleSection
-from workflow.schema.materials import InnerChanges, MaterialsSection
+from workflow.schema.dem import DemSection, NumericsChanges
+from workflow.schema.design import CalibrationSection, DesignSection
+from workflow.schema.joint import (
+    GeometrySection,
+    MaterialsSection,
+    PartSection,
+    SampleSection,
+)
 from workflow.schema.measured import MeasuredSection
-from workflow.schema.numerics import NumericsChanges
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
-from workflow.schema.values import Eccentricities, Entries, Folder, Lengths, Name, Several
+from workflow.schema.values import (
+    Eccentricities,
+    Entries,
+    Folder,
+    Lengths,
+    Name,
+    Positive,
+    Several,
+)
+
+
+class FiguresSection(Section):
+    """Mesh (m) of the stress maps, the finest if None, and their eccentricity over a."""
+
+    mesh: Length | None = None
+    eccentricity: Positive = 0.5
 
 
 class Study(Section):
@@ -78,11 +95,12 @@ class Study(Section):
     def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
         """The joint of ``sample``, with what a variant changes."""
         change = change or VariantSection()
-        assembly, materials = change.assembly(self.assembly), self.materials
-        energy = InnerChanges(fracture_energy=change.fracture_energy)
+        assembly, inner = change.assembly(self.assembly), self.materials.inner
+        if change.fracture_energy is not None:
+            inner = inner.model_copy(update={"fracture_energy": change.fracture_energy})
         return self.samples[sample].joint(
             self.geometry,
-            materials.model_copy(update={"inner": energy.changed(materials.inner)}),
+            self.materials.model_copy(update={"inner": inner}),
             failure=assembly.failure,
             upper_body=assembly.upper_body,
             hold_down=assembly.hold_down,

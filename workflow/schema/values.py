@@ -1,4 +1,4 @@
-"""Kinds of values in the configuration, each with its range, its unit and its message.
+"""Kinds of values in the configuration that a joint has not: each with its range and message.
 
 A fault raises a ValueError whose text comes after the key's name: "-1 is not allowed; it must
 be ...".
@@ -8,37 +8,14 @@ import math
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
-from numbers import Integral, Real
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator, PlainSerializer
 
-from sidmacib.yaml_text import number_in
+from sidmacib.quantities import Length, Number, shown
 
-MAX_SHOWN = 60  # letters of a value that a message shows
 NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more
 PATH_LENGTH, PART_LENGTH = 1000, 200
-
-
-def shown(value: Any) -> str:
-    """``value`` as shown in a message: short, printable and in one line, whatever it is."""
-    if value is None or isinstance(value, bool):
-        found = {None: "null", True: "true", False: "false"}[value]
-    elif isinstance(value, str):
-        cut = f"{value[:MAX_SHOWN]}..." if len(value) > MAX_SHOWN else value
-        found = repr(cut)[: 2 * MAX_SHOWN]  # unprintable letters are written out
-    elif isinstance(value, Mapping):
-        found = "a mapping" if value else "an empty mapping"
-    elif isinstance(value, list | tuple):
-        found = "a list" if value else "an empty list"
-    elif isinstance(value, Integral):
-        found = str(int(value)) if abs(int(value)) < 10**30 else "a number of more than 30 digits"
-    elif isinstance(value, float):
-        found = repr(float(value))
-    else:
-        found = f"a value of the kind {type(value).__name__[:MAX_SHOWN]}"
-    return found
 
 
 def shown_key(key: Any) -> str:
@@ -47,66 +24,8 @@ def shown_key(key: Any) -> str:
     return str(key) if plain else shown(key)
 
 
-@dataclass(frozen=True)
-class Number:
-    """Accepts numbers within a range; ``unit`` is for messages.
-
-    Text that spells a decimal number counts as the number: some YAML readers take 6e-2 for text,
-    and every value on a command line is text. true and false are not numbers.
-    """
-
-    above: float = -math.inf
-    at_least: float = -math.inf
-    at_most: float = math.inf
-    below: float = math.inf
-    unit: str = ""
-    whole: bool = False
-
-    def __call__(self, value: Any) -> float:
-        """``value`` as a number; ValueError if it is not one, or is out of range."""
-        number = number_in(value) if isinstance(value, str) else value
-        if isinstance(number, bool) or not isinstance(number, Real):
-            raise ValueError(f"{shown(value)} is not a number; it must be {self.range(kind=True)}")
-        try:
-            found = float(number)
-        except OverflowError:
-            found = math.nan
-        fits = self.above < found < self.below and self.at_least <= found <= self.at_most
-        if not math.isfinite(found) or not fits or (self.whole and not found.is_integer()):
-            raise ValueError(f"{shown(value)} is not allowed; it must be {self.range(self.whole)}")
-        return int(found) if self.whole else found + 0.0  # no negative zero
-
-    def range(self, kind: bool = False) -> str:
-        """The range in words."""
-        bounds = [
-            (self.above, "greater than {:g}"),
-            (self.at_least, "at least {:g}"),
-            (self.at_most, "at most {:g}"),
-            (self.below, "less than {:g}"),
-        ]
-        words = " and ".join(text.format(x) for x, text in bounds if math.isfinite(x))
-        if self.at_least == self.at_most:
-            words = f"{self.at_least:g}"
-        elif math.isfinite(self.at_least) and math.isfinite(self.at_most):
-            words = f"from {self.at_least:g} to {self.at_most:g}"
-        what = f"{'a whole number' if self.whole else 'a number'} " if kind else ""
-        return f"{what}{words}{f' ({self.unit})' if self.unit else ''}"
-
-
-Length = Annotated[float, BeforeValidator(Number(above=0, unit="m"))]
-Density = Annotated[float, BeforeValidator(Number(above=0, unit="kg/m3"))]
-Stiffness = Annotated[float, BeforeValidator(Number(above=0, unit="Pa/m"))]
-Modulus = Annotated[float, BeforeValidator(Number(above=0, unit="Pa"))]
-Poisson = Annotated[float, BeforeValidator(Number(at_least=0, below=0.5))]
-Strength = Annotated[float, BeforeValidator(Number(above=0, unit="Pa"))]
-StrengthOrNone = Annotated[float, BeforeValidator(Number(at_least=0, unit="Pa"))]
-Residual = Annotated[float, BeforeValidator(Number(at_least=0, at_most=1))]
-FractureEnergy = Annotated[float, BeforeValidator(Number(at_least=0, unit="J/m2"))]
-NoStrength = Annotated[float, BeforeValidator(Number(at_least=0, at_most=0, unit="Pa"))]
-Force = Annotated[float, BeforeValidator(Number(at_least=0, unit="N"))]
-Friction = Annotated[float, BeforeValidator(Number(at_least=0))]
-Positive = Annotated[float, BeforeValidator(Number(above=0))]
-Share = Annotated[float, BeforeValidator(Number(above=0, below=1))]
+Positive = Annotated[float, Number(above=0)]
+Share = Annotated[float, Number(above=0, below=1)]
 
 
 def switch(value: Any) -> bool:
@@ -124,7 +43,7 @@ def eccentricity(value: Any) -> float:
     if isinstance(value, str | float) and value in ("torsion", math.inf):
         return math.inf
     try:
-        return Number(at_least=0)(value)
+        return Number(at_least=0).read(value)
     except ValueError:
         raise ValueError(
             f"{shown(value)} is not allowed; it must be a number of at least 0 (e / a), or torsion"

@@ -8,16 +8,16 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from sidmacib.fields import from_plain
 from sidmacib.joint import Joint
 from workflow.design import Design, designed
-from workflow.plain import read_plain
 
 
 def write_rows(
     arguments: Mapping[str, Any], rows_of: Callable[..., Iterable[dict[str, Any]]], path: Path
 ) -> None:
     """Write what ``rows_of`` says of each joint from ``start`` to before ``stop`` of a design."""
-    design, base = read_plain(Design, arguments["design"]), read_plain(Joint, arguments["base"])
+    design, base = from_plain(Design, arguments["design"]), from_plain(Joint, arguments["base"])
     rows = [
         row
         for one in designed(design, base, arguments["start"], arguments["stop"])

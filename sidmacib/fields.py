@@ -1,0 +1,122 @@
+"""What the annotations of a dataclass say: by them its fields are checked, and read from JSON."""
+
+import types
+import typing
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from enum import StrEnum
+from functools import cache
+from typing import Any, TypeVar
+
+from sidmacib.quantities import Number
+from sidmacib.validation import refused, require_member
+
+Kind = TypeVar("Kind")
+Check = Callable[[str, Any], None]
+UNIONS = (typing.Union, types.UnionType)
+
+
+@cache
+def kinds_of(dataclass: Any) -> dict[str, Any]:
+    """The annotation of each field of a ``dataclass``, with its `Number` if it has one."""
+    hints = typing.get_type_hints(dataclass, include_extras=True)
+    return {field.name: hints[field.name] for field in fields(dataclass)}
+
+
+def require_kinds(instance: Any) -> None:
+    """ValueError unless every field of the dataclass ``instance`` is as its annotation says.
+
+    Numbers must be in their range, members of an enum and dataclasses must be such. Fields of any
+    other kind are left to the dataclass itself.
+    """
+    kind: Any = type(instance)
+    for name, check in _checks(kind):
+        check(name, getattr(instance, name))
+
+
+def number_of(kind: Any) -> Number | None:
+    """The range that an annotation has."""
+    return next((each for each in getattr(kind, "__metadata__", ()) if type(each) is Number), None)
+
+
+def from_plain(kind: type[Kind], value: Any) -> Kind:
+    """The dataclass ``kind`` from what `dataclasses.asdict` and JSON make of one.
+
+    ValueError or TypeError if ``value`` is anything else.
+    """
+    instance = _made(kind, value)
+    assert isinstance(instance, kind)
+    return instance
+
+
+@cache
+def _checks(dataclass: Any) -> tuple[tuple[str, Check], ...]:
+    checks = ((name, _check(kind)) for name, kind in kinds_of(dataclass).items())
+    return tuple((name, check) for name, check in checks if check is not None)
+
+
+def _check(kind: Any, or_none: str = "") -> Check | None:
+    """What an annotation asks of a value; None if it asks nothing that is checked here."""
+    if typing.get_origin(kind) in UNIONS:
+        kinds = [each for each in typing.get_args(kind) if each is not types.NoneType]
+        inner = _check(kinds[0], " or None") if len(kinds) == 1 else None
+        return inner and _optional(inner)
+    if number := number_of(kind):
+        return number.require
+    if isinstance(kind, type) and issubclass(kind, StrEnum):
+        return lambda name, value: require_member(kind, **{name: value})
+    if isinstance(kind, type) and is_dataclass(kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        return _instance(kind, f"{article} {kind.__name__}{or_none}")
+    return None
+
+
+def _optional(check: Check) -> Check:
+    return lambda name, value: None if value is None else check(name, value)
+
+
+def _instance(kind: type, allowed: str) -> Check:
+    def check(name: str, value: Any) -> None:
+        if not isinstance(value, kind):
+            raise refused(name, value, allowed)
+
+    return check
+
+
+def _made(kind: Any, value: Any) -> Any:
+    """``value``, read from JSON, as ``kind``; ValueError or TypeError if it is not of that kind."""
+    origin, parts = typing.get_origin(kind), typing.get_args(kind)
+    if origin is typing.Annotated:
+        return _made(parts[0], value)
+    if origin in UNIONS:
+        # Of several kinds that are taken, the last is the one that is kept, and so written.
+        *_, kept = (part for part in parts if part is not types.NoneType)
+        return None if value is None else _made(kept, value)
+    if origin is tuple:
+        return _tuple(parts, value)
+    return _dataclass(kind, value) if is_dataclass(kind) else _scalar(kind, value)
+
+
+def _tuple(parts: Any, value: Any) -> Any:
+    if not isinstance(value, list):
+        raise ValueError(f"{str(value)[:60]!r} is not a list")
+    first, *others = parts
+    kinds = [first] * len(value) if others == [...] else parts
+    return tuple(_made(kind, item) for kind, item in zip(kinds, value, strict=True))
+
+
+def _dataclass(kind: Any, value: Any) -> Any:
+    kinds = kinds_of(kind)
+    if not isinstance(value, dict) or set(value) != set(kinds):
+        raise ValueError(f"{kind.__name__} must have the keys {', '.join(kinds)}")
+    return kind(**{name: _made(kinds[name], item) for name, item in value.items()})
+
+
+def _scalar(kind: Any, value: Any) -> Any:
+    if issubclass(kind, StrEnum):
+        return kind(value)
+    if kind is float and (value in ("inf", "-inf") or type(value) in (float, int)):
+        return float(value)
+    if type(value) is not kind:
+        raise ValueError(f"{str(value)[:60]!r} is not of the kind {kind.__name__}")
+    return value

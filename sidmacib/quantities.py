@@ -1,0 +1,164 @@
+"""Numbers with a range and a unit: what the fields of a joint are annotated with.
+
+Whoever reads a joint takes ranges, units and messages from these annotations: the library's
+dataclasses, the command, its files, and the configuration of a study.
+"""
+
+import math
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from numbers import Integral
+from typing import Annotated, Any, TypeVar
+
+from sidmacib.validation import is_number
+
+Choice = TypeVar("Choice", bound=StrEnum)
+
+MAX_SHOWN = 60  # letters of a value that a message shows
+_DECIMAL = re.compile(r"[-+]?(\.[0-9]+|(0|[1-9][0-9]*)(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]{0,30})")
+
+
+def number_in(text: str) -> int | float | None:
+    """The decimal number that ``text`` spells; None if it spells none, or one too large."""
+    if _WHOLE.fullmatch(text):
+        return int(text)
+    number = float(text) if _DECIMAL.fullmatch(text) else math.inf
+    return number if math.isfinite(number) else None
+
+
+def shown(value: Any) -> str:
+    """``value`` as shown in a message: short, printable and in one line, whatever it is."""
+    if value is None or isinstance(value, bool):
+        words = {None: "null", True: "true", False: "false"}[value]
+    elif isinstance(value, str):
+        cut = f"{value[:MAX_SHOWN]}..." if len(value) > MAX_SHOWN else value
+        words = repr(cut)[: 2 * MAX_SHOWN]  # unprintable letters are written out
+    elif isinstance(value, Mapping):
+        words = "a mapping" if value else "an empty mapping"
+    elif isinstance(value, list | tuple):
+        words = "a list" if value else "an empty list"
+    elif isinstance(value, Integral):
+        words = str(int(value)) if abs(int(value)) < 10**30 else "a number of more than 30 digits"
+    elif is_number(value):
+        words = repr(float(value))
+    else:
+        words = f"a value of the kind {type(value).__name__[:MAX_SHOWN]}"
+    return words
+
+
+@dataclass(frozen=True)
+class Number:
+    """A range of finite numbers; ``unit`` is for messages. true and false are not numbers."""
+
+    above: float = -math.inf
+    at_least: float = -math.inf
+    at_most: float = math.inf
+    below: float = math.inf
+    unit: str = ""
+    whole: bool = False
+
+    def read(self, value: Any) -> float:
+        """``value``, from a file or a command line, as a number; ValueError if it is not allowed.
+
+        Text that spells a decimal number counts as the number: some YAML readers take 6e-2 for
+        text, and every value on a command line is text.
+        """
+        number: Any = number_in(value) if isinstance(value, str) else value
+        if not is_number(number):
+            raise ValueError(f"{shown(value)} is not a number; it must be {self.range(kind=True)}")
+        if not self._holds(number):
+            raise ValueError(f"{shown(value)} is not allowed; it must be {self.range(self.whole)}")
+        return int(number) if self.whole else float(number) + 0.0  # no negative zero
+
+    def require(self, name: str, value: Any) -> None:
+        """ValueError, which begins with ``name``, unless ``value`` is such a number in Python."""
+        number = is_number(value)
+        if not number or not self._holds(value) or (self.whole and not isinstance(value, Integral)):
+            what = "not allowed" if number else "not a number"
+            allowed = self.range(kind=self.whole or not number)
+            raise ValueError(f"{name}: {shown(value)} is {what}; it must be {allowed}")
+
+    def _holds(self, number: Any) -> bool:
+        """Whether a number is in the range; infinity and nan never are."""
+        try:
+            value = float(number)
+        except OverflowError:
+            return False
+        inside = self.above < value < self.below and self.at_least <= value <= self.at_most
+        return inside and (not self.whole or value.is_integer())
+
+    def range(self, kind: bool = False) -> str:
+        """The range in words; ``kind``: and that it is one of numbers."""
+        bounds = [
+            (self.above, "greater than {:g}"),
+            (self.at_least, "at least {:g}"),
+            (self.at_most, "at most {:g}"),
+            (self.below, "less than {:g}"),
+        ]
+        words = " and ".join(text.format(x) for x, text in bounds if math.isfinite(x))
+        if self.at_least == self.at_most:
+            words = f"{self.at_least:g}"
+        elif math.isfinite(self.at_least) and math.isfinite(self.at_most):
+            words = f"from {self.at_least:g} to {self.at_most:g}"
+        if kind:
+            of = "of " if words.startswith("at ") else ""
+            words = f"{'a whole number' if self.whole else 'a number'} {of}{words}"
+        return f"{words}{f' ({self.unit})' if self.unit else ''}"
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """How pydantic reads a field that is annotated so, where a schema is made of a joint."""
+        return _read_before(self.read, source, handler)
+
+
+@dataclass(frozen=True)
+class Span:
+    """The least and the largest value that a ``number`` may have."""
+
+    number: Number
+
+    def read(self, value: Any) -> tuple[float, float]:
+        """Both, from a list in a file; ValueError if it is not allowed."""
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise ValueError(
+                f"{shown(value)} is not allowed; it must be a list of the least and the largest "
+                "value"
+            )
+        least, largest = map(self.number.read, value)
+        if least > largest:
+            raise ValueError(f"[{least:g}, {largest:g}] is not allowed; the first must not be more")
+        return least, largest
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """How pydantic reads it, as for a `Number`."""
+        return _read_before(self.read, source, handler)
+
+
+def _read_before(read: Callable[[Any], Any], source: Any, handler: Any) -> Any:
+    from pydantic_core import core_schema
+
+    return core_schema.no_info_before_validator_function(read, handler(source))
+
+
+def choice(kind: type[Choice], value: Any) -> Choice:
+    """The member of ``kind`` that ``value`` names; ValueError if it names none."""
+    try:
+        return kind(value)
+    except ValueError:
+        *names, last = kind
+        allowed = f"{', '.join(names)} or {last}"
+        raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}") from None
+
+
+Count = Annotated[int, Number(at_least=1, whole=True)]
+Length = Annotated[float, Number(above=0, unit="m")]
+Density = Annotated[float, Number(at_least=0, unit="kg/m3")]
+Stiffness = Annotated[float, Number(above=0, unit="Pa/m")]
+Modulus = Annotated[float, Number(above=0, unit="Pa")]
+Poisson = Annotated[float, Number(at_least=0, below=0.5)]
+Strength = Annotated[float, Number(at_least=0, unit="Pa")]
+FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
+Friction = Annotated[float, Number(at_least=0)]
+Part = Annotated[float, Number(at_least=0, at_most=1)]
