@@ -24,7 +24,7 @@ from workflow.configuration import ConfigError, read_study
 from workflow.engines import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.kills import LAST_TRY, RETRIES, KilledError, begin, end, forget, last_try, was_killed
-from workflow.needs import Needs, design_needs, engine_needs, nodes_of, solved_needs
+from workflow.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
 from workflow.plan import plan_of, planned, prepared
 from workflow.results.files import RECORD, RESULT
 from workflow.steps import engine as engine_step
@@ -54,7 +54,7 @@ def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
     soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
     assert solved_needs([soft]).time > 10 * solved_needs([case]).time
     assert solved_needs([case, case]).time == 2 * solved_needs([case]).time
-    assert design_needs(64).time > design_needs(8).time
+    assert sampling_needs(64).time > sampling_needs(8).time
 
 
 def test_a_further_attempt_asks_for_twice_as_much() -> None:

@@ -200,7 +200,10 @@ def test_links_lead_to_files(page: Path) -> None:
 def results() -> set[str]:
     """Paths of all that a study and its calibration write, and the paths' ends."""
     plan = plan_of(read_study_file(ROOT / "config.yaml"))
-    jobs = [*plan.jobs.values(), *plan_of(read_study_file(ROOT / "locks.yaml")).jobs.values()]
+    jobs = [
+        *plan.jobs.values(),
+        *plan_of(read_study_file(ROOT / "studies/locks/config.yaml")).jobs.values(),
+    ]
     paths = {f"results/{name}" for job in jobs for name in (*job.outputs, *job.others)}
     folders = {f"results/{case_folder(*case)}" for case in plan.cases}
     paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}

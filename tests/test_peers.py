@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.peers import box, furthest_by_highs, peer_times, standard_form
+from benchmarks.peers import box, furthest_by_highs, peer_times, standard_form
 from sidmacib.contact_points import OPTIONS
 from sidmacib.joint import Joint
 from sidmacib.pieces import cut_pieces

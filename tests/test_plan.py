@@ -232,7 +232,7 @@ def test_every_case_is_in_one_batch_and_batches_have_the_size_that_is_asked_for(
 
 
 def test_cases_that_take_long_are_in_small_batches() -> None:
-    found = batches(list(cases_of(read_study_file(ROOT / "elastic.yaml")).values()))
+    found = batches(list(cases_of(read_study_file(ROOT / "studies/elastic/config.yaml")).values()))
     times = [solved_needs(cases).time for cases in found.values()]
     assert BATCH_TIME / 2 < np.mean(times) <= BATCH_TIME
     assert sum(map(len, found.values())) > 500

@@ -113,7 +113,7 @@ def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_load_that_is_told(
     assert record(5, 0.5).peak_spread == 0.0
 
 
-def test_designs_leave_the_spread_out() -> None:
+def test_samplings_leave_the_spread_out() -> None:
     found = solve_once(*loaded(15, 1.0))
     assert found.peak_spread is None
     assert found.first_failure_load is not None

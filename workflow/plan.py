@@ -12,7 +12,6 @@ from pathlib import Path
 from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case, case_name
 from workflow.cases import cases_of, second_mesh
-from workflow.design_jobs import design_jobs, design_tables
 from workflow.engines import ENGINES
 from workflow.jobs import Job, case_jobs, deck_job, table_jobs
 from workflow.mending import mended
@@ -20,6 +19,7 @@ from workflow.models import MODELS, WITNESS, Ability
 from workflow.receipts import STALE, fault, read_receipt, write_whole
 from workflow.results.files import read_records
 from workflow.results.record import ResultError
+from workflow.sampling_jobs import sampling_jobs
 from workflow.schema import Study
 from workflow.threedec import RETURNED, deck_folder, decks
 
@@ -60,8 +60,7 @@ def plan_of(study: Study) -> Plan:
     }
     found = case_jobs(study, [*cases.values(), *witnesses(cases.values())])
     tables = table_jobs(study, cases.values(), found)
-    designs = design_jobs(study)
-    made = {**found, **tables, **designs, **design_tables(study, designs)}
+    made = {**found, **tables, **sampling_jobs(study)}
     return Plan(study, cases, made, deck_job(of_decks.values()))
 
 

@@ -1,5 +1,5 @@
 # Jobs of which there are many of a kind: one for each case of an engine, or for each batch of a model
-# that is solved in this process, or of a design.
+# that is solved in this process, or of a sampling.
 OF_A_KIND = {}
 for job in JOBS.values():
     if "/" in job.name:

@@ -10,16 +10,20 @@ from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.calibration import CalibrationSection
+from workflow.schema.campaign import Campaign
 from workflow.schema.dem import DemSection
-from workflow.schema.design import DesignSection
 from workflow.schema.figures import FiguresSection
 from workflow.schema.geometry import GeometrySection, PartSection, SampleSection
 from workflow.schema.materials import InnerChanges, MaterialsSection
 from workflow.schema.measured import MeasuredSection
 from workflow.schema.numerics import NumericsChanges
+from workflow.schema.sampling import SamplingSection
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
 from workflow.schema.values import Eccentricities, Entries, Folder, Lengths, Name, Several
+
+# Keys that no job of a case or a table depends on.
+_UNRELATED = ("results", "samplings", "campaign")
 
 
 class Study(Section):
@@ -40,7 +44,8 @@ class Study(Section):
     overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
     calibration: CalibrationSection = CalibrationSection()
     figures: FiguresSection = FiguresSection()
-    designs: dict[Name, DesignSection] = Field(default_factory=dict)
+    samplings: dict[Name, SamplingSection] = Field(default_factory=dict)
+    campaign: Campaign | None = None
     measured: MeasuredSection | None = None
 
     @property
@@ -72,7 +77,7 @@ class Study(Section):
 
     @property
     def base_joint(self) -> Joint:
-        """What the joints of designs have in common: the study's width, strength and weight."""
+        """What the joints of samplings have in common: the study's width, strength and weight."""
         return SampleSection(locks=2).joint(self.geometry, self.materials)
 
     def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
@@ -111,14 +116,14 @@ class Study(Section):
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
         return self.model_dump_json(
-            exclude={"results", "overrides", "variants", "figures", "designs", "measured"}
+            exclude={*_UNRELATED, "overrides", "variants", "figures", "measured"}
         )
 
     def _without(self, *sections: str) -> str:
-        """All but some sections, where results are, designs and the engines' numerics.
+        """All but `_UNRELATED`, some ``sections`` and the engines' numerics.
 
         What is left is a valid study.
         """
         dem = {"numerics": True, "time_limit": True}
-        left = dict.fromkeys(("results", "designs", *sections), True)
+        left = dict.fromkeys((*_UNRELATED, *sections), True)
         return self.model_dump_json(exclude={**left, "dem": dem})
