@@ -1,7 +1,8 @@
-"""Tables and numbers as pages have them."""
+"""Tables and numbers as pages show them."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -14,18 +15,29 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
+def markdown_of(table: pd.DataFrame, cells: Mapping[str, Callable[[Any], str]]) -> str:
+    """A table in Markdown with a line for each row: ``cells`` has the text by column."""
+    rows = [[cell(row) for cell in cells.values()] for row in table.itertuples()]
+    return markdown(list(cells), rows)
+
+
 def percent(value: float, digits: int = 1) -> str:
-    """A part in percent, with its sign."""
+    """A share in percent, with its sign."""
     return signed(f"{100.0 * value:+.{digits}f} %")
 
 
+def span(least: float, most: float, digits: int = 1, between: str = ", ") -> str:
+    """Two shares in percent, with their signs."""
+    return f"{percent(least, digits)}{between}{percent(most, digits)}"
+
+
 def signed(text: str) -> str:
-    """A number with the sign that print has."""
+    """A number with a typographic minus sign."""
     return text.replace("-", "−")
 
 
 def size(value: float, digits: int = 1) -> str:
-    """A part in percent that has no sign."""
+    """A share in percent, without a sign."""
     return f"{100.0 * value:.{digits}f} %"
 
 

@@ -1,22 +1,23 @@
-"""Look for the joint whose safe load is most above what it carries: ``make attack``.
+"""Search for the joint with the largest ratio of safe load to first failure: ``make attack``.
 
-In each space (what holds the joint down, and whether its blocks bend) differential evolution varies
-everything that a `Joint` can be inside the rule's `SPANS`, and the direction of the load, to make
-safe load over first failure as large as it can. The first failure is the static model's on nodes
-that the rule did not see; the peak is never below it. The worst joint of each start is then solved
-on two meshes and with two layouts of the nodes, down to the peak.
+In each space (how the joint is held down, and whether its blocks are elastic) differential
+evolution varies everything that a `Joint` can be inside the rule's `SPANS`, and the direction of
+the load. The first failure is the static model's on nodes that the rule does not use; the peak is
+never below it. The worst joint of each start is then solved down to the peak, on two meshes and
+with two layouts of the nodes.
 """
 
 import argparse
-import csv
 import math
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.chain.rule import SPANS, safe
@@ -31,11 +32,11 @@ from sidmacib.pieces import assemble
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
 LEAST = 1e-4  # of ratios that may be 0: spread evenly in their logarithm from here on
-STIFFEST = 5e3  # E over Kn b of blocks that bend: stiffer ones are rigid
-SMOOTH, LIGHT = 0.2, 0.2  # parts of the joints without friction, without weight
+STIFFEST = 5e3  # E / (Kn b) of elastic blocks: stiffer ones are rigid
+SMOOTH, LIGHT = 0.2, 0.2  # shares of the joints without friction, without weight
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
-CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: blocks that bend
+CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: elastic blocks
 CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
@@ -44,14 +45,14 @@ CHECKS = {  # of the worst joints
 
 @dataclass(frozen=True)
 class Space:
-    """Joints that are held down in one way; of blocks that bend, or rigid ones."""
+    """Joints that are held down in one way, with elastic or rigid blocks."""
 
     name: str
     hold: Hold
     elastic: bool = False
     body: UpperBody | None = None  # None: columns or one piece
     locks: tuple[int, int] = (2, 31)
-    share: float = 1.0  # of the evaluations: blocks that bend take a hundred times as long
+    share: float = 1.0  # of the evaluations: elastic blocks take a hundred times as long
 
 
 SPACES = (
@@ -149,79 +150,67 @@ def ratio_at(space: Space, place: Sequence[float]) -> float | None:
     assembly = assemble(joint, joint.least_side / CELLS[space.elastic])
     try:
         loads = lateral_load(joint, assembly, target.loading)
-        found = static_first_failure(assembly, loads)
+        load = static_first_failure(assembly, loads).point.load
     except CapacityError:
         return None
-    return promised / found.point.load if found.point.load > 0.0 else math.inf
+    return promised / load if load > 0.0 else math.inf
 
 
-@dataclass(frozen=True)
-class Worst:
-    """The joint of one start with the largest ratio of safe load to first failure.
+@dataclass
+class Search:
+    """What differential evolution minimises in ``space`` from one start, and what it has found.
 
-    ``answered``: joints for which there is a ratio; ``unsolved``: those that the safe rule answers
-    and the static model, on its finer nodes, does not.
+    ``answered``: joints with a ratio; ``unsolved``: joints that the safe rule answers and the
+    static model, on its finer nodes, does not; ``ratio``: the largest one of safe load to first
+    failure; ``place``: of its joint in the unit cube.
     """
 
     space: Space
     seed: int
-    evaluations: int
-    answered: int
-    unsolved: int
-    ratio: float
-    place: tuple[float, ...]
-
-
-@dataclass
-class _Search:
-    """What differential evolution minimises, and a count of what it looked at."""
-
-    space: Space
     evaluations: int = 0
     answered: int = 0
     unsolved: int = 0
-    best: float = 0.0
+    ratio: float = 0.0
     place: tuple[float, ...] = ()
 
     def __call__(self, place: Iterable[float]) -> float:
+        """Minus the ratio at a ``place``; 0 where there is none."""
         values = tuple(map(float, place))
-        found = ratio_at(self.space, values)
+        ratio = ratio_at(self.space, values)
         self.evaluations += 1
-        if found is None:
+        if ratio is None:
             self.unsolved += 1
             return 0.0
-        self.answered += found > 0.0
-        if found > self.best:
-            self.best, self.place = found, values
-        return -min(found, 1e9)
+        self.answered += ratio > 0.0
+        if ratio > self.ratio:
+            self.ratio, self.place = ratio, values
+        return -min(ratio, 1e9)
 
 
-def search(space: Space, seed: int, evaluations: int) -> Worst:
+def search(space: Space, seed: int, evaluations: int) -> Search:
     """Differential evolution over ``space`` from one start: its share of the ``evaluations``."""
-    own = _Search(space)
+    ratios = Search(space, seed)
     size = POPULATION * DIMENSIONS
-    rounds = max(1, round(space.share * evaluations / size) - 1)
     differential_evolution(
-        own,
+        ratios,
         [(0.0, 1.0)] * DIMENSIONS,
         popsize=POPULATION,
-        maxiter=rounds,
+        maxiter=max(1, round(space.share * evaluations / size) - 1),
         init="sobol",
         mutation=(0.4, 1.0),
         recombination=0.8,
         tol=0.0,
         polish=False,
-        rng=np.random.default_rng([seed, SPACES.index(space)]),  # else spaces look at like joints
+        rng=np.random.default_rng([seed, SPACES.index(space)]),  # of each space its own
     )
-    return Worst(space, seed, own.evaluations, own.answered, own.unsolved, own.best, own.place)
+    return ratios
 
 
-def row_of(worst: Worst) -> dict[str, object]:
+def row_of(worst: Search) -> dict[str, Any]:
     """The worst joint of a start, with its loads (N) on other nodes."""
     target = target_at(worst.space, worst.place)
-    joint, direction = target.joint, target.loading.direction
     promised = safe_load(target) or math.nan
-    row: dict[str, object] = {
+    row: dict[str, Any] = {
         "space": worst.space.name,
         "seed": worst.seed,
         "evaluations": worst.evaluations,
@@ -232,34 +221,31 @@ def row_of(worst: Worst) -> dict[str, object]:
     }
     for number, (layout, cells) in enumerate(CHECKS[worst.space.elastic], start=1):
         row |= _checked(target, promised, number, layout, cells)
-    row |= {"eccentricity_over_a": direction.eccentricity, "push": str(target.loading.push)}
-    return row | {"joint": repr(joint)}
+    return {
+        **row,
+        "eccentricity_over_a": target.loading.direction.eccentricity,
+        "push": str(target.loading.push),
+        "joint": repr(target.joint),
+    }
 
 
 def _checked(
     target: Target, promised: float, number: int, layout: NodeLayout, cells: int
-) -> dict[str, object]:
+) -> dict[str, Any]:
     """First failure and peak on other nodes; the reason if there is none."""
-    row: dict[str, object] = {f"nodes_{number}": f"{layout}, {cells} cells"}
+    row: dict[str, Any] = {f"nodes_{number}": f"{layout}, {cells} cells"}
     try:
-        _, found = load_path(target.joint, target.loading, target.joint.least_side / cells, layout)
+        _, path = load_path(target.joint, target.loading, target.joint.least_side / cells, layout)
     except CapacityError as error:
         return row | {f"error_{number}": str(error)}
     return row | {
-        f"first_failure_{number}_N": found.first_failure_load,
-        f"peak_{number}_N": found.peak.load,
-        f"safe_over_peak_{number}": promised / found.peak.load if found.peak.load else math.inf,
+        f"first_failure_{number}_N": path.first_failure_load,
+        f"peak_{number}_N": path.peak.load,
+        f"safe_over_peak_{number}": promised / path.peak.load if path.peak.load else math.inf,
     }
 
 
-def starts(evaluations: int, seeds: int, spaces: Sequence[Space]) -> Iterator[tuple[Space, int]]:
-    """Each space from each seed."""
-    for seed in range(1, seeds + 1):
-        for space in spaces:
-            yield space, seed
-
-
-def _one(space: Space, seed: int, evaluations: int) -> dict[str, object]:
+def _row_of_start(space: Space, seed: int, evaluations: int) -> dict[str, Any]:
     return row_of(search(space, seed, evaluations))
 
 
@@ -268,40 +254,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--evaluations", type=int, default=1800, help="of each start")
     parser.add_argument("--seeds", type=int, default=3, help="starts in each space")
-    parser.add_argument("--spaces", nargs="*", default=[space.name for space in SPACES])
+    names = [space.name for space in SPACES]
+    parser.add_argument("--spaces", nargs="+", choices=names, default=names)
     parser.add_argument("--table", type=Path, default=Path("results-attack/tables/attack.csv"))
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args(arguments)
+    given.table.parent.mkdir(parents=True, exist_ok=True)
     spaces = [space for space in SPACES if space.name in given.spaces]
-    rows: list[dict[str, object]] = []
+    rows: list[dict[str, Any]] = []
     with ProcessPoolExecutor(given.processes) as pool:
-        jobs = [
-            pool.submit(_one, space, seed, given.evaluations)
-            for space, seed in starts(given.evaluations, given.seeds, spaces)
+        starts = [
+            pool.submit(_row_of_start, space, seed, given.evaluations)
+            for seed in range(1, given.seeds + 1)
+            for space in spaces
         ]
-        for job in jobs:
-            rows.append(job.result())
-            write(rows, given.table)  # what is known so far, whatever comes
-            last = rows[-1]
+        for start in starts:
+            rows.append(start.result())
+            table = pd.DataFrame(rows)
+            table.to_csv(given.table, index=False)  # after each start: a later one may fail
             print(
-                f"{last['space']}, seed {last['seed']}: {last['evaluations']} joints, "
-                f"{last['answered']} answered, largest ratio {last['safe_over_first_failure']:.4f}",
+                "{space}, seed {seed}: {evaluations} joints, {answered} answered, largest ratio "
+                "{safe_over_first_failure:.4f}".format_map(rows[-1]),
                 flush=True,
             )
-    worst = max(float(str(row["safe_over_first_failure"])) for row in rows)
-    total = sum(int(str(row["evaluations"])) for row in rows)
+    worst, total = table["safe_over_first_failure"].max(), table["evaluations"].sum()
     print(f"{total} joints; largest safe load over first failure {worst:.4f}; {given.table}")
     return 0 if worst <= 1.0 else 1
-
-
-def write(rows: Sequence[dict[str, object]], path: Path) -> None:
-    """Write the ``rows`` as CSV; those of blocks that bend were checked on nodes of their own."""
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, names)
-        table.writeheader()
-        table.writerows(rows)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Numbers of the study of blocks that bend, `make study CONFIG=elastic.yaml`."""
+"""Numbers of the study of blocks that bend, `make study CONFIG=studies/elastic/config.yaml`."""
 
 import math
 from collections.abc import Callable
@@ -23,15 +23,15 @@ def _young(giga: float) -> str:
     return "rigid" if math.isinf(giga) else f"{giga:g}"
 
 
-def _by_locks(own: pd.DataFrame, cell: Callable[[Any], str], ratio: bool = False) -> str:
+def _by_locks(table: pd.DataFrame, cell: Callable[[Any], str], ratio: bool = False) -> str:
     """A table with a row for each body and stiffness, a column for each number of locks."""
-    counts = sorted(set(own["locks"]))
+    counts = sorted(set(table["locks"]))
     rows = []
-    for (upper, giga), part in own.groupby(["upper_body", "giga"], sort=False):
-        found = {row.locks: row for row in part.itertuples()}
-        told = "∞" if math.isinf(giga) else f"{part['stiffness_ratio'].iloc[0]:g}"
-        cells = [cell(found[count]) for count in counts]
-        rows.append([_young(giga), *([told] * ratio), body(str(upper)), *cells])
+    for (upper, giga), part in table.groupby(["upper_body", "giga"], sort=False):
+        by_count = {row.locks: row for row in part.itertuples()}
+        stiffness = "∞" if math.isinf(giga) else f"{part['stiffness_ratio'].iloc[0]:g}"
+        cells = [cell(by_count[count]) for count in counts]
+        rows.append([_young(giga), *([stiffness] * ratio), body(str(upper)), *cells])
     head = ["E (GPa)", *(["E / (Kn·b)"] * ratio), "body", *(f"n = {n}" for n in counts)]
     return markdown(head, rows)
 
@@ -64,8 +64,8 @@ def unsafe(results: Path) -> str:
     def cell(row: Any) -> str:
         return f"{row.option.removeprefix('option')}: {size(row.largest_unsafe_error, 0)}"
 
-    own = _finest(results).drop_duplicates(["upper_body", "giga", "locks"])
-    return _by_locks(own, cell)
+    joints = _finest(results).drop_duplicates(["upper_body", "giga", "locks"])
+    return _by_locks(joints, cell)
 
 
 BLOCKS: dict[str, Callable[[Path], str]] = {

@@ -1,4 +1,4 @@
-"""Figures of designed studies: the law on one curve, its errors, the rules, and a nomogram."""
+"""Figures of the campaign: the law on one curve, its errors, the rules, and a nomogram."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -12,16 +12,16 @@ from matplotlib.figure import Figure
 from analysis.figures import style
 from analysis.looks import rule_name
 from sidmacib.chain.pairs import Pairs
-from studies.locks.errors import brittle_odd_joints, known, rule_errors
+from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
 from studies.locks.points import POINTS
 from workflow.results.tables import read_table
 
-MOST_DRAWN = 20_000  # points of a figure: more only add ink
+MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 
 
 def smooth_shear(points: pd.DataFrame) -> pd.DataFrame:
     """Smooth columns under a plate in pure shear: locks that work over those of a long joint."""
-    own = points[
+    smooth = points[
         points["eccentricity_over_a"].eq(0.0)
         & points["plate"]
         & points["upper_body"].eq("columns")
@@ -29,8 +29,9 @@ def smooth_shear(points: pd.DataFrame) -> pd.DataFrame:
         & points["first_failure"].gt(0.0)
         & points["saturation"].gt(0.0)
     ]
-    return own.assign(
-        working=own["first_failure"] / own["saturation"], row=own["pairs"] / own["saturation"]
+    return smooth.assign(
+        working=smooth["first_failure"] / smooth["saturation"],
+        row=smooth["pairs"] / smooth["saturation"],
     )
 
 
@@ -38,9 +39,9 @@ def collapse(points: pd.DataFrame) -> Figure:
     """Pure shear on one curve, and the law against the static model in all directions."""
     figure = Figure(figsize=(9.6, 4.9), layout="constrained")
     left, right = figure.subplots(1, 2)
-    own = smooth_shear(points)
-    left.plot(own["row"], own["working"], ".", ms=2.5, color=style.COLOURS[0], label="joints")
-    reach = np.linspace(0.0, max(4.0, float(own["row"].max())), 300)
+    smooth = smooth_shear(points)
+    left.plot(smooth["row"], smooth["working"], ".", ms=2.5, color=style.COLOURS[0], label="joints")
+    reach = np.linspace(0.0, max(4.0, float(smooth["row"].max())), 300)
     left.plot(reach, np.tanh(reach), color="0.2", lw=1.2, label="tanh")
     left.set_xlabel("pairs of locks P / locks that work if there are many")
     left.set_ylabel("locks that work / locks that work if there are many")
@@ -50,7 +51,7 @@ def collapse(points: pd.DataFrame) -> Figure:
     _parity(right, points)
     style.caption(
         figure,
-        f"{len(own)} smooth joints with columns in pure shear (left), "
+        f"{len(smooth)} smooth joints with columns in pure shear (left), "
         f"{points['law'].notna().sum()} points in "
         "all directions (right). Locks that work: load at the first failure of the static model "
         "over T0; many: 41 locks, after the law. Most points off the curve are even joints pushed "
@@ -61,13 +62,13 @@ def collapse(points: pd.DataFrame) -> Figure:
 
 
 def _parity(axes: Axes, points: pd.DataFrame) -> None:
-    own = points[points["law"].gt(0.0) & known(points) & points["plate"]]
-    shown = own.iloc[:: max(1, len(own) // MOST_DRAWN)]
+    held = points[points["law"].gt(0.0) & known(points) & points["plate"]]
+    shown = held.iloc[:: max(1, len(held) // MOST_DRAWN)]
     for rough, colour in ((True, style.COLOURS[1]), (False, style.COLOURS[0])):
         rows = shown[shown["friction"].gt(0.0).eq(rough)]
         words = "rough" if rough else "smooth"
         axes.plot(rows["first_failure"], rows["law"], ".", ms=1.5, color=colour, label=words)
-    ends = [own["first_failure"].min(), own["first_failure"].max()]
+    ends = [held["first_failure"].min(), held["first_failure"].max()]
     axes.plot(ends, ends, color="0.2", lw=1.0)
     axes.set_xscale("log")
     axes.set_yscale("log")
@@ -79,17 +80,17 @@ def _parity(axes: Axes, points: pd.DataFrame) -> None:
 def margins(points: pd.DataFrame) -> Figure:
     """How far law and safe rule are from what they stand for."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
-    own = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
+    held = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
     kinds = (
         ("law", "first_failure", "law over first failure (%)", (-20, 20)),
         ("safe", "peak", "safe rule over brittle peak (%)", (-50, 10)),
     )
-    for axes, (ours, theirs, words, reach) in zip(figure.subplots(1, 2), kinds, strict=True):
+    for axes, (value, reference, words, reach) in zip(figure.subplots(1, 2), kinds, strict=True):
         for (least, most), colour in zip(
             ((0, 0.1), (0.3, 1), (3, np.inf)), style.COLOURS, strict=False
         ):
-            rows = own[own["eccentricity_over_a"].between(least, most) & own[ours].gt(0.0)]
-            error = 100.0 * (rows[ours] / rows[theirs] - 1.0)
+            rows = held[held["eccentricity_over_a"].between(least, most) & held[value].gt(0.0)]
+            error = 100.0 * (rows[value] / rows[reference] - 1.0)
             label = "e from 3 a to torsion" if least == 3 else f"e from {least:g} to {most:g} a"
             axes.hist(
                 error.clip(*reach), bins=70, range=reach, histtype="step", color=colour, label=label
@@ -100,7 +101,7 @@ def margins(points: pd.DataFrame) -> Figure:
         axes.legend(fontsize=8)
     style.caption(
         figure,
-        f"{len(own)} points under a plate; values beyond the axis are counted at its ends. The "
+        f"{len(held)} points under a plate; values beyond the axis are counted at its ends. The "
         "peak lies above the first failure under torque, so the margin is larger there.",
         height=0.08,
     )
@@ -108,20 +109,22 @@ def margins(points: pd.DataFrame) -> Figure:
 
 
 def rules(points: pd.DataFrame) -> Figure:
-    """Where each rule counts too many locks, by number of locks and what a long joint has."""
-    own = brittle_odd_joints(points)
-    joint = [own["design"], own["number"]]
-    pure = own["eccentricity_over_a"].eq(0.0)
-    found = rule_errors(own, "option4")
-    figure = Figure(figsize=(9.6, 2.9 * len(found) + 0.6), layout="constrained")
-    panels = figure.subplots(len(found), 2, sharex=True, sharey=True)
-    for row, (rule, error) in zip(panels, found.items(), strict=True):
-        worst = error.groupby(joint).transform("max")
-        for axes, words, told in ((row[0], "pure shear", error), (row[1], "all directions", worst)):
+    """Where each rule counts too many locks, by number of locks and load of a long joint."""
+    odd = brittle_odd_joints(points)
+    pure = odd[odd["eccentricity_over_a"].eq(0.0)]
+    errors = rule_errors(odd, "option4")
+    figure = Figure(figsize=(9.6, 2.9 * len(errors) + 0.6), layout="constrained")
+    panels = figure.subplots(len(errors), 2, sharex=True, sharey=True)
+    for row, (rule, error) in zip(panels, errors.items(), strict=True):
+        worst = error.groupby([odd[name] for name in JOINT]).transform("max")
+        for axes, words, shown in (
+            (row[0], "pure shear", error),
+            (row[1], "all directions", worst),
+        ):
             drawn = axes.scatter(
-                own.loc[pure, "locks"],
-                own.loc[pure, "saturation"],
-                c=100.0 * told[pure],
+                pure["locks"],
+                pure["saturation"],
+                c=100.0 * shown[pure.index],
                 s=4,
                 cmap="RdBu_r",
                 vmin=-100,

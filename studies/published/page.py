@@ -1,4 +1,4 @@
-"""Numbers of the published study, `make study`."""
+"""Numbers of the published study in pages, `make study`."""
 
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -6,11 +6,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.beside import Beside, beside, difference, name_of
+from analysis.beside import Beside, Line, beside, difference, name_of
 from analysis.looks import look_of
 from analysis.summary import leading_models
 from sidmacib.joint import Direction
-from studies.markdown import direction, markdown, percent, signed, size, table_in
+from studies.markdown import (
+    direction,
+    markdown,
+    markdown_of,
+    percent,
+    signed,
+    size,
+    span,
+    table_in,
+)
 from workflow.models import WITNESS
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
@@ -19,6 +28,7 @@ LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
 FITS = "as it fits"  # the published numbers, with another friction and geometry
 NONE = "–"
+REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
 
 def _beside(results: Path) -> list[Beside]:
@@ -26,96 +36,101 @@ def _beside(results: Path) -> list[Beside]:
     return list(beside(table_in(results, VALIDATION), leading))
 
 
-def _heads(part: Beside) -> list[str]:
-    """Of the samples' columns: a setting's words, and the difference."""
-    names = []
-    for words in part.samples.values():
+def _head(parts: Sequence[Beside]) -> list[str]:
+    """Of the published number, then of each sample: its setting and model, and the difference."""
+    head = [*HEAD]
+    for words in parts[0].samples.values():
         setting, model = words.rsplit("; ", 1)
         setting = setting.replace("not as printed", FITS)
-        names += [f"{setting}; {look_of(model).name}", "difference"]
-    return names
+        head += [f"{setting}; {look_of(model).name}", "difference"]
+    return head
 
 
-def _lines(parts: Iterable[Beside], quantities: Sequence[str]) -> list[list[str]]:
-    """Published numbers whose names begin as ``quantities`` do, beside the computed ones."""
-    rows = []
-    for quantity in quantities:
-        for part in parts:
-            for line in [line for line in part.lines if line.quantity.startswith(quantity)]:
-                row = [name_of(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
-                for sample in part.samples:
-                    own = line.rows.get(sample)
-                    row += (
-                        [NONE] * 2
-                        if own is None
-                        else [f"{own.computed:.5g}", signed(difference(own))]
-                    )
-                rows.append(row)
-    return rows
+def _lines(parts: Iterable[Beside], quantities: Sequence[str], mesh: str = "") -> list[list[str]]:
+    """Published numbers whose names begin as ``quantities`` do, beside the computed ones.
+
+    ``mesh``: of the only lines that are shown; all if it is not given.
+    """
+    return [
+        _cells(part, line)
+        for quantity in quantities
+        for part in parts
+        for line in part.lines
+        if line.quantity.startswith(quantity) and mesh in ("", line.mesh)
+    ]
 
 
-def _weights(part: Beside) -> list[str]:
-    """The weights at the finest mesh, one after the other."""
-    mesh = _mesh([part])
-    own = [line for line in part.lines if _is_weight(line.quantity) and line.mesh == mesh]
-    cells = [", ".join(f"{line.published:g}" for line in own)]
+def _cells(part: Beside, line: Line) -> list[str]:
+    cells = [name_of(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
     for sample in part.samples:
-        cells += [", ".join(f"{line.rows[sample].computed:.2f}" for line in own), "see below"]
+        row = line.rows.get(sample)
+        cells += [NONE] * 2 if row is None else [f"{row.computed:.5g}", signed(difference(row))]
+    return cells
+
+
+def _weights(part: Beside, mesh: str) -> list[str]:
+    """The weights at a mesh, one after the other."""
+    lines = [
+        line
+        for line in part.lines
+        if line.quantity.startswith("weight_lock")
+        and not line.quantity.endswith("_swapped")
+        and line.mesh == mesh
+    ]
+    cells = [", ".join(f"{line.published:g}" for line in lines)]
+    for sample in part.samples:
+        cells += [", ".join(f"{line.rows[sample].computed:.2f}" for line in lines), "see below"]
     return [f"weights of locks 1 … {part.locks}", f"{part.locks}", mesh, *cells]
 
 
-def _is_weight(quantity: str) -> bool:
-    return quantity.startswith("weight_lock") and not quantity.endswith("_swapped")
+def _finest_mesh(parts: Iterable[Beside]) -> str:
+    """The finest mesh of the published numbers."""
+    return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
 
 
 def beside_short(results: Path) -> str:
     """The published numbers that the README shows."""
     parts = _beside(results)
-    finest = [row for row in _lines(parts, ("weight_sum", "best_option")) if row[2] == _mesh(parts)]
-    rows = [*_lines(parts, LOADS), *map(_weights, parts), *finest]
-    return markdown([*HEAD, *_heads(parts[0])], rows)
+    mesh = _finest_mesh(parts)
+    rows = [
+        *_lines(parts, LOADS),
+        *(_weights(part, mesh) for part in parts),
+        *_lines(parts, ("weight_sum", "best_option"), mesh),
+    ]
+    return markdown(_head(parts), rows)
 
 
 def weights(results: Path) -> str:
     """Published and computed weights at the finest mesh, also with the first two swapped."""
     parts = _beside(results)
-    mesh = _mesh(parts)
-    rows = [row for row in _lines(parts, ("weight_",)) if row[2] == mesh]
-    return markdown([*HEAD, *_heads(parts[0])], rows)
-
-
-def _mesh(parts: Iterable[Beside]) -> str:
-    """The finest mesh of the published numbers."""
-    return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
+    return markdown(_head(parts), _lines(parts, ("weight_",), _finest_mesh(parts)))
 
 
 def peaks(results: Path) -> str:
     """The peak of every model in pure shear, with its mesh error."""
-    table = table_in(results, VALIDATION)
-    own = table[table["quantity"].eq("dem_pure_shear_N") & table["model"].ne("limit")]
-    rows = [
-        [
-            f"{row.locks}",
-            row.setting.replace("not as printed", FITS),
-            f"{row.mesh_m:g}",
-            f"{row.published:g}",
-            look_of(row.model).name,
-            f"{row.computed:.2f}",
-            percent(row.relative_difference, 2),
-            size(row.mesh_error, 2) if row.mesh_error == row.mesh_error else NONE,
-        ]
-        for row in own.sort_values(["locks", "setting", "mesh_m"], kind="stable").itertuples()
-    ]
-    head = ["locks", "setting", "mesh (m)", "3DEC, published (N)", "model", "V (N)"]
-    return markdown([*head, "difference", "mesh error"], rows)
+    table = table_in(results, VALIDATION).query(
+        "quantity == 'dem_pure_shear_N' and model != 'limit'"
+    )
+    return markdown_of(
+        table.sort_values(["locks", "setting", "mesh_m"], kind="stable"),
+        {
+            "locks": lambda row: f"{row.locks}",
+            "setting": lambda row: row.setting.replace("not as printed", FITS),
+            "mesh (m)": lambda row: f"{row.mesh_m:g}",
+            "3DEC, published (N)": lambda row: f"{row.published:g}",
+            "model": lambda row: look_of(row.model).name,
+            "V (N)": lambda row: f"{row.computed:.2f}",
+            "difference": lambda row: percent(row.relative_difference, 2),
+            "mesh error": lambda row: NONE if np.isnan(row.mesh_error) else size(row.mesh_error, 2),
+        },
+    )
 
 
 def _static(results: Path) -> pd.DataFrame:
     """The static model's peaks at the finest mesh, by e / a, with a column for each sample."""
-    cases = table_in(results, CASES)
-    own = cases[cases["model"].eq(WITNESS) & cases["variant"].eq("reference")]
-    finest = own[own["mesh_m"].eq(own["mesh_m"].min())]
-    return finest.pivot_table(
+    table = table_in(results, CASES)
+    table = table[table["model"].eq(WITNESS) & table["variant"].eq("reference")]
+    return table.query("mesh_m == mesh_m.min()").pivot_table(
         index="eccentricity_over_a", columns="sample", values="load_N", sort=False
     )
 
@@ -138,58 +153,53 @@ def slopes(results: Path) -> str:
     rows = []
     for sample in loads.columns:
         shear, torque = parts.T * loads[sample].to_numpy()
-        found = -np.diff(torque) / np.diff(shear)
-        rows.append([sample, ", ".join(f"{value:.2f}" for value in found)])
+        values = -np.diff(torque) / np.diff(shear)
+        rows.append([sample, ", ".join(f"{value:.2f}" for value in values)])
     return markdown(["sample, static model", "−dM/dV over a"], rows)
 
 
 def models(results: Path) -> str:
     """First failure and peak of engines and static model on the same nodes, finest mesh."""
-    table = table_in(results, MODELS)
-    cases = table_in(results, CASES)
-    ratio = cases.drop_duplicates("case").set_index("case")["eccentricity_over_a"]
-    table = table.assign(ratio=table["case"].map(ratio))
+    cases = table_in(results, CASES).drop_duplicates("case")[["case", "eccentricity_over_a"]]
+    table = table_in(results, MODELS).merge(cases, on="case", suffixes=("_", ""))
     engines = [name for name in table["model"].unique() if name not in (WITNESS, "limit")]
     samples = table.loc[table["model"].isin(engines), "sample"].unique()
-    finest = table[table["mesh_m"].eq(table["mesh_m"].min()) & table["sample"].isin(samples)]
-    shown = [*engines, WITNESS]
+    table = table[table["mesh_m"].eq(table["mesh_m"].min())]
+    shown = table[table["sample"].isin(samples) & table["eccentricity_over_a"].isin(SHOWN)]
+    names = [*engines, WITNESS]
     rows = []
-    parts = finest[finest["ratio"].isin(SHOWN)].groupby(["locks", "sample", "ratio"])
-    for (_, sample, e), part in parts:
-        own = part.set_index("model")
+    for (_, sample, ratio), part in shown.groupby(["locks", "sample", "eccentricity_over_a"]):
+        loads = part.set_index("model")[["first_failure_load_N", "load_N"]]
         cells = [
-            f"{own.loc[name, 'first_failure_load_N']:.2f}, {own.loc[name, 'load_N']:.2f}"
-            if name in own.index
-            else NONE
-            for name in shown
+            ", ".join(f"{load:.2f}" for load in loads.loc[name]) if name in loads.index else NONE
+            for name in names
         ]
-        rows.append([str(sample), direction(float(e)), *cells])
-    mesh = f"{table['mesh_m'].min():g}"
-    names = [f"{look_of(name).name} (N)" for name in shown]
-    return markdown([f"sample, mesh {mesh} m", "e / a", *names], rows)
+        rows.append([str(sample), direction(float(ratio)), *cells])
+    head = [f"sample, mesh {table['mesh_m'].min():g} m", "e / a"]
+    return markdown([*head, *(f"{look_of(name).name} (N)" for name in names)], rows)
 
 
 def agreement(results: Path) -> str:
     """Every two models of the pieces on the same nodes: largest differences."""
-    cases = table_in(results, CASES)
-    own = cases[cases["error"].isna() & cases["variant"].eq("reference")]
-    weights = table_in(results, WEIGHTS)
-    weights = weights[weights["variant"].eq("reference")].pivot_table(
-        index=["case", "lock"], columns="model", values="weight"
+    cases = table_in(results, CASES).query("error.isna() and variant == 'reference'")
+    loads = [
+        cases.pivot_table(index="case", columns="model", values=column)
+        for column in ("first_failure_load_N", "load_N")
+    ]
+    weights = (
+        table_in(results, WEIGHTS)
+        .query("variant == 'reference'")
+        .pivot_table(index=["case", "lock"], columns="model", values="weight")
     )
-    loads = {
-        what: own.pivot_table(index="case", columns="model", values=column)
-        for what, column in (("first", "first_failure_load_N"), ("peak", "load_N"))
-    }
-    names = [name for name in own["model"].unique() if name != "limit"]
+    names = [name for name in cases["model"].unique() if name != "limit"]
     rows = []
     for number, one in enumerate(names):
         for other in names[number + 1 :]:
-            parts = [(table[one] / table[other] - 1.0).dropna() for table in loads.values()]
-            apart = (weights[one] - weights[other]).abs().dropna()
-            spans = [f"{percent(p.min(), 2)} to {percent(p.max(), 2)}" for p in parts]
+            errors = [(table[one] / table[other] - 1.0).dropna() for table in loads]
+            spans = [span(error.min(), error.max(), 2, " to ") for error in errors]
+            apart = (weights[one] - weights[other]).abs().max()
             who = f"{look_of(one).name} over {look_of(other).name}"
-            rows.append([who, f"{len(parts[1])}", *spans, f"{apart.max():.4f}"])
+            rows.append([who, f"{len(errors[1])}", *spans, f"{apart:.4f}"])
     head = ["", "cases", "first failure", "peak", "weights apart, at most"]
     return markdown(head, rows)
 
@@ -197,41 +207,35 @@ def agreement(results: Path) -> str:
 def options(results: Path) -> str:
     """The option of SiDMACIB that fits each model best, by the paper's rule and by the sum."""
     table = table_in(results, FIT)
-    leading = leading_models(table)
-    own = table[table["model"].eq(table["sample"].map(leading)) & ~table["friction"].astype(bool)]
-    names = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
-    rows = []
-    for (sample, rule, mesh), part in own[own["reduction"].isin(names)].groupby(
-        ["sample", "reduction", "mesh_m"], sort=True
-    ):
-        best = part.sort_values("misfit", kind="stable").iloc[0]
-        rows.append(
-            [
-                f"{sample}: {best['locks']} locks, {look_of(best['model']).name}",
-                f"{mesh:g}",
-                names[rule],
-                str(best["option"]).removeprefix("option"),
-                size(float(best["misfit"])),
-                size(float(best["largest_unsafe_error"])),
-                size(float(best["largest_safe_error"])),
-            ]
-        )
-    head = ["sample", "mesh (m)", "rule", "best option", "misfit", "unsafe by up to"]
-    return markdown([*head, "safe by up to"], rows)
+    leading = table["model"].eq(table["sample"].map(leading_models(table)))
+    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(REDUCTIONS)]
+    keys = ["sample", "reduction", "mesh_m"]
+    best = table.sort_values([*keys, "misfit"], kind="stable").drop_duplicates(keys)
+    return markdown_of(
+        best,
+        {
+            "sample": lambda row: f"{row.sample}: {row.locks} locks, {look_of(row.model).name}",
+            "mesh (m)": lambda row: f"{row.mesh_m:g}",
+            "rule": lambda row: REDUCTIONS[row.reduction],
+            "best option": lambda row: row.option.removeprefix("option"),
+            "misfit": lambda row: size(row.misfit),
+            "unsafe by up to": lambda row: size(row.largest_unsafe_error),
+            "safe by up to": lambda row: size(row.largest_safe_error),
+        },
+    )
 
 
 def variants(results: Path) -> str:
     """What each variant does to the peak, where reference and variant were both run."""
-    table = table_in(results, VARIANTS)
-    table = table[table["model"].ne("limit")]
+    table = table_in(results, VARIANTS).query("model != 'limit'")
     loads = table.pivot_table(index=["model", "sample", "case"], columns="variant", values="load_N")
     rows = []
-    for variant in [name for name in loads.columns if name != "reference"]:
+    for variant in loads.columns.drop("reference"):
         change = (loads[variant] / loads["reference"] - 1.0).dropna()
         for (model, sample), part in change.groupby(level=["model", "sample"]):
-            spans = f"{percent(part.min())} to {percent(part.max())}"
-            told = percent(part.iloc[0]) if len(part) == 1 else spans
-            rows.append([variant, look_of(model).name, sample, f"{len(part)}", told])
+            one = len(part) == 1
+            words = percent(part.iloc[0]) if one else span(part.min(), part.max(), 1, " to ")
+            rows.append([variant, look_of(model).name, sample, f"{len(part)}", words])
     return markdown(["variant", "model", "sample", "cases", "peak over the reference's"], rows)
 
 
