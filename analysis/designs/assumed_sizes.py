@@ -4,7 +4,7 @@ It prints a b = 0.003 m2. Over the spans of a, h and H that such joints may have
 as printed and as it fits, the law tells how many locks work.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -67,7 +67,9 @@ def _working(base: Joint, sizes: tuple[float, float, float], friction: float) ->
     return law(joint, Direction(0.0)).load / joint.T0
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     base = read_plain(Joint, arguments["base"])
-    write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs[0])
+    write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])

@@ -1,6 +1,6 @@
 """What is left of the first failure if the strength of locks scatters: the characteristic load."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -39,7 +39,9 @@ def characteristic_table(base: Joint) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(CHARACTERISTIC.columns))
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     base = read_plain(Joint, arguments["base"])
-    write_table(CHARACTERISTIC, characteristic_table(base), outputs[0])
+    write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])

@@ -164,8 +164,10 @@ def _by_locks(
             yield {**names, **where, **spread(found), "unsafe_share": unsafe}
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write both tables."""
-    points = read_table(POINTS, inputs[0])
-    write_table(LAW, law_table(points), outputs[0])
-    write_table(RULE_ERRORS, rules_table(points), outputs[1])
+    points = read_table(POINTS, inputs["points"])
+    write_table(LAW, law_table(points), outputs["law"])
+    write_table(RULE_ERRORS, rules_table(points), outputs["rules"])

@@ -1,6 +1,6 @@
 """The points of a study's designs: a joint in a direction, with every model's load over T0."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,13 +23,14 @@ def points_of(design: str, solved: pd.DataFrame, told: pd.DataFrame) -> pd.DataF
     return both[list(POINTS.columns)]
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
+) -> None:
     """Put the batches of all designs together."""
-    count = len(inputs) // 2
     parts = [
         points_of(design, pd.read_parquet(solved), pd.read_parquet(told))
         for design, solved, told in zip(
-            arguments["designs"], inputs[:count], inputs[count:], strict=True
+            arguments["designs"], inputs["solved"], inputs["law"], strict=True
         )
     ]
-    write_table(POINTS, pd.concat(parts, ignore_index=True), outputs[0])
+    write_table(POINTS, pd.concat(parts, ignore_index=True), outputs["points"])

@@ -3,7 +3,7 @@
 A load is proportional to the bonds' strength, which is spread as much as it may scatter in masonry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -80,7 +80,9 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     return loads
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     design, base = read_plain(Design, arguments["design"]), read_plain(Joint, arguments["base"])
-    write_table(SENSITIVITY, sensitivity_table(design, base), outputs[0])
+    write_table(SENSITIVITY, sensitivity_table(design, base), outputs["sensitivity"])

@@ -22,9 +22,11 @@ WHOLE = 0.999  # of a side: a mesh must be less than it
 SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the rows of the joints from ``start`` to before ``stop``."""
-    write_rows(arguments, joint_rows, outputs[0])
+    write_rows(arguments, joint_rows, outputs["joints"])
 
 
 def joint_rows(

@@ -18,9 +18,11 @@ from workflow.steps.joints import write_rows
 MANY = 41  # locks
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the rows of the joints from ``start`` to before ``stop``."""
-    write_rows(arguments, law_rows, outputs[0])
+    write_rows(arguments, law_rows, outputs["joints"])
 
 
 def law_rows(one: Designed, eccentricities: Sequence[float]) -> Iterator[dict[str, Any]]:
