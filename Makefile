@@ -109,13 +109,13 @@ scaling: .venv/test.ready
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/snakefmt --check Snakefile workflow/rules studies
 	$(BIN)/mypy
 
 format: .venv/test.ready
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
-	$(BIN)/snakefmt Snakefile workflow/rules
+	$(BIN)/snakefmt Snakefile workflow/rules studies
 
 .venv/study.ready: requirements.txt pyproject.toml | early system
 	@sh workflow/environment.sh

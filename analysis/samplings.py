@@ -17,6 +17,9 @@ def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return table
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
+) -> None:
     """Put the batches of all samplings together."""
-    write_table(SAMPLINGS, samplings_table([*map(pd.read_parquet, inputs)]), outputs[0])
+    table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
+    write_table(SAMPLINGS, table, outputs["samplings"])

@@ -23,8 +23,8 @@ import yaml
 from benchmarks.peers import peer_times
 from workflow.closure import ROOT
 from workflow.configuration import read_study
-from workflow.plan import plan_of
 from workflow.results.files import RESULT
+from workflow.snakefile import plan_of
 from workflow.times import read_times
 
 REPEATS = 5

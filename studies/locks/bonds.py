@@ -1,6 +1,6 @@
 """What bonds that soften or yield add to the first failure, and how safe (n - 1) / 2 is then."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +61,8 @@ def _kind(failure: str, ratio: float) -> str:
     return f"softening, {least:g} to {most:g}"
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
-    write_table(BONDS, bonds_table(read_table(POINTS, inputs[0])), outputs[0])
+    write_table(BONDS, bonds_table(read_table(POINTS, inputs["points"])), outputs["bonds"])

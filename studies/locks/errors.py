@@ -168,8 +168,10 @@ def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series
         yield (body, f"{least} to {most}"), chosen
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write both tables."""
-    points = read_table(POINTS, inputs[0])
-    write_table(LAW, law_table(points), outputs[0])
-    write_table(RULE_ERRORS, rules_table(points), outputs[1])
+    points = read_table(POINTS, inputs["points"])
+    write_table(LAW, law_table(points), outputs["law"])
+    write_table(RULE_ERRORS, rules_table(points), outputs["rules"])

@@ -1,6 +1,6 @@
 """Figures of the campaign: the law on one curve, its errors, the rules, and a nomogram."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -185,8 +185,10 @@ DRAWN: dict[str, Callable[[pd.DataFrame], Figure]] = {
 }
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
+) -> None:
     """Draw every figure into the files that are named after it."""
-    points = read_table(POINTS, inputs[0])
+    points = read_table(POINTS, inputs["points"])
     for name, draw in DRAWN.items():
-        style.save(draw(points), [path for path in outputs if path.stem == name])
+        style.save(draw(points), [path for path in outputs["figures"] if path.stem == name])

@@ -134,6 +134,8 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(FREEDOMS.columns))
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
-    write_table(FREEDOMS, freedoms_table(read_table(POINTS, inputs[0])), outputs[0])
+    write_table(FREEDOMS, freedoms_table(read_table(POINTS, inputs["points"])), outputs["freedoms"])

@@ -5,7 +5,7 @@ are compared with first failures of the static model, whose values at the ends a
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +59,9 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     return table_of(INTERACTION, rows)
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
-    write_table(INTERACTION, interaction_table(read_table(POINTS, inputs[0])), outputs[0])
+    table = interaction_table(read_table(POINTS, inputs["points"]))
+    write_table(INTERACTION, table, outputs["interaction"])

@@ -18,10 +18,12 @@ from workflow.steps.joints import joints_of, write_rows
 MANY = 41  # locks
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the rows of a batch."""
     rows = law_rows(joints_of(arguments), arguments["eccentricities"])
-    write_rows(arguments["name"], rows, outputs[0])
+    write_rows(arguments["name"], rows, outputs["joints"])
 
 
 def law_rows(

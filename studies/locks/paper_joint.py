@@ -4,7 +4,7 @@ The paper prints a b = 0.003 m2. The law gives the number of locks that work ove
 and H that such joints may have, with friction as printed and as fitted.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -106,8 +106,10 @@ def _working(joint: Joint) -> float:
     return law(joint, Direction(0.0)).load / joint.T0
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write both tables."""
     base = read_plain(Joint, arguments["base"])
-    write_table(CHARACTERISTIC, characteristic_table(base), outputs[0])
-    write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs[1])
+    write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
+    write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])

@@ -30,8 +30,10 @@ def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataF
     return points.rename(columns={"sampling": "design"})[list(POINTS.columns)]
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
-    """Write the table; ``inputs``: the table of samplings, then the law's batches."""
-    solved, *answers = inputs
-    points = points_of(read_table(SAMPLINGS, solved), [*map(pd.read_parquet, answers)])
-    write_table(POINTS, points, outputs[0])
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Any], outputs: Mapping[str, Path]
+) -> None:
+    """Write the table."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
+    write_table(POINTS, points, outputs["points"])

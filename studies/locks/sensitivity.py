@@ -3,7 +3,7 @@
 A load is proportional to the bonds' strength, whose span is about its scatter in masonry.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -89,8 +89,10 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     return loads
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     sampling = read_plain(Sampling, arguments["sampling"])
     base = read_plain(Joint, arguments["base"])
-    write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs[0])
+    write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])

@@ -23,11 +23,13 @@ BELOW = 0.999  # of a side: a mesh must be less than the side
 SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the rows of a batch."""
     asked = (arguments[key] for key in ("eccentricities", "cells", "limited"))
     rows = solved_rows(joints_of(arguments), *asked)
-    write_rows(arguments["name"], rows, outputs[0])
+    write_rows(arguments["name"], rows, outputs["joints"])
 
 
 def solved_rows(

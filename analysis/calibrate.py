@@ -1,7 +1,7 @@
-"""Find geometry and friction that fit the published numbers, by studies of many joints.
+"""Find geometry and friction that fit the published numbers: ``make calibrate``.
 
-The static model tries all of them, then engines confirm the best. Each step is a study of its
-own in the results folder; its configuration is written here.
+The static model solves a grid of joints, then engines confirm the best of them. Each step is a
+study of its own in the results folder, whose configuration is written here.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -24,7 +24,7 @@ from analysis.calibration import (
     engine_study,
     friction_table,
     misfit_table,
-    own_candidates,
+    study_candidates,
 )
 from analysis.figures import style
 from analysis.figures.calibration import calibration
@@ -42,38 +42,40 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
     published = read_published()
     locks = check(study, published)
     place = Path(study.results, "calibration")
-    own = {f"own{n}": each for n, each in enumerate(own_candidates(study, published))}
+    of_study = {f"own{n}": each for n, each in enumerate(study_candidates(study, published))}
 
     def done(name: str, content: Mapping[str, Any], engines: Sequence[str]) -> Tables | None:
         return run_study(place / f"{name}.yaml", content, engines, snakemake)
 
-    every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | own
-    found = done("map", candidate_study(study, locks, every, str(place / "map")), ())
-    if found is None:
+    every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | of_study
+    tables = done("map", candidate_study(study, locks, every, str(place / "map")), ())
+    if tables is None:
         return "the map of joints is incomplete, see above"
-    table = misfit_table(*found, published)
+    table = misfit_table(*tables, published)
     write(table, place / "map.csv")
-    grid = table[~table["candidate"].isin(own)]
+    grid = table[~table["candidate"].isin(of_study)]
     frictions = friction_table(grid)
     write(frictions, place / "friction.csv")
 
     best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
-    chosen = own | ranked(best)
-    found = done("curves", curve_study(study, locks, chosen, str(place / "curves")), ())
-    if found is None:
+    chosen = of_study | ranked(best)
+    tables = done("curves", curve_study(study, locks, chosen, str(place / "curves")), ())
+    if tables is None:
         return "the curves are incomplete, see above"
-    curves = curve_table(found[0], found[1])
+    curves = curve_table(tables[0], tables[1])
     write(curves, place / "curves.csv")
     figures = [Path(study.results, f"figures/calibration.{kind}") for kind in ("png", "pdf")]
-    style.save(calibration(grid, table[table["candidate"].isin(own)], curves, published), figures)
+    style.save(
+        calibration(grid, table[table["candidate"].isin(of_study)], curves, published), figures
+    )
 
-    chosen = own | ranked(best[: study.calibration.confirmed])
+    chosen = of_study | ranked(best[: study.calibration.confirmed])
     content = engine_study(study, locks, chosen, str(place / "best"))
     able = [name for name in installed_engines(study) if name in content["dem"]["engines"]]
-    found = done("best", content, able)
-    if found is None:
+    tables = done("best", content, able)
+    if tables is None:
         return "the confirmation is incomplete, see above"
-    confirmed = misfit_table(*found, published)
+    confirmed = misfit_table(*tables, published)
     write(confirmed, Path(study.results, "tables/calibration.csv"))
     print(describe(confirmed, frictions, published), end="")
     return None
