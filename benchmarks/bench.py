@@ -1,7 +1,7 @@
 """How long everything takes on this machine, as a table: `make bench`.
 
-With ``--base``, another checkout that is set up, its whole-process figures stand beside. CPU times
-are of all processes; run it on a quiet machine.
+With ``--base``, another checkout with its own environment, its imports and plans are measured too.
+CPU times are of all processes. Run it on a quiet machine.
 """
 
 import argparse
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import timeit
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
@@ -55,7 +56,7 @@ ONE = {
 
 @dataclass(frozen=True)
 class Figure:
-    """One line of the table: what was measured, in which unit, here and in the other checkout."""
+    """A line of the table: what was measured, its unit, its value here and in another checkout."""
 
     what: str
     unit: str
@@ -75,10 +76,10 @@ class Usage:
 def used(command: Sequence[str], folder: Path) -> Usage:
     """Run ``command`` in ``folder``; RuntimeError if it fails."""
     before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    found = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     wall, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-    if found.returncode:
-        raise RuntimeError(f"{' '.join(command)}: {found.stderr[-2000:]}")
+    if ended.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {ended.stderr[-2000:]}")
     cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
     return Usage(wall, cpu, after.ru_maxrss / 1024)
 
@@ -114,18 +115,16 @@ def static_case(number: int) -> float:
 
 
 def static_seconds(locks: int, mesh: float) -> float:
-    """Time of the static model in pure shear, s."""
+    """Time of the static model in pure shear, s: the least of three."""
     import sidmacib
 
-    def once() -> float:
-        start = time.perf_counter()
+    def solve() -> None:
         joint = sidmacib.Joint(locks)
         assembly = sidmacib.assemble(joint, mesh)
         loading = sidmacib.Loading(sidmacib.Direction(0.0))
         sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
-        return time.perf_counter() - start
 
-    return min(once() for _ in range(3))
+    return min(timeit.repeat(solve, repeat=3, number=1))
 
 
 def library_figures() -> Iterator[Figure]:
@@ -181,8 +180,8 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
     for engine in ("yade", "liggghts"):
         config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
-        own = job_times(config, f"{engine}/")
-        yield Figure(f"added to a case of {engine}", "CPU-s", sum(own))
+        times = job_times(config, f"{engine}/")
+        yield Figure(f"added to a case of {engine}", "CPU-s", sum(times))
     path = folder / "one.yaml"
     path.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
     target = str(folder / "one")
@@ -195,10 +194,10 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
 
 
 def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
-    """CPU-s of their own that the jobs of a study take, those whose name begins with ``prefix``."""
+    """CPU-s, without programs that they start, of the jobs whose names begin with ``prefix``."""
     study = read_study(config)
     results = Path(study.results)
-    found = []
+    seconds = []
     for job in plan_of(study).made.values():
         if job.name.startswith(prefix):
             plan = results / "plan.json"
@@ -206,24 +205,23 @@ def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
             plan.write_text(json.dumps(job.plan(job.digest(), results)))
             used([sys.executable, "-m", "workflow.job", str(plan)], ROOT)
             times = json.loads((results / f".times/{job.name}.json").read_text())
-            found.append(times["own_cpu_s"])
-    return found
+            seconds.append(times["own_cpu_s"])
+    return seconds
 
 
 def study_figures(results: Path) -> Iterator[Figure]:
     """What the jobs of a study took when they were last run."""
-    times = [told for _, told in read_times(results)]
-    if times:
-        frame = pd.DataFrame(times)
+    frame = pd.DataFrame([times for _, times in read_times(results)])
+    if len(frame):
         yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
         yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
 
 
 def step_figures(results: Path) -> Iterator[Figure]:
-    """Time steps of the engines, mean of the cases of the study that were searched both ways."""
+    """Mean time steps of each engine, over the cases that were searched guided and unguided."""
     for engine in ("yade", "liggghts"):
         folder = results / "cases" / engine
-        steps = {path.parent.name: told(path) for path in sorted(folder.glob(f"*/{RESULT}"))}
+        steps = {path.parent.name: time_steps(path) for path in sorted(folder.glob(f"*/{RESULT}"))}
         both = [name for name in steps if f"{name}-{UNGUIDED}" in steps]
         for what, names in (
             ("guided", both),
@@ -234,8 +232,8 @@ def step_figures(results: Path) -> Iterator[Figure]:
                 yield Figure(f"{engine}: a case, {what}", "time steps", mean)
 
 
-def told(result: Path) -> int:
-    """How many time steps an engine's result took."""
+def time_steps(result: Path) -> int:
+    """How many time steps an engine took for its result."""
     return int(json.loads(result.read_text())["time_steps"])
 
 

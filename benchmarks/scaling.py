@@ -65,8 +65,8 @@ def row(cases: int, folder: Path) -> dict[str, float]:
 
 
 def _cpu(results: Path) -> Iterator[tuple[str, float]]:
-    for kind, told in read_times(results):
-        yield kind, told["own_cpu_s"] + told["programs_cpu_s"]
+    for kind, times in read_times(results):
+        yield kind, times["own_cpu_s"] + times["programs_cpu_s"]
 
 
 def main() -> None:
