@@ -53,7 +53,7 @@ study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
 	$(WORKFLOW) study $(TO) --profile="$$PROFILE"
 
 locks: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
-	$(WORKFLOW) study locks.yaml --results="$$RESULTS" --profile="$$PROFILE"
+	$(WORKFLOW) study studies/locks/config.yaml --results="$$RESULTS" --profile="$$PROFILE"
 
 case: .venv/study.ready
 	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
@@ -75,7 +75,7 @@ docs: .venv/test.ready
 	@echo "Pages: build/docs/index.html"
 
 bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
-	@exec $(BIN)/python -m analysis.benchmark $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m benchmarks.bench $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
 	$(BIN)/pytest
@@ -89,34 +89,34 @@ test-container: .venv/test.ready
 	MULTILOCK_MACHINE=1 $(BIN)/pytest -m machine tests/test_container.py
 
 faults: .venv/test.ready
-	@exec $(BIN)/python tests/faults.py --faults "$$FAULTS"
+	@PYTHONPATH=.:tests exec $(BIN)/python -m campaigns.faults --faults "$$FAULTS"
 
 fuzz: .venv/test.ready
-	@PYTHONPATH=. OPENBLAS_NUM_THREADS=1 exec $(BIN)/python tests/fuzz.py --inputs "$$FUZZ"
+	@PYTHONPATH=.:tests OPENBLAS_NUM_THREADS=1 exec $(BIN)/python -m campaigns.fuzz --inputs "$$FUZZ"
 
 mutants: .venv/test.ready .venv/mutants.ready
-	@exec $(BIN)/python tests/mutants.py --mutants "$$MUTANTS"
+	@PYTHONPATH=.:tests exec $(BIN)/python -m campaigns.mutants --mutants "$$MUTANTS"
 
 same: .venv/test.ready
-	@exec $(BIN)/python tests/same_bytes.py $(PYTHONS)
+	@PYTHONPATH=.:tests exec $(BIN)/python -m campaigns.same_bytes $(PYTHONS)
 
 attack: .venv/study.ready
-	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m analysis.attack --evaluations "$$EVALUATIONS"
+	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m studies.attack.search --evaluations "$$EVALUATIONS"
 
 scaling: .venv/test.ready
-	@exec $(BIN)/python -m analysis.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
+	@exec $(BIN)/python -m benchmarks.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")
 
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/snakefmt --check Snakefile workflow/rules studies
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
 format: .venv/test.ready
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
-	$(BIN)/snakefmt Snakefile workflow/rules
+	$(BIN)/snakefmt Snakefile workflow/rules studies
 
 .venv/study.ready: requirements.txt pyproject.toml | early system
 	@sh workflow/environment.sh

@@ -1,8 +1,6 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
-import os
-import re
-import shlex
+# What would be done: `snakemake --dry-run`. How rules depend on each other: `snakemake --rulegraph`.
 import sys
 from pathlib import Path
 
@@ -10,80 +8,76 @@ from pathlib import Path
 CHECKOUT = str(workflow.basedir)
 sys.path.insert(0, CHECKOUT)
 
+from workflow.batches import case_jobs
 from workflow.configuration import ConfigError, load_configuration, read_study
-from workflow.kills import LAST_TRY, RETRIES, forget, was_killed
-from workflow.lock import LockedError, lock
-from workflow.plan import plan_of, planned, prepared
+from workflow.models import detailed
+from workflow.snakefile import plan_from
 
-# A study of one's own is not mixed with this one. Snakemake has read the files too; ours is the reader
-# that lets nothing pass in silence.
+# Snakemake has read the configuration too, and merges it with defaults; this reader checks every key,
+# and does not mix two studies. `workflow.snakefile.plan_of` hands over a study that has been read.
 CONFIG = workflow.config_settings.config or {}
 FILES = [Path(path) for path in workflow.config_settings.configfiles]
+FILES = FILES or [Path(CHECKOUT, "config.yaml")]
+GIVEN = getattr(workflow, "study", None)
 try:
-    for path in reversed(FILES or [Path(CHECKOUT, "config.yaml")]):
-        CONFIG = load_configuration(path, CONFIG)
-    STUDY = read_study(CONFIG)
-    PLAN = plan_of(STUDY)
+    if GIVEN is None:
+        for path in reversed(FILES):
+            CONFIG = load_configuration(path, CONFIG)
+    STUDY = GIVEN or read_study(CONFIG)
+    CASES = case_jobs(STUDY)
 except ConfigError as error:
-    path = FILES[0] if FILES else Path(CHECKOUT, "config.yaml")
-    sys.exit(f"Error in the configuration: {error.of(path)}")
+    if GIVEN is not None:
+        raise
+    sys.exit(f"Error in the configuration: {error.of(FILES[0])}")
 
 RESULTS = STUDY.results
-if workflow.is_main_process and not workflow.dryrun:
-    try:
-        LOCK = lock(Path(RESULTS))
-    except LockedError as error:
-        sys.exit(str(error))
-JOBS = PLAN.jobs
-# Jobs on other machines read this file too: they take the plans as they are.
-if workflow.is_main_process:
-    PLANS = prepared(JOBS.values(), Path(RESULTS), retry=bool(os.environ.get("RETRY")))
-    if not workflow.dryrun:
-        forget(Path(RESULTS))
-else:
-    PLANS = planned(Path(RESULTS))
-PLANS = {name: str(path) for name, path in PLANS.items()}
+DETAILED = detailed(STUDY.model_names)
 
 
-def tried(job, attempt):
-    """Which try to ask for more for: the first unless the job was killed."""
-    return attempt if was_killed(Path(RESULTS), job) else 1
-
-
-def memory(job, attempt):
-    """MB that a job asks of a cluster."""
-    return JOBS[job].needs.megabytes(tried(job, attempt))
-
-
-def minutes(job, attempt):
-    """Time that a job asks of a cluster."""
-    return JOBS[job].needs.minutes(tried(job, attempt))
-
-
-def last_try(attempt):
-    """Whether a job that is killed is not tried again: 1 or 0, as in the job's environment."""
-    return int(workflow.is_main_process or attempt > RETRIES)
-
-
-# `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
-# of linear algebra on small matrices only wait for each other.
-RUN = (
-    f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONUTF8=1 PYTHONPATH={shlex.quote(CHECKOUT)} "
-    f"exec {shlex.quote(sys.executable)} -m workflow.job "
-    "{input.plan:q} > {log:q} 2>&1"
-)
-
-
-def below(names):
-    """Paths of results, whose ``names`` are below the results' folder."""
-    return [f"{RESULTS}/{name}" for name in names]
-
-
+include: "workflow/rules/common.smk"
 include: "workflow/rules/cases.smk"
 include: "workflow/rules/tables.smk"
+include: "workflow/rules/pages.smk"
+include: "workflow/rules/on_request.smk"
+
+
+STUDY_FILES = [
+    *OF_CASES,
+    *rules.collect.output,
+    *rules.capacity.output,
+    *rules.fit.output,
+    *rules.variants.output,
+    *rules.validation.output,
+    *rules.figures.output,
+    *rules.summary.output,
+    *rules.report.output,
+    *rules.complete.output,
+]
+if STUDY.measured is not None:
+
+    include: "workflow/rules/measured.smk"
+
+    STUDY_FILES += rules.measured.output
+
+
+if STUDY.samplings:
+
+    include: "workflow/rules/samplings.smk"
+
+    STUDY_FILES += [*of_jobs(rules.sampling.rule), *rules.samplings.output]
+
+
+if STUDY.campaign is not None:
+
+    include: f"studies/{STUDY.campaign}/rules.smk"
+
+    STUDY_FILES += OF_CAMPAIGN
 
 
 rule all:
     default_target: True
     input:
-        below(PLAN.outputs()),
+        STUDY_FILES,
+
+
+PLAN = plan_from(workflow.rules, STUDY, CASES, WILDCARDS)

@@ -1,13 +1,14 @@
 """Which geometry and which friction fit the published numbers, by the static model.
 
-Of the geometry the paper's text gives a * b only. Peaks and weights in pure shear depend on two
+Of the geometry, the paper's text gives a * b only. Peaks and weights in pure shear depend on two
 ratios: the height share h / (h + H), which is the share of the load that acts on lock 1, and
 (h + H) / b, the lever of the rocking moment, which friction on the dry faces turns into load. The
-length a against b shows in the shape of the V-M curve, which the paper describes in words: concave,
-two nearly straight parts, turning at about two thirds.
+ratio a / b shows in the shape of the V-M curve, which the paper describes in words: concave, two
+nearly straight parts, turning at about two thirds.
 
-The friction coefficient is printed, as 0.3, and yet an unknown here: no geometry fits with it. That
-3DEC, whose friction is an angle in degrees, was given 0.3 is a hypothesis, see `read_as_degrees`.
+The paper prints a friction coefficient of 0.3, but no geometry fits with it, so it is varied too.
+That 3DEC, whose friction is an angle in degrees, was given 0.3 is a hypothesis, see
+`read_as_degrees`.
 """
 
 import math
@@ -21,6 +22,7 @@ import pandas as pd
 
 from analysis.curve_shape import TwoParts
 from analysis.published import Published
+from sidmacib.joint import Joint
 from workflow.configuration import ConfigError
 from workflow.models import MODELS, Ability
 from workflow.schema import Study
@@ -29,7 +31,10 @@ from workflow.schema.joint import GeometrySection as Geometry
 # Of a peak: published ones of a sample differ by 0.03 and 0.55 % between the meshes.
 PEAK_SCALE = 0.005
 WEIGHT_SCALE = 0.02  # -, of a weight: printed with two digits, as mean stresses at one instant
-PEAK_AIM, WEIGHT_AIM = 0.005, 0.04  # what a joint is said to fit within: all peaks, all weights
+PEAK_AIM, WEIGHT_AIM = (
+    0.005,
+    0.04,
+)  # largest differences of a joint that fits
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
 SIZES = ("a_m", "b_m", "h_m", "H_m")
 
@@ -53,11 +58,20 @@ def candidates(study: Study, published: Published) -> Iterator[Candidate]:
         yield Candidate(geometry, friction)
 
 
-def own_candidates(study: Study, published: Published) -> list[Candidate]:
-    """The study's own: of its published samples, each that differs in size or friction."""
-    joints = [study.joint(sample) for sample in published.samples(study)]
-    own = [Candidate(Geometry(a=j.a, b=j.b, h=j.h, H=j.H), j.dry.friction) for j in joints]
-    return [each for place, each in enumerate(own) if each not in own[:place]]
+def study_candidates(study: Study, published: Published) -> list[Candidate]:
+    """The joints of the study's published samples, each size and friction once."""
+    chosen: list[Candidate] = []
+    for sample in published.samples(study):
+        joint = study.joint(sample)
+        candidate = Candidate(geometry_of(joint), joint.dry.friction)
+        if candidate not in chosen:
+            chosen.append(candidate)
+    return chosen
+
+
+def geometry_of(joint: Joint) -> Geometry:
+    """The sizes of ``joint``."""
+    return Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
 
 
 def read_as_degrees(published: Published) -> float:
@@ -141,25 +155,25 @@ class CandidateMisfit:
     ) -> "CandidateMisfit":
         """Of peaks (N) and weights, by number of locks and mesh.
 
-        Every peak counts. The paper does not tell the mesh of its weights: those at the finest one
+        Every peak counts. The paper does not give the mesh of its weights: those at the finest one
         count in the misfit, and those at all meshes in the largest difference.
         """
         finest = min(mesh for _, mesh in peaks)
         relative = [peak / published_peak(published, *at) - 1.0 for at, peak in peaks.items()]
         orders: dict[str, list[float]] = {"swapped": [], "printed": []}
         largest = 0.0
-        for (locks, mesh), own in weights.items():
+        for (locks, mesh), computed in weights.items():
             first, second, *others = published.numbers["weights"][locks]
-            swapped = np.subtract(own, [second, first, *others])
+            swapped = np.subtract(computed, [second, first, *others])
             largest = max(largest, float(np.abs(swapped).max()))
             if mesh == finest:
                 orders["swapped"] += (swapped / WEIGHT_SCALE).tolist()
-                printed = np.subtract(own, [first, second, *others])
+                printed = np.subtract(computed, [first, second, *others])
                 orders["printed"] += (printed / WEIGHT_SCALE).tolist()
         scaled = [difference / PEAK_SCALE for difference in relative]
         means = {
-            name: float(np.sqrt(np.mean(np.square([*scaled, *found]))))
-            for name, found in orders.items()
+            name: float(np.sqrt(np.mean(np.square([*scaled, *differences]))))
+            for name, differences in orders.items()
         }
         return cls(**means, peak=float(np.abs(relative).max()), weight=largest)
 
@@ -176,9 +190,9 @@ def published_peak(published: Published, locks: int, mesh: float) -> float:
 
 
 def misfit_table(
-    own: Study, cases: pd.DataFrame, weights: pd.DataFrame, published: Published
+    study: Study, cases: pd.DataFrame, weights: pd.DataFrame, published: Published
 ) -> pd.DataFrame:
-    """One row for each candidate and model of ``own``, a study that `candidate_study` describes.
+    """One row for each candidate and model of a ``study`` that `candidate_study` describes.
 
     Sizes, friction, peaks and weights in pure shear, and the misfit.
     """
@@ -186,20 +200,19 @@ def misfit_table(
     loads = cases.dropna(subset=["load_N"]).set_index(keys)["load_N"].to_dict()
     lists = weights.sort_values("lock").groupby(keys)["weight"].apply(list).to_dict()
     by_name: dict[str, dict[str, int]] = {}
-    for sample, section in own.samples.items():
+    for sample, section in study.samples.items():
         by_name.setdefault(sample.partition("_")[0], {})[sample] = section.locks
     rows = []
     for (name, samples), model in product(by_name.items(), cases["model"].unique()):
-        at = {(n, mesh): (model, s, mesh) for s, n in samples.items() for mesh in own.meshes}
+        at = {(n, mesh): (model, s, mesh) for s, n in samples.items() for mesh in study.meshes}
         if any(key not in loads or key not in lists for key in at.values()):
             continue  # a case without a result
         peaks = {place: float(loads[key]) for place, key in at.items()}
         shares = {place: lists[key] for place, key in at.items()}
-        joint = own.joint(next(iter(samples)))
-        geometry = Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H)
+        joint = study.joint(next(iter(samples)))
         rows.append(
             {"candidate": name, "model": model, "friction": joint.dry.friction}
-            | size_columns(geometry)
+            | size_columns(geometry_of(joint))
             | misfit_columns(peaks, shares, published)
         )
     return pd.DataFrame(rows)
@@ -220,15 +233,15 @@ def misfit_columns(
         | {f"peak_n{locks}_mesh{mesh:g}_N": peak for (locks, mesh), peak in peaks.items()}
         | {
             f"weight_n{locks}_lock{lock}": weight
-            for (locks, mesh), own in weights.items()
+            for (locks, mesh), computed in weights.items()
             if mesh == finest
-            for lock, weight in enumerate(own, start=1)
+            for lock, weight in enumerate(computed, start=1)
         }
     )
 
 
 def friction_table(table: pd.DataFrame) -> pd.DataFrame:
-    """What the grid of `misfit_table` says of each friction coefficient, one row each.
+    """A row for each friction coefficient, from the grid of `misfit_table`.
 
     The row with the least misfit, whatever the geometry; how many geometries fit; and the least
     of the largest differences of a peak, for any weights.
@@ -245,21 +258,21 @@ def size_columns(geometry: Geometry) -> dict[str, float]:
     height = geometry.h + geometry.H
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
     ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
-    ratios = {name: round(value, 9) for name, value in ratios.items()}  # the grid's own again
+    ratios = {name: round(value, 9) for name, value in ratios.items()}  # as in the grid
     return dict(zip(SIZES, sizes, strict=True)) | ratios
 
 
-def curve_table(own: Study, cases: pd.DataFrame) -> pd.DataFrame:
-    """V-M curves at the finest mesh of a study that `curve_study` describes, one row per point.
+def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
+    """V-M curves at the finest mesh of a ``study`` that `curve_study` describes, one row per point.
 
-    Each has its closest two straight parts beside it.
+    Each row also has the two straight parts that are closest to the curve.
     """
     rows: list[dict[str, Any]] = []
-    finest = cases[np.isclose(cases["mesh_m"], min(own.meshes))].dropna(subset=["load_N"])
+    finest = cases[np.isclose(cases["mesh_m"], min(study.meshes))].dropna(subset=["load_N"])
     for sample, curve in finest.groupby("sample"):
         ordered = curve.sort_values("eccentricity_over_a")
         points = ordered[["shear_N", "torque_Nm"]].to_numpy()
-        joint = own.joint(str(sample))
+        joint = study.joint(str(sample))
         parts = TwoParts.of(points)
         shape = {
             "turn_from_shear": parts.turn,
@@ -267,7 +280,7 @@ def curve_table(own: Study, cases: pd.DataFrame) -> pd.DataFrame:
             "slope_near_torsion": parts.slopes[1],
             "residual": parts.residual,
         }
-        sizes = size_columns(Geometry(a=joint.a, b=joint.b, h=joint.h, H=joint.H))
+        sizes = size_columns(geometry_of(joint))
         names = {"candidate": str(sample).partition("_")[0], "friction": joint.dry.friction}
         rows += [
             {**names, **sizes, "locks": joint.locks, "shear_N": shear, "torque_Nm": torque, **shape}
@@ -327,7 +340,7 @@ def check(study: Study, published: Published) -> list[int]:
     for mesh in study.calibration.meshes:
         for n in locks:
             published_peak(published, n, mesh)
-    every = [*candidates(study, published), *own_candidates(study, published)]
+    every = [*candidates(study, published), *study_candidates(study, published)]
     shortest = min(min(each.geometry.a, each.geometry.b) for each in every)
     coarsest = max(study.calibration.meshes)
     if shortest <= coarsest:

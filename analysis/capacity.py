@@ -1,6 +1,6 @@
 """The table of capacities: every model's largest load in every direction of loading."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -154,12 +154,12 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
     return both[list(CAPACITY.columns)]
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the capacities and the envelopes."""
     study = Study.model_validate_json(arguments["study"])
-    cases, weights = (
-        read_table(kind, path) for kind, path in zip((CASES, WEIGHTS), inputs, strict=True)
-    )
-    write_table(CAPACITY, capacity_table(study, cases, weights), outputs[0])
+    cases, weights = read_table(CASES, inputs["cases"]), read_table(WEIGHTS, inputs["weights"])
+    write_table(CAPACITY, capacity_table(study, cases, weights), outputs["capacity"])
     envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
-    write_table(ENVELOPES, envelopes, outputs[1])
+    write_table(ENVELOPES, envelopes, outputs["envelopes"])

@@ -146,13 +146,14 @@ def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> It
     return (found[model, name] for model, name in names)
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
+) -> None:
     """Read all records and write the tables."""
-    every = read_records(list(inputs))
+    every = read_records(inputs["records"])
     records = list(ordered(every, arguments["cases"]))
     weights = weights_table(records)
-    cases, models = cases_table(records, every), models_table(records, every)
-    tables = (weights, weight_sums(weights), cases, models)
-    kinds = (WEIGHTS, WEIGHT_SUMS, CASES, MODELS)
-    for kind, table, path in zip(kinds, tables, outputs, strict=True):
-        write_table(kind, table, path)
+    write_table(WEIGHTS, weights, outputs["weights"])
+    write_table(WEIGHT_SUMS, weight_sums(weights), outputs["weight_sums"])
+    write_table(CASES, cases_table(records, every), outputs["cases"])
+    write_table(MODELS, models_table(records, every), outputs["models"])

@@ -1,6 +1,6 @@
 """Whether every case of a study has a result: the study's last step, which fails if not."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,13 +8,13 @@ from workflow.results.tables import CASES, read_table
 
 
 def run(
-    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    cases = read_table(CASES, inputs[0])
+    cases = read_table(CASES, inputs["cases"])
     failed = cases[cases["error"].notna()]
     if failed.empty:
-        outputs[0].write_text(f"{len(cases)} cases\n")
+        outputs["mark"].write_text(f"{len(cases)} cases\n")
         return None
     lines = [f"{row.name} ({row.model}): {row.error}" for row in failed.itertuples(index=False)]
     return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])

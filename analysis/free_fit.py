@@ -1,7 +1,7 @@
 """SiDMACIB with contact points and strength fitted freely to a model's curve of capacities."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -78,9 +78,11 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the fits of all options and reductions, and the free fit."""
     study = Study.model_validate_json(arguments["study"])
-    capacity = read_table(CAPACITY, inputs[0])
-    write_table(FIT, fit_table(capacity), outputs[0])
-    write_table(BEST_FIT, best_table(study, capacity), outputs[1])
+    capacity = read_table(CAPACITY, inputs["capacity"])
+    write_table(FIT, fit_table(capacity), outputs["fit"])
+    write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])

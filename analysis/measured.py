@@ -1,7 +1,7 @@
 """Measured loads beside those of all models, in the same direction."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -45,7 +45,10 @@ def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(MEASURED.columns))
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     study = Study.model_validate_json(arguments["study"])
-    write_table(MEASURED, measured_table(study, read_table(CAPACITY, inputs[0])), outputs[0])
+    capacity = read_table(CAPACITY, inputs["capacity"])
+    write_table(MEASURED, measured_table(study, capacity), outputs["measured"])

@@ -322,9 +322,11 @@ def _change(sample: object, rows: pd.DataFrame) -> str:
     return f"{sample} {low:+.1f}" + (" %" if len(rows) == 1 else f" to {high:+.1f} %")
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
-    tables = {k.name: read_table(k, path) for k, path in zip(kinds, inputs, strict=True)}
+    tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in kinds}
     told = (arguments[key] for key in ("meshes", "ductile"))
-    outputs[0].write_text(summary(arguments["results"], tables, *told))
+    outputs["summary"].write_text(summary(arguments["results"], tables, *told))

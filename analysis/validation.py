@@ -1,7 +1,7 @@
 """Computed values beside the published ones."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -126,11 +126,13 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
             }
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the published numbers beside the computed ones."""
     study = Study.model_validate_json(arguments["study"])
     capacity, weights, fit = (
-        read_table(kind, path) for kind, path in zip((CAPACITY, WEIGHTS, FIT), inputs, strict=True)
+        read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, FIT)
     )
     table = validation_table(study, capacity, weights, fit, read_published())
-    write_table(VALIDATION, table, outputs[0])
+    write_table(VALIDATION, table, outputs["validation"])

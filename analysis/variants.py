@@ -1,7 +1,7 @@
 """What each variant does to capacity, to weights and to the option that fits best."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -68,10 +68,10 @@ def _errors(limit: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]
             yield {"option": option, **vars(misfit(promised, loads.to_numpy(dtype=float)))}
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
     """Write the table."""
     study = Study.model_validate_json(arguments["study"])
-    capacity, sums = (
-        read_table(kind, path) for kind, path in zip((CAPACITY, WEIGHT_SUMS), inputs, strict=True)
-    )
-    write_table(VARIANTS, variants_table(study, capacity, sums), outputs[0])
+    capacity, sums = (read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHT_SUMS))
+    write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])

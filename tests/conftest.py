@@ -34,10 +34,11 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
-from workflow.plan import plan_of
+from workflow.job import paths
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
+from workflow.snakefile import plan_of
 from workflow.steps import engine as engine_step
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
@@ -170,7 +171,8 @@ def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
     arguments = {"case": case.to_json(), "time_limit": 300.0}
-    fault = engine_step.run(arguments, (), (folder / RECORD, folder / RESULT))
+    outputs = {"record": folder / RECORD, "result": folder / RESULT}
+    fault = engine_step.run(arguments, {}, outputs)
     if fault is not None:
         raise EngineError(fault)
     return folder
@@ -212,10 +214,9 @@ def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]
     for job in plan_of(study).made.values():
         if job.name in ("figures", "complete"):
             continue
-        for name in job.outputs:
+        for name in job.written:
             (results / name).parent.mkdir(parents=True, exist_ok=True)
         arguments = json.loads(json.dumps(job.arguments))
         step = importlib.import_module(job.step)
-        inputs, outputs = ([results / n for n in names] for names in (job.inputs, job.outputs))
-        step.run(arguments, inputs, outputs)
+        step.run(arguments, paths(job.inputs, results), paths(job.outputs, results))
     return study, results

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from analysis import attack
-from analysis.attack import DIMENSIONS, SPACES, Space, ratio_at, row_of, search, target_at
 from sidmacib.rule.law import SPANS, spans_of
+from studies.attack import search as attack
+from studies.attack.search import DIMENSIONS, SPACES, Space, ratio_at, row_of, search, target_at
 
 RIGID = [space for space in SPACES if not space.elastic]
 PLACE = st.lists(st.floats(0.0, 1.0), min_size=DIMENSIONS, max_size=DIMENSIONS)

@@ -19,8 +19,8 @@ from analysis.calibration import (
     engine_study,
     friction_table,
     misfit_table,
-    own_candidates,
     read_as_degrees,
+    study_candidates,
 )
 from analysis.collect import cases_table, weights_table
 from analysis.curve_shape import TwoParts
@@ -59,7 +59,7 @@ def study() -> Study:
 @pytest.fixture(scope="module")
 def table(study: Study) -> pd.DataFrame:
     chosen = {f"g{n}": each for n, each in enumerate(candidates(study, PUBLISHED))}
-    chosen |= {f"own{n}": each for n, each in enumerate(own_candidates(study, PUBLISHED))}
+    chosen |= {f"own{n}": each for n, each in enumerate(study_candidates(study, PUBLISHED))}
     own = read_study(candidate_study(study, check(study, PUBLISHED), chosen, "there"))
     records = [solved(case, solve)[0] for case in cases_of(own).values()]
     return misfit_table(own, cases_table(records, records), weights_table(records), PUBLISHED)
@@ -86,7 +86,7 @@ def test_the_grid_has_the_published_area_and_every_friction(study: Study) -> Non
 
 
 def test_the_studys_own_joints_are_told_apart_by_size_and_friction(study: Study) -> None:
-    printed, fits = own_candidates(study, PUBLISHED)
+    printed, fits = study_candidates(study, PUBLISHED)
     assert printed == Candidate(study.geometry, 0.3)
     assert (fits.geometry.h, fits.friction) == (0.0175, 0.005236)
 

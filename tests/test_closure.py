@@ -13,7 +13,7 @@ from workflow import closure as module
 from workflow.closure import closure, code_digest
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
-from workflow.plan import plan_of
+from workflow.snakefile import plan_of
 
 TRACE = """
 import sys

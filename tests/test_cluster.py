@@ -24,9 +24,10 @@ from workflow.configuration import ConfigError, read_study
 from workflow.engines import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.kills import LAST_TRY, RETRIES, KilledError, begin, end, forget, last_try, was_killed
-from workflow.needs import Needs, design_needs, engine_needs, nodes_of, solved_needs
-from workflow.plan import plan_of, planned, prepared
+from workflow.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
+from workflow.plan import planned, prepared
 from workflow.results.files import RECORD, RESULT
+from workflow.snakefile import plan_of
 from workflow.steps import engine as engine_step
 
 
@@ -54,7 +55,7 @@ def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
     soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
     assert solved_needs([soft]).time > 10 * solved_needs([case]).time
     assert solved_needs([case, case]).time == 2 * solved_needs([case]).time
-    assert design_needs(64).time > design_needs(8).time
+    assert sampling_needs(64).time > sampling_needs(8).time
 
 
 def test_a_further_attempt_asks_for_twice_as_much() -> None:
@@ -105,16 +106,16 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
         raise EngineKilledError("killed by signal 9; end of engine.log:")
 
     monkeypatch.setattr(engine_step, "run_engine", killed)
-    outputs = (tmp_path / RECORD, tmp_path / RESULT)
+    outputs = {"record": tmp_path / RECORD, "result": tmp_path / RESULT}
     case = case_on(mesh=0.02)
     told = {"case": case.to_json(), "time_limit": 60}
     monkeypatch.setenv(LAST_TRY, "0")
     with pytest.raises(KilledError, match="killed by signal 9"):
-        engine_step.run(told, (), outputs)
-    assert not any(path.exists() for path in outputs)
+        engine_step.run(told, {}, outputs)
+    assert not any(path.exists() for path in outputs.values())
     monkeypatch.setenv(LAST_TRY, "1")
-    assert "killed" in str(engine_step.run(told, (), outputs))
-    assert all(path.exists() for path in outputs)
+    assert "killed" in str(engine_step.run(told, {}, outputs))
+    assert all(path.exists() for path in outputs.values())
 
 
 def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,7 +147,7 @@ def sleeping(tmp_path: Path, **more: Any) -> subprocess.Popen[str]:
     (tmp_path / "sleeper.py").write_text(SLEEPER)
     plan = {
         **{"name": "a/job", "digest": "x", "step": "sleeper", "results": str(tmp_path)},
-        **{"inputs": [], "outputs": [], "others": [], "receipt": ".receipts/a/job.json"},
+        **{"inputs": {}, "outputs": {}, "also": [], "receipt": ".receipts/a/job.json"},
         **{"arguments": {}, "settings": {}},
         **more,
     }

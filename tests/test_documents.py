@@ -20,10 +20,10 @@ from sidmacib.yaml_text import parsed
 from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.plan import plan_of
 from workflow.results.files import CASE, OUTPUTS, RECORD, case_folder
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
+from workflow.snakefile import plan_of
 
 MADE = {"configuration.md"}  # by the site, from the schema
 PAGES = [
@@ -204,8 +204,11 @@ def test_links_lead_to_files(page: Path) -> None:
 def results() -> set[str]:
     """Paths of all that a study and its calibration write, and the paths' ends."""
     plan = plan_of(read_study_file(ROOT / "config.yaml"))
-    jobs = [*plan.jobs.values(), *plan_of(read_study_file(ROOT / "locks.yaml")).jobs.values()]
-    paths = {f"results/{name}" for job in jobs for name in (*job.outputs, *job.others)}
+    jobs = [
+        *plan.jobs.values(),
+        *plan_of(read_study_file(ROOT / "studies/locks/config.yaml")).jobs.values(),
+    ]
+    paths = {f"results/{name}" for job in jobs for name in job.made}
     folders = {f"results/{case_folder(*case)}" for case in plan.cases}
     paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}
     paths |= {

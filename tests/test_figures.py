@@ -31,12 +31,12 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
 
 
 def test_a_study_of_blocks_of_different_stiffness_has_a_figure_of_it() -> None:
-    study = read_study_file(ROOT / "elastic.yaml")
+    study = read_study_file(ROOT / "studies/elastic/config.yaml")
     assert "stiffness" in figures_of(study, detailed(study.model_names))
 
 
 def test_a_study_of_bonds_of_different_fracture_energy_has_a_figure_of_it() -> None:
-    study = read_study_file(ROOT / "softening.yaml")
+    study = read_study_file(ROOT / "studies/softening/config.yaml")
     assert "fracture_energy" in figures_of(study, detailed(study.model_names))
 
 

@@ -6,10 +6,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.pages import elastic, published, scaling
-from analysis.pages.blocks import BLOCK, BLOCKS, PageError, blocks_of, filled
-from analysis.pages.markdown import markdown, percent
-from workflow.results.tables import BONDS, CAPACITY, CASES, VARIANTS, read_table, write_table
+from benchmarks import page as scaling
+from studies.elastic import page as elastic
+from studies.locks.bonds import BONDS
+from studies.markdown import markdown, percent
+from studies.pages import BLOCK, BLOCKS, PageError, blocks_of, filled
+from studies.published import page as published
+from workflow.results.tables import CAPACITY, CASES, VARIANTS, read_table, write_table
 from workflow.schema import Study
 
 ROOT = Path(__file__).parents[1]
@@ -37,7 +40,7 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 
 
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PageError, match="nothing: no such numbers; there are published-three"):
+    with pytest.raises(PageError, match="nothing: unknown numbers; they must be one of"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 

@@ -14,7 +14,7 @@ from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
-from sidmacib.mechanics.static import peak_spread as module
+from sidmacib.mechanics.static.model import peak_spread as module
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.static.peak_spread import (
     StaticCapacity,
@@ -118,7 +118,7 @@ def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_load_that_is_told(
     assert record(5, 0.5).peak_spread == 0.0
 
 
-def test_designs_leave_the_spread_out() -> None:
+def test_samplings_leave_the_spread_out() -> None:
     found = solve_once(*loaded(15, 1.0))
     assert found.peak_spread is None
     assert found.first_failure_load is not None

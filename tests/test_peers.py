@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from analysis.peers import box, furthest_by_highs, peer_times, standard_form
+from benchmarks.peers import box, furthest_by_highs, peer_times, standard_form
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
 from sidmacib.joint import Joint

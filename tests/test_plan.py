@@ -11,17 +11,18 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
+from workflow.batches import BATCH, BATCH_TIME, batches
 from workflow.case import Case
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
 from workflow.engines.execute import EngineError, EngineNoAnswerError
 from workflow.job import run_job
-from workflow.jobs import BATCH, BATCH_TIME, Job, batches
 from workflow.lock import LockedError, lock
 from workflow.needs import solved_needs
-from workflow.plan import plan_of, prepared
+from workflow.plan import Job, prepared
 from workflow.receipts import STALE, fault, read_receipt, write_receipt
 from workflow.schema import Study
+from workflow.snakefile import plan_of
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},
@@ -65,13 +66,13 @@ def test_moving_the_results_changes_nothing(done: Job, tmp_path: Path) -> None:
 def test_an_output_that_is_deleted_edited_or_cut_is_noticed(
     done: Job, tmp_path: Path, number: int
 ) -> None:
-    path = tmp_path / done.outputs[number]
+    path = tmp_path / done.written[number]
     whole = path.read_bytes()
     path.unlink()
-    assert reason(done, tmp_path) == f"{done.outputs[number]} is gone"
+    assert reason(done, tmp_path) == f"{done.written[number]} is gone"
     for content in (whole[:-1], whole + b"\n", b""):
         path.write_bytes(content)
-        assert reason(done, tmp_path) == f"{done.outputs[number]} was changed"
+        assert reason(done, tmp_path) == f"{done.written[number]} was changed"
     path.write_bytes(whole)
     assert reason(done, tmp_path) is None
 
@@ -97,7 +98,7 @@ def test_a_receipt_that_names_too_few_or_too_many_files_does_not_count(
     some = dict([*told["outputs"].items()][:number])
     for outputs in (some, told["outputs"] | {"\0": "x"}, told["outputs"] | {"/dev/zero": "x"}):
         path.write_text(json.dumps({**told, "outputs": outputs}))
-        (tmp_path / done.outputs[2]).write_text("forged")
+        (tmp_path / done.written[2]).write_text("forged")
         assert reason(done, tmp_path) == "a receipt of other files"
     path.write_text("[" * 100_000)
     assert reason(done, tmp_path) == "never made"
@@ -125,7 +126,7 @@ def test_what_is_no_file_makes_way_with_a_line_and_the_job_is_done_again(
     done: Job, tmp_path: Path, kind: str, what: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     places = {
-        "output": done.outputs[1],
+        "output": done.written[1],
         "receipt": done.receipt,
         "log": f"logs/{done.name}.log",
         "plan": str(prepared([done], tmp_path)[done.name].relative_to(tmp_path)),
@@ -168,7 +169,7 @@ def test_links_that_people_put_beside_decks_or_results_stay(done: Job, tmp_path:
     for name in ("mine", "decks/3dec/n3/results.txt"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).symlink_to("/etc/hostname")
-    prepared([replace(done, outputs=(*done.outputs, "decks/3dec/n3/joint.dat"))], tmp_path)
+    prepared([replace(done, outputs={**done.outputs, "deck": "decks/3dec/n3/joint.dat"})], tmp_path)
     assert (tmp_path / "mine").is_symlink()
     assert (tmp_path / "decks/3dec/n3/results.txt").is_symlink()
 
@@ -201,15 +202,15 @@ def test_other_arguments_code_or_versions_make_results_stale(done: Job, tmp_path
 def test_what_was_changed_by_hand_is_taken_away_before_a_run(
     done: Job, study: Study, tmp_path: Path
 ) -> None:
-    (tmp_path / done.outputs[1]).write_text("mine")
+    (tmp_path / done.written[1]).write_text("mine")
     prepared(plan_of(study).jobs.values(), tmp_path)
-    assert not any((tmp_path / name).exists() for name in done.outputs)
+    assert not any((tmp_path / name).exists() for name in done.written)
 
 
 def test_results_that_hold_are_left_alone(done: Job, study: Study, tmp_path: Path) -> None:
-    before = {name: (tmp_path / name).stat().st_mtime_ns for name in done.outputs}
+    before = {name: (tmp_path / name).stat().st_mtime_ns for name in done.written}
     plans = prepared(plan_of(study).jobs.values(), tmp_path)
-    assert {name: (tmp_path / name).stat().st_mtime_ns for name in done.outputs} == before
+    assert {name: (tmp_path / name).stat().st_mtime_ns for name in done.written} == before
     again = prepared(plan_of(study).jobs.values(), tmp_path)
     assert plans == again
 
@@ -232,7 +233,7 @@ def test_every_case_is_in_one_batch_and_batches_have_the_size_that_is_asked_for(
 
 
 def test_cases_that_take_long_are_in_small_batches() -> None:
-    found = batches(list(cases_of(read_study_file(ROOT / "elastic.yaml")).values()))
+    found = batches(list(cases_of(read_study_file(ROOT / "studies/elastic/config.yaml")).values()))
     times = [solved_needs(cases).time for cases in found.values()]
     assert BATCH_TIME / 2 < np.mean(times) <= BATCH_TIME
     assert sum(map(len, found.values())) > 500
@@ -289,7 +290,7 @@ def test_a_job_without_a_result_leaves_no_receipt_and_is_tried_again(
     run_job(json.loads(json.dumps(plan)))
     assert "mesh" in capsys.readouterr().err
     assert not (tmp_path / job.receipt).exists()
-    records = (tmp_path / job.outputs[0]).read_text().splitlines()
+    records = (tmp_path / job.written[0]).read_text().splitlines()
     assert len(records) == 2
     assert json.loads(records[0])["error"].startswith("static: ")
     assert json.loads(records[1])["error"] is None
@@ -314,7 +315,7 @@ def test_an_engine_that_has_no_answer_is_asked_again_only_on_request(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     job = engine_job(tmp_path, monkeypatch, EngineNoAnswerError("no answer: it drifts off"))
-    record = tmp_path / job.outputs[0]
+    record = tmp_path / job.written[0]
     assert "it drifts off" in json.loads(record.read_text())["error"]
     assert reason(job, tmp_path) is None
     prepared([job], tmp_path)
@@ -350,7 +351,7 @@ def test_a_plan_that_was_cut_or_changed_is_written_again(tmp_path: Path, damage:
 def test_times_in_the_future_become_now_for_results_and_plans(done: Job, tmp_path: Path) -> None:
     """Or else Snakemake finds everything that is made from them older than they are."""
     (plan,) = prepared([done], tmp_path).values()
-    record, later = tmp_path / done.outputs[0], time.time() + 1e8
+    record, later = tmp_path / done.written[0], time.time() + 1e8
     for path in (plan, record):
         os.utime(path, (later, later))
     prepared([done], tmp_path)
@@ -361,15 +362,15 @@ def test_results_that_were_moved_are_not_made_again(tmp_path: Path) -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
     (job,) = (job for job in plan_of(study).jobs.values() if job.name == "static/batch")
     results = tmp_path / "before"
-    for name in job.outputs:
+    for name in job.written:
         (results / name).parent.mkdir(parents=True, exist_ok=True)
         (results / name).write_text("made")
-    write_receipt(results / job.receipt, job.name, job.digest(), results, job.outputs)
+    write_receipt(results / job.receipt, job.name, job.digest(), results, job.written)
     prepared([job], results)
     results.rename(tmp_path / "after")
     (path,) = prepared([job], tmp_path / "after").values()
     assert str(tmp_path / "after") in path.read_text()
-    newest = (tmp_path / "after" / job.outputs[0]).stat().st_mtime
+    newest = (tmp_path / "after" / job.written[0]).stat().st_mtime
     assert path.stat().st_mtime < newest
 
 

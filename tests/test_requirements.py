@@ -80,7 +80,7 @@ def _imported(*folders: str) -> set[str]:
 
 
 def test_every_dependency_is_used() -> None:
-    imported = _imported("sidmacib", "workflow", "analysis", "tests")
+    imported = _imported("sidmacib", "workflow", "analysis", "studies", "benchmarks", "tests")
     known = packages_distributions()
     used = {canonicalize_name(own) for name in imported for own in known.get(name, ())}
     asked = {

@@ -236,7 +236,7 @@ def main() -> None:
         elif arguments.what == "report":
             fault = report(arguments.config, results, not arguments.without_engines)
         elif arguments.what == "calibrate":
-            from workflow.calibration import calibrate
+            from analysis.calibrate import calibrate
 
             fault = calibrate(arguments.config, results, snakemake)
         elif arguments.what == "decks":

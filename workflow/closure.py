@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("sidmacib", "workflow", "analysis")
+PACKAGES = ("sidmacib", "workflow", "analysis", "studies")
 
 
 @cache

@@ -13,6 +13,7 @@ import signal
 import sys
 import threading
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,20 +41,33 @@ def run_job(plan: dict[str, Any]) -> None:
     results = Path(plan["results"])
     receipt = results / plan["receipt"]
     receipt.unlink(missing_ok=True)
-    for name in plan["outputs"]:
-        (results / name).parent.mkdir(parents=True, exist_ok=True)
+    inputs, outputs = (paths(plan[key], results) for key in ("inputs", "outputs"))
+    written = [path for files in outputs.values() for path in _listed(files)]
+    for path in written:
+        path.parent.mkdir(parents=True, exist_ok=True)
     step = importlib.import_module(plan["step"])
-    inputs = [results / name for name in plan["inputs"]]
-    outputs = [results / name for name in plan["outputs"]]
     error = step.run({**plan["arguments"], **plan["settings"]}, inputs, outputs)
     if error:  # the results say so too
         print(error, file=sys.stderr)
-        if not all(path.exists() for path in outputs):
+        if not all(path.exists() for path in written):
             sys.exit(1)
         if not isinstance(error, Settled):  # without a receipt the next run tries again
             return
-    made = (*plan["outputs"], *(() if error else plan["others"]))
+    also = () if error else plan["also"]
+    made = (*(str(path.relative_to(results)) for path in written), *also)
     write_receipt(receipt, plan["name"], plan["digest"], results, made)
+
+
+def paths(files: Mapping[str, str | Sequence[str]], results: Path) -> dict[str, Any]:
+    """Inputs or outputs of a step by name, each a path or a list of paths."""
+    return {
+        name: results / told if isinstance(told, str) else [results / each for each in told]
+        for name, told in files.items()
+    }
+
+
+def _listed(files: Path | list[Path]) -> list[Path]:
+    return [files] if isinstance(files, Path) else files
 
 
 def write_times(path: Path, start: float) -> None:

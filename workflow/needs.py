@@ -20,7 +20,7 @@ ENGINE_NODE_MB = 0.1
 SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved in this process
 ELASTIC = 50.0  # times that, of elastic pieces
 FEW_NODES = 200
-DESIGN_JOINT = 4.0  # s, of a joint of a design
+SAMPLED_JOINT = 4.0  # s, of a joint of a sampling
 SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
@@ -68,6 +68,6 @@ def solved_needs(cases: Iterable[Case]) -> Needs:
     return Needs(math.ceil(2 * LEAST_MB + most), time)
 
 
-def design_needs(joints: int) -> Needs:
-    """Of a batch of a design's joints."""
-    return Needs(2 * LEAST_MB, DESIGN_JOINT * joints)
+def sampling_needs(joints: int) -> Needs:
+    """Of a batch of a sampling's joints."""
+    return Needs(2 * LEAST_MB, SAMPLED_JOINT * joints)

@@ -1,92 +1,134 @@
-"""The plan of a study: its jobs, and which of them have to be done."""
+"""The plan of a study: its jobs, and which of them have to be done.
+
+Snakemake orders and runs the jobs; what each one depends on is compared here with the receipt of
+what it made before.
+"""
 
 import json
 import os
 import sys
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case, case_name
-from workflow.cases import cases_of, second_mesh
-from workflow.design_jobs import design_jobs, design_tables
-from workflow.engines import ENGINES
-from workflow.jobs import Job, case_jobs, deck_job, table_jobs
+from workflow.case import Case
+from workflow.closure import code_digest, described
 from workflow.mending import mended
-from workflow.models import MODELS, WITNESS, Ability
-from workflow.receipts import STALE, fault, read_receipt, write_whole
+from workflow.needs import Needs
+from workflow.receipts import STALE, digest_of, fault, read_receipt, write_whole
 from workflow.results.files import read_records
 from workflow.results.record import ResultError
 from workflow.schema import Study
-from workflow.threedec import RETURNED, deck_folder, decks
 
+RUNNER = "workflow.job"
 INDEX = ".plan/index.json"
 CLOCKS_APART = 5.0  # s, at most, of the machines of a cluster
+LEAST_LIMIT, STUCK = 3600.0, 30.0  # s, and over the time it should take: more is no job's
+
+Files = Mapping[str, str | tuple[str, ...]]  # by name: a path, or several
+
+
+@dataclass(frozen=True)
+class Job:
+    """One process of a study.
+
+    ``step``: the module whose ``run`` does the work; ``modules``, ``files``: what else it runs or
+    reads of this project, beyond its imports. ``arguments``: plain data, all of which the results
+    depend on; ``settings``: plain data that they do not depend on. ``inputs``, ``outputs``: paths
+    below the results folder, by name; ``also``: outputs that exist only if the job has a result.
+    ``versions``: of the programs that it starts. ``finds``: model and name of the cases whose
+    records are in the first output. ``needs``: what it asks of a cluster.
+    """
+
+    name: str
+    step: str
+    inputs: Files
+    outputs: Files
+    arguments: Mapping[str, Any]
+    also: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    finds: tuple[tuple[str, str], ...] = ()
+    needs: Needs = field(default_factory=Needs)
+
+    @property
+    def receipt(self) -> str:
+        """Path of its receipt, below the results folder."""
+        return f".receipts/{self.name}.json"
+
+    @property
+    def written(self) -> tuple[str, ...]:
+        """Paths of all its outputs."""
+        return tuple(flat(self.outputs))
+
+    @property
+    def made(self) -> tuple[str, ...]:
+        """All files that it makes where it has a result."""
+        return (*self.written, *self.also)
+
+    @property
+    def receipted(self) -> tuple[frozenset[str], ...]:
+        """Which files its receipt may name: those of a result, or of a case that has none."""
+        whole = frozenset(self.made)
+        return (whole, frozenset(self.written)) if self.finds else (whole,)
+
+    @property
+    def time_limit(self) -> float:
+        """Time (s) after which it is stuck; an engine's own limit, if it has one, comes before."""
+        limit = float(self.settings.get("time_limit", 0.0))
+        return limit + max(LEAST_LIMIT, STUCK * self.needs.time)
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """Modules that it starts from; what they import runs too."""
+        return RUNNER, self.step, *self.modules
+
+    def digest(self) -> str:
+        """Digest of everything that its results depend on, except the contents of its inputs."""
+        code = code_digest(self.runs, self.files)
+        inputs, versions = dict(self.inputs), dict(self.versions)
+        return digest_of([self.name, code, inputs, dict(self.arguments), versions])
+
+    def plan(self, digest: str, results: Path) -> dict[str, Any]:
+        """Everything that `workflow.job` needs to know, as plain data."""
+        return {
+            "name": self.name,
+            "digest": digest,
+            "step": self.step,
+            "code": described(self.runs, self.files),
+            "results": str(results),
+            "inputs": dict(self.inputs),
+            "outputs": dict(self.outputs),
+            "also": self.also,
+            "receipt": self.receipt,
+            "arguments": dict(self.arguments),
+            "settings": dict(self.settings),
+            "time_limit": self.time_limit,
+        }
 
 
 @dataclass(frozen=True)
 class Plan:
-    """The cases of a study by model and name, and its jobs by name.
+    """The cases of a study, and its jobs by name.
 
-    ``made``: the jobs whose results make up the study; ``extra``: those that run only on request.
+    ``made``: the jobs whose results make up the study; the others run only on request.
     """
 
     study: Study
     cases: Mapping[tuple[str, str], Case]
+    jobs: Mapping[str, Job]
     made: Mapping[str, Job]
-    extra: Mapping[str, Job]
-
-    @property
-    def jobs(self) -> dict[str, Job]:
-        """All jobs."""
-        return {**self.made, **self.extra}
-
-    def outputs(self) -> list[str]:
-        """Paths, below the results folder, of everything that makes up the study."""
-        return [name for job in self.made.values() for name in job.outputs]
 
 
-def plan_of(study: Study) -> Plan:
-    """All jobs of ``study``; results returned from 3DEC count like those of any other model."""
-    cases = dict(cases_of(study))
-    of_decks = decks(study)
-    cases |= {
-        (case.model, name): case
-        for name, case in of_decks.items()
-        if Path(study.results, deck_folder(name), RETURNED).is_file()
-    }
-    found = case_jobs(study, [*cases.values(), *witnesses(cases.values())])
-    tables = table_jobs(study, cases.values(), found)
-    designs = design_jobs(study)
-    made = {**found, **tables, **designs, **design_tables(study, designs)}
-    return Plan(study, cases, made, deck_job(of_decks.values()))
-
-
-def witnesses(cases: Iterable[Case]) -> list[Case]:
-    """Cases of the static model that the study lacks, to compare every engine's case with.
-
-    They are on the same nodes, and where an engine has one mesh only at another one too.
-    """
-    cases = list(cases)
-    known = {case.physics() for case in cases if case.model == WITNESS}
-    series: dict[str, dict[float, Case]] = {}
-    able = MODELS[WITNESS].abilities
-    for case in cases:
-        ductile = case.joint.failure is Failure.DUCTILE
-        if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
-            continue
-        witness = replace(case, model=WITNESS, numerics=None)
-        series.setdefault(case.series(), {}).setdefault(case.mesh, witness)
-    for own in series.values():
-        (case, *_) = own.values()
-        if other := second_mesh(case.joint, own, case.nodes):
-            name = case_name(case.sample, other, case.direction.eccentricity, case.variant)
-            own[other] = replace(case, mesh=other, name=name)
-    every = {case.physics(): case for own in series.values() for case in own.values()}
-    return [case for physics, case in every.items() if physics not in known]
+def flat(files: Files) -> Iterator[str]:
+    """All paths in inputs or outputs, without their names."""
+    for value in files.values():
+        yield from (value,) if isinstance(value, str) else value
 
 
 def files_of(job: Job, digest: str) -> tuple[str, ...]:
@@ -99,6 +141,32 @@ def files_of(job: Job, digest: str) -> tuple[str, ...]:
 def plan_file(job: Job, digest: str, results: Path) -> Path:
     """Where the arguments of ``job`` are; ``digest``, of what its results depend on, names it."""
     return results / ".plan" / f"{job.name}-{digest[:16]}.json"
+
+
+def why(job: Job, digest: str, results: Path, retry: bool = False) -> str | None:
+    """Why a job must be done (again), in a few words; None if what it made is valid.
+
+    ``retry``: a case that has no answer is tried again, too.
+    """
+    receipt = read_receipt(results / job.receipt)
+    reason = fault(receipt, job.name, digest, results, job.receipted)
+    if retry and reason is None and _without_result(job, results):
+        return "to be tried again"
+    return reason
+
+
+def compared(
+    jobs: Iterable[Job], results: Path, folder: Path, retry: bool = False
+) -> dict[str, Path]:
+    """A file for each job, by name, that is newer than its results if they must be made again.
+
+    For whoever only looks: nothing in ``results`` is changed, the two files are in ``folder``.
+    """
+    due, valid = folder / "due", folder / "valid"
+    for path, moment in ((due, time.time() + 1e8), (valid, 0.0)):
+        path.touch()
+        os.utime(path, (moment, moment))
+    return {job.name: due if why(job, job.digest(), results, retry) else valid for job in jobs}
 
 
 def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[str, Path]:
@@ -117,11 +185,7 @@ def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[st
         print(line, file=sys.stderr)
     for job, digest in found:
         path = plans[job.name] = plan_file(job, digest, results)
-        reason = fault(
-            read_receipt(results / job.receipt), job.name, digest, results, job.receipted
-        )
-        if retry and reason is None and _without_result(job, results):
-            reason = "to be tried again"
+        reason = why(job, digest, results, retry)
         text = json.dumps(job.plan(digest, results), indent=1) + "\n"
         if not _holds(path, text):
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -131,20 +195,26 @@ def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[st
         elif reason == STALE:
             os.utime(path)
         if reason not in (None, STALE):
-            for name in job.outputs:
+            for name in job.written:
                 (results / name).unlink(missing_ok=True)
-        for made in (path, *(results / name for name in job.outputs)):
+        for made in (path, *(results / name for name in job.written)):
             _date_back(made, now)
     index = {name: str(path) for name, path in plans.items()}
-    write_whole(_index(results), json.dumps(index) + "\n")
+    write_whole(results / INDEX, json.dumps(index) + "\n")
     return plans
+
+
+def planned(results: Path) -> dict[str, Path]:
+    """The plans that `prepared` wrote, by job: for processes of the same run on other machines."""
+    index = json.loads((results / INDEX).read_text())
+    return {name: Path(path) for name, path in index.items()}
 
 
 def _without_result(job: Job, results: Path) -> bool:
     """Whether a job of a case has none, and has said why."""
     try:
         return bool(job.finds) and any(
-            record.error is not None for record in read_records([results / job.outputs[0]])
+            record.error is not None for record in read_records([results / job.written[0]])
         )
     except (OSError, ResultError):
         return False
@@ -163,12 +233,3 @@ def _holds(path: Path, text: str) -> bool:
         return path.read_bytes() == text.encode()
     except OSError:
         return False
-
-
-def planned(results: Path) -> dict[str, Path]:
-    """The plans that `prepared` wrote, by job: for processes of the same run on other machines."""
-    return {name: Path(path) for name, path in json.loads(_index(results).read_text()).items()}
-
-
-def _index(results: Path) -> Path:
-    return results / INDEX

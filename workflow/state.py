@@ -4,11 +4,10 @@ from pathlib import Path
 from typing import Any
 
 from workflow.configuration import ConfigError, read_study_file
-from workflow.jobs import Job
-from workflow.plan import plan_of
-from workflow.receipts import fault, read_receipt
+from workflow.plan import Job, why
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord, ResultError
+from workflow.snakefile import plan_of
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
 
@@ -29,8 +28,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
         if not job.finds:
             continue
         found = _records(job, folder)
-        receipt = read_receipt(folder / job.receipt)
-        valid = fault(receipt, job.name, job.digest(), folder, job.receipted) is None
+        valid = why(job, job.digest(), folder) is None
         rows += [
             {"model": model, "case": name, **_state(found.get((model, name)), valid)}
             for model, name in job.finds
@@ -41,7 +39,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
 
 def _records(job: Job, folder: Path) -> dict[tuple[str, str], CaseRecord]:
     """What a job has made, by model and case; nothing if it has not."""
-    path = folder / job.outputs[0]
+    path = folder / job.written[0]
     try:
         return {(each.model, each.name): each for each in read_records([path])}
     except (OSError, ResultError):

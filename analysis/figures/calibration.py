@@ -20,11 +20,11 @@ AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a
 
 
 def calibration(
-    grid: pd.DataFrame, own: pd.DataFrame, curves: pd.DataFrame, published: Published
+    grid: pd.DataFrame, of_study: pd.DataFrame, curves: pd.DataFrame, published: Published
 ) -> Figure:
     """The misfit over friction, the two ratios and each size, and curves for each a.
 
-    ``grid``, ``own``: rows of `misfit_table`, of the grid and of the study's own joints.
+    ``grid``, ``of_study``: rows of `misfit_table`, of the grid and of the study's joints.
     """
     figure = Figure(figsize=(9.5, 12.0), layout="constrained")
     spans = [(0, 0, 3), (0, 3, 6), (1, 0, 3), (1, 3, 4), (1, 4, 5), (1, 5, 6), (2, 0, 3), (2, 3, 6)]
@@ -38,11 +38,11 @@ def calibration(
     cells[1].set_title("closest of all published peaks, any weights (%)", loc="left", fontsize=10)
     shown = grid
     for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
-        nearest = (shown[size] - own[size].iloc[-1]).abs().min()
-        shown = shown[np.isclose((shown[size] - own[size].iloc[-1]).abs(), nearest)]
-    _map(figure, cells[2], shown, own)
+        nearest = (shown[size] - of_study[size].iloc[-1]).abs().min()
+        shown = shown[np.isclose((shown[size] - of_study[size].iloc[-1]).abs(), nearest)]
+    _map(figure, cells[2], shown, of_study)
     for axes, column in zip(cells[3:6], AXES, strict=True):
-        _profile(axes, grid, own, column)
+        _profile(axes, grid, of_study, column)
     for axes, (locks, rows) in zip(cells[6:], curves.groupby("locks"), strict=False):
         _curves(axes, rows, int(str(locks)))
     style.caption(
@@ -81,7 +81,7 @@ def _friction(
     axes.legend(fontsize=8, loc="upper center")
 
 
-def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, own: pd.DataFrame) -> None:
+def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, of_study: pd.DataFrame) -> None:
     values = shown.pivot(index="height_over_b", columns="height_share", values="misfit_swapped")
     if min(values.shape) > 1:
         least = float(np.floor(10 * values.min(axis=None)) / 10)
@@ -92,7 +92,7 @@ def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, own: pd.DataFrame) -> 
             extend="both",
         )
         figure.colorbar(filled, ax=axes, label="misfit")
-    places = own["height_share"], own["height_over_b"]
+    places = of_study["height_share"], of_study["height_over_b"]
     axes.plot(*places, "X", color="white", markeredgecolor="k", clip_on=False)
     axes.set_xlabel(AXES["height_share"])
     axes.set_ylabel(AXES["height_over_b"])
@@ -102,11 +102,11 @@ def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, own: pd.DataFrame) -> 
     axes.grid(visible=False)
 
 
-def _profile(axes: Axes, grid: pd.DataFrame, own: pd.DataFrame, column: str) -> None:
+def _profile(axes: Axes, grid: pd.DataFrame, of_study: pd.DataFrame, column: str) -> None:
     least = grid.groupby(column)["misfit_swapped"].min()
     axes.plot(least.index, least, "o-", color=style.COLOURS[0], markersize=3)
-    axes.plot(own[column], own["misfit_swapped"], "X", color=style.COLOURS[6])
-    axes.set_ylim(0.0, 1.1 * max(least.max(), own["misfit_swapped"].max()))
+    axes.plot(of_study[column], of_study["misfit_swapped"], "X", color=style.COLOURS[6])
+    axes.set_ylim(0.0, 1.1 * max(least.max(), of_study["misfit_swapped"].max()))
     axes.set_xlabel(AXES[column])
     if column == "height_share":
         axes.set_title("least misfit", loc="left", fontsize=10)
@@ -116,15 +116,15 @@ def _profile(axes: Axes, grid: pd.DataFrame, own: pd.DataFrame, column: str) -> 
 
 def _curves(axes: Axes, rows: pd.DataFrame, locks: int) -> None:
     for number, (name, curve) in enumerate(rows.groupby("candidate", sort=False)):
-        first, is_own = curve.iloc[0], str(name).startswith("own")
+        first, of_study = curve.iloc[0], str(name).startswith("own")
         scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
         x, y = scaled.to_numpy().T
         length = length_along(scaled.to_numpy())
         turn = first["turn_from_shear"] * length[-1]
         colour = style.COLOURS[number % len(style.COLOURS)]
         label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
-        own = ", the study" if is_own else ""
-        axes.plot(x, y, color=colour, linewidth=2.4 if is_own else 1.0, label=f"{label}{own}")
+        marked = ", the study" if of_study else ""
+        axes.plot(x, y, color=colour, linewidth=2.4 if of_study else 1.0, label=f"{label}{marked}")
         corner = np.interp(turn, length, x), np.interp(turn, length, y)
         axes.plot(*corner, "s", color=colour, markersize=5)
     axes.set_xlabel("V / largest V")

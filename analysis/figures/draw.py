@@ -1,6 +1,6 @@
 """Draw all figures of a study."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -54,16 +54,28 @@ def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
     return Stresses(case, record, nodes)
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
-    """Draw every figure into the files that are named after it."""
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
+) -> None:
+    """Draw every figure into the files that are named after it.
+
+    ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.
+    """
     study = Study.model_validate_json(arguments["study"])
     detailed_models = tuple(arguments["detailed_models"])
-    capacity, validation, table, envelopes, variants_told = (
-        read_table(kind, path) for kind, path in zip(KINDS, inputs, strict=False)
-    )
+    tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
-        place = arguments["records"].get(name)
-        stresses = None if place is None else stresses_of(spec, inputs[place])
-        tables = (capacity, validation, table, envelopes, variants_told)
-        figure = DRAWN_BY[spec.kind](Material(spec, study, detailed_models, *tables, stresses))
-        style.save(figure, [path for path in outputs if path.stem == name])
+        stresses = stresses_of(spec, inputs[name]) if name in inputs else None
+        material = Material(
+            spec,
+            study,
+            detailed_models,
+            capacity=tables["capacity"],
+            validation=tables["validation"],
+            table=tables["models"],
+            envelopes=tables["envelopes"],
+            variants=tables["variants"],
+            stresses=stresses,
+        )
+        figure = DRAWN_BY[spec.kind](material)
+        style.save(figure, [path for path in outputs["figures"] if path.stem == name])

@@ -2,7 +2,7 @@
 
 import json
 import platform
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from analysis.report.content import content
-from analysis.report.parts import TABLES
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
 from workflow.schema import Study
@@ -40,12 +39,15 @@ def page(told: Mapping[str, Any], study: Study, summary: str) -> str:
     )
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
-    """Write the page; inputs are the tables of `analysis.report.parts`, then the summary."""
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the page from the tables that it has in full, and the summary."""
     study = Study.model_validate_json(arguments["study"])
     found = {
         name: read_table(getattr(forms, name.upper()), path)
-        for name, path in zip(TABLES, inputs, strict=False)
+        for name, path in inputs.items()
+        if name != "summary"
     }
-    told = content(study, found, TABLES, outputs[0].parent)
-    outputs[0].write_text(page(told, study, inputs[-1].read_text()))
+    told = content(study, found, tuple(found), outputs["page"].parent)
+    outputs["page"].write_text(page(told, study, inputs["summary"].read_text()))

@@ -152,3 +152,8 @@ ENGINES = {
         ),
     )
 }
+
+
+def versions(engine: Engine) -> dict[str, str]:
+    """The version of an engine; empty if it is not installed."""
+    return {} if engine.missing() else {engine.name: engine.version()}

@@ -89,41 +89,16 @@ VARIANTS = Table(
     ),
     ("model", "variant", "case"),
 )
-_JOINT = (
-    *("locks", "push", "upper_body", "failure", "a_over_b", "h_over_b", "H_over_b"),
-    *("shear_over_normal", "dry_over_inner", "friction", "pressure_over_cohesion", "plate"),
-    *("stiffness_ratio", "energy_ratio"),
-)
-POINTS = Table(  # of designs; loads over T0
-    "points",
+SAMPLINGS = Table(  # loads over T0
+    "samplings",
     (
-        *("design", "number", "eccentricity_over_a", *_JOINT, "first_failure", "peak", "mode"),
-        *("first_failure_mesh_error", "peak_mesh_error", "unbalanced_share", "limit"),
-        *("weight_sum", "lower_weight_sum", "pairs", "closed_form", "saturation", "law", "safe"),
-        *("law_error", "error"),
+        *("sampling", "number", "eccentricity_over_a", "locks", "push", "upper_body", "failure"),
+        *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
+        *("pressure_over_cohesion", "plate", "stiffness_ratio", "energy_ratio"),
+        *("first_failure", "peak", "mode", "first_failure_mesh_error", "peak_mesh_error"),
+        *("unbalanced_share", "limit", "weight_sum", "lower_weight_sum", "error"),
     ),
-    ("design", "number", "eccentricity_over_a"),
-)
-_SPREAD = (
-    *("points", "mean_error", "mean_absolute_error", "least_error"),
-    *("error_5_percent", "error_95_percent", "largest_error"),
-)
-_REGION = ("design", "held", "dry_faces", "upper_body", "eccentricity_over_a")
-LAW = Table("law", ("quantity", *_REGION, *_SPREAD), ("quantity", *_REGION), digits=4)
-SENSITIVITY = Table(
-    "sensitivity",
-    (
-        *("locks", "upper_body", "eccentricity_over_a", "parameter", "first_order", "total"),
-        *("mean_over_T0", "variation"),
-    ),
-    ("locks", "upper_body", "eccentricity_over_a", "parameter"),
-    digits=4,
-)
-RULE_ERRORS = Table(
-    "rules",
-    ("rule", "option", "upper_body", "locks", *_SPREAD, "unsafe_share"),
-    ("rule", "option", "upper_body", "locks"),
-    digits=4,
+    ("sampling", "number", "eccentricity_over_a"),
 )
 MEASURED = Table(
     "measured",
@@ -132,48 +107,6 @@ MEASURED = Table(
         *("measured_torque_Nm", "measured_load_N", "model", "variant", "load_N", "difference"),
     ),
     ("number", "model", "variant"),
-)
-BONDS = Table(
-    "bonds",
-    (
-        *("bonds", "upper_body", "eccentricity_over_a", "points", "mean_peak_over_first_failure"),
-        *("largest_peak_over_first_failure", "mean_peak_over_pairs", "unsafe_share_of_half"),
-    ),
-    ("bonds", "upper_body", "eccentricity_over_a"),
-    digits=4,
-)
-INTERACTION = Table(
-    "interaction",
-    ("exponent", "design", "dry_faces", "upper_body", "eccentricity_over_a", *_SPREAD),
-    ("exponent", "design", "dry_faces", "upper_body", "eccentricity_over_a"),
-    digits=4,
-)
-FREEDOMS = Table(
-    "freedoms",
-    (
-        *("design", "freedom", "upper_body", "locks", "joints", "mean_misfit"),
-        *("misfit_95_percent", "locks_that_count", "position_over_a", "middle_share"),
-    ),
-    ("design", "freedom", "upper_body", "locks"),
-    digits=4,
-)
-CHARACTERISTIC = Table(
-    "characteristic",
-    (
-        *("locks", "upper_body", "eccentricity_over_a", "variation", "law_N"),
-        *("median_over_law", "characteristic_over_law"),
-    ),
-    ("locks", "upper_body", "eccentricity_over_a", "variation"),
-    digits=4,
-)
-ASSUMED_SIZES = Table(
-    "assumed_sizes",
-    (
-        *("locks", "friction", "half", "sizes", "working_at_assumed_sizes", "least_working"),
-        *("median_working", "most_working", "unsafe_share_of_half"),
-    ),
-    ("locks", "friction"),
-    digits=4,
 )
 ENVELOPES = Table(
     "envelopes",

@@ -1,67 +1,140 @@
-# Jobs of which there are many of a kind: one for each case of an engine, or for each batch of a model
-# that is solved in this process, or of a design.
-OF_A_KIND = {}
-for job in JOBS.values():
-    if "/" in job.name:
-        OF_A_KIND.setdefault(job.name.partition("/")[0], {})[job.name.partition("/")[2]] = job
+# The cases: each in an engine on its own, in batches in this process, or as it came back from 3DEC.
+from snakemake.io import strip_wildcard_constraints
 
-for model, jobs in OF_A_KIND.items():
-    first = next(iter(jobs.values()))
-    outputs = [name.replace(first.name, f"{model}/{{job}}") for name in first.outputs]
+from workflow.engines import ENGINES, versions
+from workflow.engines.render import sources
+from workflow.models import MODELS
+from workflow.needs import engine_needs, solved_needs
+from workflow.results.files import OUTPUTS
 
-    rule:
-        name:
-            model
-        input:
-            plan=lambda wildcards, model=model: PLANS[f"{model}/{wildcards.job}"],
-            others=lambda wildcards, model=model: below(JOBS[f"{model}/{wildcards.job}"].inputs),
-        output:
-            below(outputs),
-        log:
-            f"{RESULTS}/logs/{model}/{{job}}.log",
-        wildcard_constraints:
-            job="|".join(map(re.escape, jobs)),
-        group:
-            "cases" if all(job.needs.short for job in jobs.values()) else None
-        threads: max(job.threads for job in jobs.values())
-        resources:
-            mem_mb=lambda wildcards, attempt, model=model: memory(
-                f"{model}/{wildcards.job}", attempt
-            ),
-            runtime=lambda wildcards, attempt, model=model: minutes(
-                f"{model}/{wildcards.job}", attempt
-            ),
-            last_try=lambda wildcards, attempt: last_try(attempt),
-            abreast=1,
-        message:
-            f"{model}: {{wildcards.job}}"
-        shell:
-            RUN
-
-
-# A case that was solved in a batch has a folder of its own where one asks for it.
-BATCH_OF = {
-    case: job for job in JOBS.values() if job.step == "workflow.steps.solve" for case in job.finds
+WILDCARDS |= {
+    "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],
+    "solve": [{"model": model, "batch": batch} for model, batch in CASES.batches],
+    "returned": [{"program": program, "case": case} for program, case in CASES.returned],
 }
-for model in {model for model, _ in BATCH_OF}:
 
-    rule:
-        name:
-            f"{model}_case"
-        input:
-            plan=lambda wildcards, model=model: PLANS[BATCH_OF[model, wildcards.case].name],
-            records=lambda wildcards, model=model: below(
-                BATCH_OF[model, wildcards.case].outputs[:1]
-            ),
-        output:
-            f"{RESULTS}/cases/{model}/{{case}}/result.json",
-        log:
-            f"{RESULTS}/logs/{model}/{{case}}.files.log",
-        wildcard_constraints:
-            case="|".join(re.escape(case) for own, case in BATCH_OF if own == model),
-        message:
-            f"{model}: files of {{wildcards.case}}"
-        shell:
-            f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)}"
-            " -m workflow.steps.case_files {input.plan:q} {input.records:q} {output:q}"
-            " > {log:q} 2>&1"
+
+def case_in_engine(wildcards):
+    return CASES.engines[wildcards.engine, wildcards.case]
+
+
+def batch(wildcards):
+    return CASES.batches[wildcards.model, wildcards.batch]
+
+
+@functools.cache
+def group_of(model):
+    """Cases of a model share jobs of the cluster if all of them are short."""
+    jobs = (job for name, job in PLAN.jobs.items() if name.startswith(f"{model}/"))
+    return "cases" if all(job.needs.short for job in jobs) else None
+
+
+rule engine:
+    input:
+        plan=plan("{engine}/{case}"),
+    output:
+        record=below("cases/{engine}/{case}/record.json"),
+        result=below("cases/{engine}/{case}/result.json"),
+    log:
+        below("logs/{engine}/{case}.log"),
+    wildcard_constraints:
+        engine=one_of(engine for engine, _ in CASES.engines),
+        case=one_of(case for _, case in CASES.engines),
+    group:
+        lambda wildcards: group_of(wildcards.engine)
+    threads: lambda wildcards: case_in_engine(wildcards).numerics.ranks
+    resources:
+        **asks("{engine}/{case}"),
+    params:
+        step="workflow.steps.engine",
+        case=case_in_engine,
+        settings={"time_limit": STUDY.dem.time_limit},
+        # Only where the engine has a result.
+        also=[
+            below(f"cases/{{engine}}/{{case}}/{name}") for name in OUTPUTS if name != "result.json"
+        ],
+        modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
+        files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
+        versions=lambda wildcards: versions(ENGINES[wildcards.engine]),
+        needs=lambda wildcards: engine_needs(case_in_engine(wildcards), STUDY.dem.time_limit),
+    message:
+        "{wildcards.engine}: {wildcards.case}"
+    shell:
+        STEP
+
+
+rule solve:
+    input:
+        plan=plan("{model}/{batch}"),
+    output:
+        records=below("cases/{model}/{batch}/records.jsonl"),
+        nodes=below("cases/{model}/{batch}/nodes.parquet"),
+        history=below("cases/{model}/{batch}/history.parquet"),
+    log:
+        below("logs/{model}/{batch}.log"),
+    wildcard_constraints:
+        model=one_of(model for model, _ in CASES.batches),
+        batch=one_of(batch for _, batch in CASES.batches),
+    group:
+        lambda wildcards: group_of(wildcards.model)
+    resources:
+        **asks("{model}/{batch}"),
+    params:
+        step="workflow.steps.solve",
+        cases=batch,
+        module=lambda wildcards: MODELS[wildcards.model].module,
+        modules=lambda wildcards: (MODELS[wildcards.model].module,),
+        needs=lambda wildcards: solved_needs(batch(wildcards).cases),
+    message:
+        "{wildcards.model}: {wildcards.batch}"
+    shell:
+        STEP
+
+
+rule returned:
+    input:
+        plan=plan("{program}/{case}"),
+        printed=below("decks/{program}/{case}/results.txt"),
+    output:
+        record=below("cases/{program}/{case}/record.json"),
+    log:
+        below("logs/{program}/{case}.log"),
+    wildcard_constraints:
+        program=one_of(program for program, _ in CASES.returned),
+        case=one_of(case for _, case in CASES.returned),
+    group:
+        "cases"
+    resources:
+        **asks("{program}/{case}"),
+    params:
+        step="workflow.steps.returned",
+        case=lambda wildcards: CASES.returned[wildcards.program, wildcards.case],
+    message:
+        "{wildcards.program}: {wildcards.case}"
+    shell:
+        STEP
+
+
+def of_jobs(rule, *outputs):
+    """The ``outputs`` of all jobs of a ``rule`` that has wildcards; all of them if none is named."""
+    paths = [getattr(rule.output, name) for name in outputs] or list(rule.output)
+    patterns = [strip_wildcard_constraints(path) for path in paths]
+    return [pattern.format(**job) for job in WILDCARDS[rule.name] for pattern in patterns]
+
+
+RECORDS = {  # where the record of a case is, by model and name
+    **dict(zip(CASES.engines, of_jobs(rules.engine.rule, "record"))),
+    **dict(zip(CASES.returned, of_jobs(rules.returned.rule, "record"))),
+    **{
+        (model, case.name): path
+        for ((model, _), batch), path in zip(
+            CASES.batches.items(), of_jobs(rules.solve.rule, "records")
+        )
+        for case in batch.cases
+    },
+}
+OF_CASES = [
+    *of_jobs(rules.engine.rule),
+    *of_jobs(rules.solve.rule),
+    *of_jobs(rules.returned.rule),
+]

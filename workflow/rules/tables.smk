@@ -1,48 +1,118 @@
-# From the cases' results to tables, figures and summary, and what is made on request.
-CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
-    ".csv": ("Tables", "table.rst"),
-    ".png": ("Figures", "figure.rst"),
-    ".html": ("Report", "report.rst"),
-}
+# From the results of the cases to tables.
+PUBLISHED = ("analysis/published.yaml",)
 
 
-def in_report(names):
-    """Paths of results; those that Snakemake's report shows are marked with category and caption."""
-    for path in below(names):
-        category, caption = CAPTIONS.get(Path(path).suffix, (None, None))
-        if category is None:
-            yield path
-        else:
-            yield report(
-                path,
-                category=category,
-                caption=f"{CHECKOUT}/workflow/captions/{caption}",
-                labels={"file": Path(path).name},
-            )
+rule collect:
+    input:
+        plan=plan("collect"),
+        records=list(dict.fromkeys(RECORDS.values())),
+    output:
+        weights=shown("tables/weights.csv"),
+        weight_sums=shown("tables/weight_sums.csv"),
+        cases=shown("tables/cases.csv"),
+        models=shown("tables/models.csv"),
+    log:
+        below("logs/collect.log"),
+    group:
+        "tables"
+    resources:
+        **asks("collect"),
+    params:
+        step="analysis.collect",
+        cases=[(case.model, case.name) for case in CASES.cases.values()],
+    message:
+        "Collect the cases' results"
+    shell:
+        STEP
 
 
-for job in JOBS.values():
-    if "/" not in job.name:
+rule capacity:
+    input:
+        plan=plan("capacity"),
+        cases=rules.collect.output.cases,
+        weights=rules.collect.output.weights,
+    output:
+        capacity=shown("tables/capacity.csv"),
+        envelopes=shown("tables/envelopes.csv"),
+    log:
+        below("logs/capacity.log"),
+    group:
+        "tables"
+    resources:
+        **asks("capacity"),
+    params:
+        step="analysis.capacity",
+        study=lambda wildcards: STUDY.tables_json(),
+        files=PUBLISHED,
+    message:
+        "Solve SiDMACIB and tabulate all capacities"
+    shell:
+        STEP
 
-        rule:
-            name:
-                job.name
-            input:
-                plan=PLANS[job.name],
-                others=below(job.inputs),
-            output:
-                list(in_report(job.outputs)),
-            log:
-                f"{RESULTS}/logs/{job.name}.log",
-            group:
-                # A group that fails loses all that it made, and this one may: it says what failed.
-                None if job.name == "complete" else "tables"
-            resources:
-                mem_mb=lambda wildcards, attempt, name=job.name: memory(name, attempt),
-                runtime=lambda wildcards, attempt, name=job.name: minutes(name, attempt),
-                last_try=lambda wildcards, attempt: last_try(attempt),
-                abreast=1,
-            message:
-                job.message
-            shell:
-                RUN
+
+rule fit:
+    input:
+        plan=plan("fit"),
+        capacity=rules.capacity.output.capacity,
+    output:
+        fit=shown("tables/fit.csv"),
+        best_fit=shown("tables/best_fit.csv"),
+    log:
+        below("logs/fit.log"),
+    group:
+        "tables"
+    resources:
+        **asks("fit"),
+    params:
+        step="analysis.free_fit",
+        study=lambda wildcards: STUDY.tables_json(),
+    message:
+        "Fit SiDMACIB to the detailed models"
+    shell:
+        STEP
+
+
+rule variants:
+    input:
+        plan=plan("variants"),
+        capacity=rules.capacity.output.capacity,
+        weight_sums=rules.collect.output.weight_sums,
+    output:
+        variants=shown("tables/variants.csv"),
+    log:
+        below("logs/variants.log"),
+    group:
+        "tables"
+    resources:
+        **asks("variants"),
+    params:
+        step="analysis.variants",
+        study=lambda wildcards: STUDY.pieces_json(),
+    message:
+        "Tell what each variant changes"
+    shell:
+        STEP
+
+
+rule validation:
+    input:
+        plan=plan("validation"),
+        capacity=rules.capacity.output.capacity,
+        weights=rules.collect.output.weights,
+        fit=rules.fit.output.fit,
+    output:
+        validation=shown("tables/validation.csv"),
+    log:
+        below("logs/validation.log"),
+    group:
+        "tables"
+    resources:
+        **asks("validation"),
+    params:
+        step="analysis.validation",
+        study=lambda wildcards: STUDY.tables_json(),
+        files=PUBLISHED,
+    message:
+        "Compare with the published numbers"
+    shell:
+        STEP

@@ -10,8 +10,9 @@ from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Length
 from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
+from workflow.schema.calibration import CalibrationSection
+from workflow.schema.campaign import Campaign
 from workflow.schema.dem import DemSection, NumericsChanges
-from workflow.schema.design import CalibrationSection, DesignSection
 from workflow.schema.joint import (
     GeometrySection,
     MaterialsSection,
@@ -19,6 +20,7 @@ from workflow.schema.joint import (
     SampleSection,
 )
 from workflow.schema.measured import MeasuredSection
+from workflow.schema.sampling import SamplingSection
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
 from workflow.schema.values import (
@@ -39,6 +41,10 @@ class FiguresSection(Section):
     eccentricity: Positive = 0.5
 
 
+# Keys that no job of a case or a table depends on.
+_UNRELATED = ("results", "samplings", "campaign")
+
+
 class Study(Section):
     """A whole study: joints, meshes, directions of loading, and the models that are run on them."""
 
@@ -57,7 +63,8 @@ class Study(Section):
     overrides: dict[str, NumericsChanges] = Field(default_factory=dict)
     calibration: CalibrationSection = CalibrationSection()
     figures: FiguresSection = FiguresSection()
-    designs: dict[Name, DesignSection] = Field(default_factory=dict)
+    samplings: dict[Name, SamplingSection] = Field(default_factory=dict)
+    campaign: Campaign | None = None
     measured: MeasuredSection | None = None
 
     @property
@@ -89,7 +96,7 @@ class Study(Section):
 
     @property
     def base_joint(self) -> Joint:
-        """What the joints of designs have in common: the study's width, strength and weight."""
+        """What the joints of samplings have in common: the study's width, strength and weight."""
         return SampleSection(locks=2).joint(self.geometry, self.materials)
 
     def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
@@ -129,14 +136,14 @@ class Study(Section):
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
         return self.model_dump_json(
-            exclude={"results", "overrides", "variants", "figures", "designs", "measured"}
+            exclude={*_UNRELATED, "overrides", "variants", "figures", "measured"}
         )
 
     def _without(self, *sections: str) -> str:
-        """All but some sections, where results are, designs and the engines' numerics.
+        """All but `_UNRELATED`, some ``sections`` and the engines' numerics.
 
         What is left is a valid study.
         """
         dem = {"numerics": True, "time_limit": True}
-        left = dict.fromkeys(("results", "designs", *sections), True)
+        left = dict.fromkeys((*_UNRELATED, *sections), True)
         return self.model_dump_json(exclude={**left, "dem": dem})

@@ -1,6 +1,6 @@
 """Write the decks for 3DEC."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +8,9 @@ from workflow.case import Case
 from workflow.threedec import deck
 
 
-def run(arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]) -> None:
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
+) -> None:
     """Write the deck of each case."""
-    for data, path in zip(arguments["cases"], outputs, strict=True):
+    for data, path in zip(arguments["cases"], outputs["decks"], strict=True):
         path.write_text(deck(Case.from_json(data)))

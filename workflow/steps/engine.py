@@ -1,7 +1,7 @@
 """Run an engine on a case, check what it returns, and write the record."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +18,11 @@ from workflow.results.record import ResultError, check_bracket, failed_record, r
 
 
 def run(
-    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write the record and, if the engine succeeds, its own files; returns what went wrong."""
     case = Case.from_json(arguments["case"])
-    record, result = outputs
+    record, result = outputs["record"], outputs["result"]
     folder = record.parent
     (folder / CASE).write_text(case.to_json())
     engine = ENGINES[case.model]

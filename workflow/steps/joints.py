@@ -1,6 +1,6 @@
-"""Rows of a batch of a design's joints: what both steps that go through such a batch share."""
+"""Batches of a sampling's joints: reading them from a job's arguments, and writing their rows."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,17 +10,17 @@ import pyarrow.parquet as pq
 
 from sidmacib.fields import from_plain
 from sidmacib.joint import Joint
-from workflow.design import Design, designed
+from workflow.sampling import SampledJoint, Sampling, sampled_joints
 
 
-def write_rows(
-    arguments: Mapping[str, Any], rows_of: Callable[..., Iterable[dict[str, Any]]], path: Path
-) -> None:
-    """Write what ``rows_of`` says of each joint from ``start`` to before ``stop`` of a design."""
-    design, base = from_plain(Design, arguments["design"]), from_plain(Joint, arguments["base"])
-    rows = [
-        row
-        for one in designed(design, base, arguments["start"], arguments["stop"])
-        for row in rows_of(one, **arguments["asked"])
-    ]
-    pq.write_table(pa.Table.from_pandas(pd.DataFrame(rows)), path, compression="zstd")
+def joints_of(arguments: Mapping[str, Any]) -> Iterator[SampledJoint]:
+    """The joints of a batch, from ``start`` to before ``stop``."""
+    sampling = from_plain(Sampling, arguments["sampling"])
+    base = from_plain(Joint, arguments["base"])
+    return sampled_joints(sampling, base, arguments["start"], arguments["stop"])
+
+
+def write_rows(sampling: str, rows: Iterable[Mapping[str, Any]], path: Path) -> None:
+    """Write ``rows`` of a batch of a ``sampling`` as Parquet."""
+    frame = pd.DataFrame([{"sampling": sampling, **row} for row in rows])
+    pq.write_table(pa.Table.from_pandas(frame), path, compression="zstd")

@@ -1,6 +1,6 @@
 """Read what a program run elsewhere printed for a case, check it, and write the record."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +12,15 @@ from workflow.threedec import read_returned
 
 
 def run(
-    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write the record; returns what is wrong with the text, None if nothing is."""
     case = Case.from_json(arguments["case"])
     try:
-        assembly, found = read_returned(inputs[0].read_text(errors="replace"), case)
+        assembly, found = read_returned(inputs["printed"].read_text(errors="replace"), case)
         loads = lateral_load(case.joint, assembly, case.loading)
         record = record_of(case, assembly, loads, found, {})
     except (OSError, ResultError) as error:
         record = failed_record(case, f"{case.model}: {error}")
-    write_record(record, outputs[0])
+    write_record(record, outputs["record"])
     return None if record.error is None else f"{case.name}: {record.error}"

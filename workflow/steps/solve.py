@@ -1,7 +1,7 @@
 """Solve a batch of cases in this process, check what comes out, and write records and tables."""
 
 import importlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ HISTORY_COLUMNS = ("load_N", "displacement_m")
 
 
 def run(
-    arguments: Mapping[str, Any], inputs: Sequence[Path], outputs: Sequence[Path]
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write records, nodes and histories; the record of a case that fails holds the reason."""
     solver = importlib.import_module(arguments["module"])
@@ -41,8 +41,8 @@ def run(
         records.append(record)
         nodes += node_table(case, assembly, found)
         histories.append(history_table(case, found))
-    outputs[0].write_text("".join(record.to_json() + "\n" for record in records))
-    for tables, path in ((nodes, outputs[1]), (histories, outputs[2])):
+    outputs["records"].write_text("".join(record.to_json() + "\n" for record in records))
+    for tables, path in ((nodes, outputs["nodes"]), (histories, outputs["history"])):
         whole = pa.concat_tables(tables) if tables else pa.table({})
         pq.write_table(whole, path, compression="zstd")
     failed = [record for record in records if record.error]

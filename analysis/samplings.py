@@ -1,0 +1,25 @@
+"""The joints of a study's samplings, one row for each joint and direction; loads over T0."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from workflow.results.tables import SAMPLINGS, write_table
+
+
+def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The rows of all ``batches``."""
+    table = pd.concat(batches, ignore_index=True).reindex(columns=SAMPLINGS.columns)
+    table["stiffness_ratio"] = table["stiffness_ratio"].replace(np.inf, np.nan)  # rigid pieces
+    return table
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
+) -> None:
+    """Put the batches of all samplings together."""
+    table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
+    write_table(SAMPLINGS, table, outputs["samplings"])

@@ -1,0 +1,266 @@
+"""How long everything takes on this machine, as a table: `make bench`.
+
+With ``--base``, another checkout with its own environment, its imports and plans are measured too.
+CPU times are of all processes. Run it on a quiet machine.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+import timeit
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import pandas as pd
+import yaml
+
+from benchmarks.peers import peer_times
+from workflow.closure import ROOT
+from workflow.configuration import read_study
+from workflow.results.files import RESULT
+from workflow.snakefile import plan_of
+from workflow.times import read_times
+
+REPEATS = 5
+UNGUIDED = "unguided"  # the study's variant
+MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
+RATIOS = [round(0.02 * n, 2) for n in range(50)]
+SWEEP = {  # 10,000 cases of the static model
+    "samples": {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)},
+    "meshes": MESHES,
+    "eccentricities": RATIOS,
+    "models": ["static"],
+    "dem": {"engines": []},
+}
+ENGINES = {  # 500 cases of an engine
+    "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
+    "meshes": MESHES[:10],
+    "eccentricities": RATIOS[:25],
+    "models": [],
+    "dem": {"engines": ["yade"]},
+}
+ONE = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.02],
+    "eccentricities": [0],
+    "models": ["static"],
+}
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A line of the table: what was measured, its unit, its value here and in another checkout."""
+
+    what: str
+    unit: str
+    value: float
+    base: float | None = None
+
+
+@dataclass(frozen=True)
+class Usage:
+    """What a command took: s, CPU-s of all its processes, MB of the largest."""
+
+    wall: float
+    cpu: float
+    memory: float
+
+
+def used(command: Sequence[str], folder: Path) -> Usage:
+    """Run ``command`` in ``folder``; RuntimeError if it fails."""
+    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    wall, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
+    if ended.returncode:
+        raise RuntimeError(f"{' '.join(command)}: {ended.stderr[-2000:]}")
+    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Usage(wall, cpu, after.ru_maxrss / 1024)
+
+
+def least(command: Callable[[Path], Sequence[str]], checkout: Path, repeats: int) -> Usage:
+    """The quickest of some runs of a command of a checkout."""
+    runs = [used(command(checkout), checkout) for _ in range(repeats)]
+    return min(runs, key=lambda run: run.cpu)
+
+
+def python(code: str) -> Callable[[Path], Sequence[str]]:
+    """A command that runs ``code`` in a checkout's own Python."""
+    return lambda checkout: [str(checkout / ".venv/bin/python"), "-c", code]
+
+
+def snakemake(config: Path, *arguments: str) -> Callable[[Path], Sequence[str]]:
+    """A command that runs Snakemake on a configuration."""
+    return lambda checkout: [
+        *(str(checkout / ".venv/bin/snakemake"), *arguments, "--quiet", "all"),
+        *("--configfile", str(config), "--config", f"results={config.parent / checkout.name}"),
+    ]
+
+
+def static_case(number: int) -> float:
+    """Solve one of many joints of five locks, mesh 0.02 m; returns the peak (N)."""
+    import sidmacib
+
+    joint = sidmacib.Joint(5, h=0.008 + 1e-5 * number)
+    assembly = sidmacib.assemble(joint, 0.02)
+    direction = sidmacib.Direction(0.02 * (number % 50))
+    loads = sidmacib.lateral_load(joint, assembly, sidmacib.Loading(direction))
+    return float(sidmacib.static_peak(assembly, loads).peak.load)
+
+
+def static_seconds(locks: int, mesh: float) -> float:
+    """Time of the static model in pure shear, s: the least of three."""
+    import sidmacib
+
+    def solve() -> None:
+        joint = sidmacib.Joint(locks)
+        assembly = sidmacib.assemble(joint, mesh)
+        loading = sidmacib.Loading(sidmacib.Direction(0.0))
+        sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
+
+    return min(timeit.repeat(solve, repeat=3, number=1))
+
+
+def library_figures() -> Iterator[Figure]:
+    """The static model and SiDMACIB, in this process and in two."""
+    import sidmacib
+
+    static_case(0)
+    with ProcessPoolExecutor(2) as pool:
+        list(pool.map(static_case, range(20)))
+        start = time.perf_counter()
+        list(pool.map(static_case, range(1000), chunksize=50))
+        yield Figure("static cases, 5 locks", "1/s", 1000 / (time.perf_counter() - start))
+    yield Figure("static case, 63 locks", "s", static_seconds(63, 0.02))
+    yield Figure("static case, 15 locks, mesh 0.005 m", "s", static_seconds(15, 0.005))
+    for locks in (3, 5):
+        for name, milliseconds in peer_times(sidmacib.Joint(locks)):
+            yield Figure(f"{name}, {locks} locks", "ms CPU", milliseconds)
+    model = sidmacib.Sidmacib(sidmacib.Joint(5), sidmacib.OPTIONS["option4"])
+    sidmacib.envelope(model)
+    start = time.perf_counter()
+    for _ in range(10):
+        sidmacib.envelope(model)
+    yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * (time.perf_counter() - start) / 10)
+
+
+def process_figures(base: Path | None, folder: Path) -> Iterator[Figure]:
+    """Imports and planning, here and in the other checkout."""
+    commands: list[tuple[str, tuple[str, ...], Callable[[Path], Sequence[str]], int]] = [
+        ("import numpy", ("cpu",), python("import numpy"), REPEATS),
+        ("import sidmacib", ("cpu",), python("import sidmacib; sidmacib.Joint"), REPEATS),
+    ]
+    for name, config in (("10,000 static cases", SWEEP), ("500 engine cases", ENGINES)):
+        path = folder / f"{name.split()[1]}.yaml"
+        path.write_text(yaml.safe_dump(config))
+        commands.append((f"plan {name}", ("wall", "memory"), snakemake(path, "-n"), 1))
+    units = {"cpu": "CPU-s", "wall": "s", "memory": "MB"}
+    for what, kinds, command, repeats in commands:
+        here = least(command, ROOT, repeats)
+        there = least(command, base, repeats) if base else None
+        for kind in kinds:
+            other = None if there is None else getattr(there, kind)
+            yield Figure(what, units[kind], getattr(here, kind), other)
+
+
+def workflow_figures(folder: Path) -> Iterator[Figure]:
+    """What the workflow adds to the work itself, and how long it takes to find nothing to do."""
+    batch = {**SWEEP, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
+    times = job_times({**batch, "results": str(folder / "batch")}, "static/")
+    start = time.process_time()
+    for number in range(500):
+        static_case(number)
+    alone = time.process_time() - start
+    yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
+    for engine in ("yade", "liggghts"):
+        config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
+        times = job_times(config, f"{engine}/")
+        yield Figure(f"added to a case of {engine}", "CPU-s", sum(times))
+    path = folder / "one.yaml"
+    path.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
+    target = str(folder / "one")
+    command = [sys.executable, "-m", "workflow", "study", str(path), "--results", target]
+    used(command, ROOT)
+    yield Figure("make study with nothing to do", "s", used(command, ROOT).wall)
+    command = [*command[:3], "case", *command[4:], "--case", "n3-mesh0.02-e0a"]
+    used(command, ROOT)
+    yield Figure("make case of a finished case", "s", used(command, ROOT).wall)
+
+
+def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
+    """CPU-s, without programs that they start, of the jobs whose names begin with ``prefix``."""
+    study = read_study(config)
+    results = Path(study.results)
+    seconds = []
+    for job in plan_of(study).made.values():
+        if job.name.startswith(prefix):
+            plan = results / "plan.json"
+            plan.parent.mkdir(parents=True, exist_ok=True)
+            plan.write_text(json.dumps(job.plan(job.digest(), results)))
+            used([sys.executable, "-m", "workflow.job", str(plan)], ROOT)
+            times = json.loads((results / f".times/{job.name}.json").read_text())
+            seconds.append(times["own_cpu_s"])
+    return seconds
+
+
+def study_figures(results: Path) -> Iterator[Figure]:
+    """What the jobs of a study took when they were last run."""
+    frame = pd.DataFrame([times for _, times in read_times(results)])
+    if len(frame):
+        yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
+        yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
+
+
+def step_figures(results: Path) -> Iterator[Figure]:
+    """Mean time steps of each engine, over the cases that were searched guided and unguided."""
+    for engine in ("yade", "liggghts"):
+        folder = results / "cases" / engine
+        steps = {path.parent.name: time_steps(path) for path in sorted(folder.glob(f"*/{RESULT}"))}
+        both = [name for name in steps if f"{name}-{UNGUIDED}" in steps]
+        for what, names in (
+            ("guided", both),
+            ("unguided", [f"{name}-{UNGUIDED}" for name in both]),
+        ):
+            if names:
+                mean = sum(steps[name] for name in names) / len(names)
+                yield Figure(f"{engine}: a case, {what}", "time steps", mean)
+
+
+def time_steps(result: Path) -> int:
+    """How many time steps an engine took for its result."""
+    return int(json.loads(result.read_text())["time_steps"])
+
+
+def main() -> None:
+    """Command line: perhaps another checkout, and the results of a study that was run."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--base", type=Path, help="another checkout, with its own .venv")
+    parser.add_argument("--results", type=Path, default=ROOT / "results")
+    arguments = parser.parse_args()
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        figures = [
+            *library_figures(),
+            *process_figures(arguments.base, folder),
+            *workflow_figures(folder),
+            *study_figures(arguments.results),
+            *step_figures(arguments.results),
+        ]
+    table = pd.DataFrame(figures)
+    table["ratio"] = table["value"] / table["base"].astype(float)
+    path = arguments.results / "tables/bench.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    table.to_csv(path, index=False, float_format="%.4g")
+    print(table.to_string(index=False, float_format=lambda value: f"{value:.4g}", na_rep=""))
+    print(f"Table: {path}")
+
+
+if __name__ == "__main__":
+    main()

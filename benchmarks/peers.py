@@ -1,0 +1,138 @@
+"""Other programs on the published joint, for `make bench`: how long each takes for a point.
+
+HiGHS as SciPy has it solves the same linear programme. `compas_cra` and `compas_lmgc90` (the extra
+``peers``; left out where they are not installed) know rigid blocks that touch with friction, but no
+strength of a lock: their points are the joint's pieces at rest, and no capacity.
+"""
+
+import importlib.util
+import io
+import time
+import timeit
+from collections.abc import Callable, Iterator
+from contextlib import redirect_stdout
+from functools import partial
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linprog
+
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Floats, Piece
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.pieces import assemble, cut_pieces
+
+DIRECTIONS = 200
+STEPS = 100  # of compas_lmgc90 to rest
+# Corners of each side of a box, outwards; corner x + 2 y + 4 z, 0 or 1 each.
+SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
+
+
+def peer_times(joint: Joint) -> Iterator[tuple[str, float]]:
+    """Names of programs with the time (ms of processor time) that each takes for one point."""
+    model = Sidmacib(joint, OPTIONS["option4"])
+    angles = np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
+    yield "SiDMACIB, one point", _each(lambda: capacities(model, _directions()), DIRECTIONS)
+    programme = standard_form(model)
+    ways = [np.array([np.cos(angle), np.sin(angle)]) for angle in angles]
+    yield (
+        "the same programme, HiGHS of SciPy",
+        _each(lambda: [furthest_by_highs(programme, way) for way in ways], DIRECTIONS),
+    )
+    assembly = assemble(joint, 0.02)
+    loads = lateral_load(joint, assembly, Loading(Direction(0.0)))
+    yield "static model, mesh 0.02 m, one point", _each(lambda: static_peak(assembly, loads), 1)
+    for name, solve in (("compas_cra", at_rest_by_cra), ("compas_lmgc90", at_rest_by_lmgc90)):
+        if importlib.util.find_spec(name):
+            yield f"{name}, the pieces at rest", _each(partial(solve, joint), 1)
+
+
+def _directions() -> list[Direction]:
+    return [Direction(0.01 * number) for number in range(DIRECTIONS)]
+
+
+def _each(work: Callable[[], object], count: int) -> float:
+    """Processor time (ms) of each of ``count`` points, the least of three times."""
+    work()
+    return 1e3 * min(timeit.repeat(work, timer=time.process_time, repeat=3, number=1)) / count
+
+
+# --- HiGHS ---------------------------------------------------------------------------------------
+def standard_form(model: Sidmacib) -> dict[str, Any]:
+    """The feasible set of ``model`` as `scipy.optimize.linprog` takes it, in the model's units.
+
+    ``loads``: which unknowns are V and M.
+    """
+    furthest = SupportFunction.of(model)
+    problem = furthest.family.problem
+    costs = []
+    for way in np.eye(2):
+        furthest.family.parameter.value = way
+        data, _, _ = problem.get_problem_data("HIGHS")
+        costs.append(data["c"])
+    equal = data["dims"].zero
+    return {
+        "A_eq": data["A"][:equal],
+        "b_eq": data["b"][:equal],
+        "A_ub": data["A"][equal:],
+        "b_ub": data["b"][equal:],
+        "loads": [int(np.flatnonzero(cost)[0]) for cost in costs],
+    }
+
+
+def furthest_by_highs(programme: dict[str, Any], way: Floats) -> Floats:
+    """V and M (in the model's units) that lie furthest along ``way``."""
+    cost = np.zeros(programme["A_eq"].shape[1])
+    cost[programme["loads"]] = -way
+    given = {name: value for name, value in programme.items() if name != "loads"}
+    found = linprog(cost, **given, bounds=(None, None), method="highs")
+    return np.asarray(found.x[programme["loads"]])
+
+
+# --- rigid blocks --------------------------------------------------------------------------------
+def box(piece: Piece) -> tuple[list[list[float]], list[list[int]]]:
+    """Corners (m) and sides of a piece."""
+    ends = list(zip(piece.low, piece.high, strict=True))
+    corners = [[ends[0][x], ends[1][y], ends[2][z]] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+    return corners, [list(side) for side in SIDES]
+
+
+def at_rest_by_cra(joint: Joint) -> object:
+    """Forces between the pieces under their weight, by coupled rigid-block analysis.
+
+    Kao et al. 2022, doi:10.1016/j.cad.2022.103216.
+    """
+    from compas_assembly.datastructures import Block
+    from compas_cra.algorithms import assembly_interfaces_numpy
+    from compas_cra.datastructures import CRA_Assembly
+    from compas_cra.equilibrium import cra_solve
+
+    assembly = CRA_Assembly()
+    pieces = cut_pieces(joint)
+    for number, piece in enumerate(pieces):
+        assembly.add_block(Block.from_vertices_and_faces(*box(piece)), node=number)
+    assembly.set_boundary_conditions([n for n, piece in enumerate(pieces) if piece.fixed])
+    assembly_interfaces_numpy(assembly, nmax=len(pieces), amin=1e-9, tmax=1e-6)
+    with redirect_stdout(io.StringIO()):  # it tells what it does
+        return cra_solve(assembly, mu=joint.dry.friction, density=joint.density)
+
+
+def at_rest_by_lmgc90(joint: Joint) -> object:
+    """The pieces after some time steps under their weight, by non-smooth contact dynamics."""
+    from compas_lmgc90.solver import Solver
+
+    solver = Solver(dt=1e-4, density=joint.density)
+    pieces = cut_pieces(joint)
+    shapes = [box(piece) for piece in pieces]
+    solver.geometry_from_v_f([{"vertices": v, "faces": f} for v, f in shapes])
+    solver.supports = [piece.fixed for piece in pieces]
+    for number, piece in enumerate(pieces):
+        if piece.fixed:
+            solver.v_drvdof[number] = {axis: np.zeros(6) for axis in range(1, 7)}
+    solver.contact_law("IQS_CLB_g0", joint.dry.friction)
+    solver.preprocess()
+    solver.run(nb_steps=STEPS)
+    return solver.last_result

@@ -1,0 +1,1 @@
+"""Joints whose safe load comes nearest to what they carry, by an optimiser."""

@@ -1,0 +1,286 @@
+"""Search for the joint with the largest ratio of safe load to first failure: ``make attack``.
+
+In each space (how the joint is held down, and whether its blocks are elastic) differential
+evolution varies everything that a `Joint` can be inside the rule's `SPANS`, and the direction of
+the load. The first failure is the static model's on nodes that the rule does not use; the peak is
+never below it. The worst joint of each start is then solved down to the peak, on two meshes and
+with two layouts of the nodes.
+"""
+
+import argparse
+import math
+import sys
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import differential_evolution
+
+from sidmacib.errors import CapacityError
+from sidmacib.hold_down import Hold, HoldDown
+from sidmacib.joint import Block, Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
+from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
+from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.pieces import assemble
+from sidmacib.rule.law import SPANS, safe
+
+WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
+LEAST = 1e-4  # of ratios that may be 0: spread evenly in their logarithm from here on
+STIFFEST = 5e3  # E / (Kn b) of elastic blocks: stiffer ones are rigid
+SMOOTH, LIGHT = 0.2, 0.2  # shares of the joints without friction, without weight
+DIMENSIONS = 17
+POPULATION = 6  # joints of a generation, over the dimensions
+CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: elastic blocks
+CHECKS = {  # of the worst joints
+    False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
+    True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
+}
+
+
+@dataclass(frozen=True)
+class Space:
+    """Joints that are held down in one way, with elastic or rigid blocks."""
+
+    name: str
+    hold: Hold
+    elastic: bool = False
+    body: UpperBody | None = None  # None: columns or one piece
+    locks: tuple[int, int] = (2, 31)
+    share: float = 1.0  # of the evaluations: elastic blocks take a hundred times as long
+
+
+SPACES = (
+    Space("plate", Hold.PLATE),
+    Space("pressure", Hold.PRESSURE),
+    Space("force", Hold.FORCE),
+    Space("weight", Hold.WEIGHT),
+    Space("elastic columns", Hold.PLATE, True, UpperBody.COLUMNS, (2, 5), 0.06),
+    Space("elastic one piece", Hold.PLATE, True, UpperBody.MONOLITHIC, (2, 5), 0.06),
+    Space("elastic, pressure", Hold.PRESSURE, True, None, (2, 5), 0.06),
+)
+
+
+@dataclass(frozen=True)
+class Target:
+    """A joint, loaded in a direction from one of its sides."""
+
+    joint: Joint
+    loading: Loading
+
+
+def target_at(space: Space, place: Sequence[float]) -> Target:
+    """The joint of ``space`` at a ``place`` in the unit cube of `DIMENSIONS` dimensions."""
+    turn = iter(map(float, place))
+
+    def ratio(name: str) -> float:
+        low, high = SPANS[name]
+        return _between(max(low, LEAST), min(high, STIFFEST), next(turn))
+
+    def some(share: float, name: str) -> float:
+        """A ratio, which is 0 for a ``share`` of the joints."""
+        at = next(turn)
+        low, high = SPANS[name]
+        return 0.0 if at < share else _between(max(low, LEAST), high, (at - share) / (1.0 - share))
+
+    least, most = space.locks
+    locks = min(int(least * ((most + 1) / least) ** next(turn)), most)
+    a, h, height = (WIDTH * ratio(f"{name} / b") for name in "ahH")
+    shear = KN * ratio("shear over normal stiffness of inner faces")
+    dry = KN * ratio("normal stiffness of dry over inner faces")
+    slip = dry * ratio("shear over normal stiffness of dry faces")
+    at = next(turn)
+    friction = max(at - SMOOTH, 0.0) / (1.0 - SMOOTH) * SPANS["friction"][1]
+    tension = COHESION * ratio("tensile strength over cohesion")
+    weight = some(LIGHT, "weight of the upper block per area over cohesion")
+    pressure = COHESION * ratio("force on top per area over cohesion")
+    young = KN * WIDTH * ratio("E / (Kn b)")
+    poisson = SPANS["Poisson's ratio"][1] * next(turn)
+    body = space.body or (UpperBody.COLUMNS if next(turn) < 0.5 else UpperBody.MONOLITHIC)
+    push = Push.PLUS_Y if next(turn) < 0.5 else Push.MINUS_Y
+    first = Block.UPPER if next(turn) < 0.5 else Block.LOWER
+    angle = math.pi * (next(turn) - 0.5)  # in the (V, M / a) plane, from torque to torque
+    joint = Joint(
+        locks,
+        *(a, WIDTH, h, height),
+        density=weight * COHESION / (GRAVITY * (h + height)),
+        inner=FaceMaterial(KN, shear, 0.0, COHESION, tension),
+        dry=FaceMaterial(dry, slip, friction, 0.0, 0.0),
+        upper_body=body,
+        first=first,
+        hold_down=_hold_down(space.hold, pressure, a * locks * WIDTH),
+        elastic=Elastic(young, poisson) if space.elastic else None,
+    )
+    return Target(joint, Loading(Direction(math.tan(angle)), push=push))
+
+
+def _between(low: float, high: float, place: float) -> float:
+    return float(low * (high / low) ** place)
+
+
+def _hold_down(hold: Hold, pressure: float, area: float) -> HoldDown:
+    if hold is Hold.PRESSURE:
+        return HoldDown.pressure(pressure)
+    return HoldDown.force(pressure * area) if hold is Hold.FORCE else HoldDown(hold)
+
+
+def safe_load(target: Target) -> float | None:
+    """The safe rule's load (N); None where it refuses."""
+    try:
+        return safe(target.joint, target.loading.direction, target.loading.push).load
+    except (CapacityError, ValueError):
+        return None
+
+
+def ratio_at(space: Space, place: Sequence[float]) -> float | None:
+    """Safe load over first failure: 0 where the rule refuses, inf where nothing is carried.
+
+    None where the static model has no answer on its nodes.
+    """
+    target = target_at(space, place)
+    promised = safe_load(target)
+    if promised is None:
+        return 0.0
+    joint = target.joint
+    assembly = assemble(joint, joint.least_side / CELLS[space.elastic])
+    try:
+        loads = lateral_load(joint, assembly, target.loading)
+        load = static_first_failure(assembly, loads).point.load
+    except CapacityError:
+        return None
+    return promised / load if load > 0.0 else math.inf
+
+
+@dataclass
+class Search:
+    """What differential evolution minimises in ``space`` from one start, and what it has found.
+
+    ``answered``: joints with a ratio; ``unsolved``: joints that the safe rule answers and the
+    static model, on its finer nodes, does not; ``ratio``: the largest one of safe load to first
+    failure; ``place``: of its joint in the unit cube.
+    """
+
+    space: Space
+    seed: int
+    evaluations: int = 0
+    answered: int = 0
+    unsolved: int = 0
+    ratio: float = 0.0
+    place: tuple[float, ...] = ()
+
+    def __call__(self, place: Iterable[float]) -> float:
+        """Minus the ratio at a ``place``; 0 where there is none."""
+        values = tuple(map(float, place))
+        ratio = ratio_at(self.space, values)
+        self.evaluations += 1
+        if ratio is None:
+            self.unsolved += 1
+            return 0.0
+        self.answered += ratio > 0.0
+        if ratio > self.ratio:
+            self.ratio, self.place = ratio, values
+        return -min(ratio, 1e9)
+
+
+def search(space: Space, seed: int, evaluations: int) -> Search:
+    """Differential evolution over ``space`` from one start: its share of the ``evaluations``."""
+    ratios = Search(space, seed)
+    size = POPULATION * DIMENSIONS
+    differential_evolution(
+        ratios,
+        [(0.0, 1.0)] * DIMENSIONS,
+        popsize=POPULATION,
+        maxiter=max(1, round(space.share * evaluations / size) - 1),
+        init="sobol",
+        mutation=(0.4, 1.0),
+        recombination=0.8,
+        tol=0.0,
+        polish=False,
+        rng=np.random.default_rng([seed, SPACES.index(space)]),  # of each space its own
+    )
+    return ratios
+
+
+def row_of(worst: Search) -> dict[str, Any]:
+    """The worst joint of a start, with its loads (N) on other nodes."""
+    target = target_at(worst.space, worst.place)
+    promised = safe_load(target) or math.nan
+    row: dict[str, Any] = {
+        "space": worst.space.name,
+        "seed": worst.seed,
+        "evaluations": worst.evaluations,
+        "answered": worst.answered,
+        "unsolved": worst.unsolved,
+        "safe_over_first_failure": worst.ratio,
+        "safe_N": promised,
+    }
+    for number, (layout, cells) in enumerate(CHECKS[worst.space.elastic], start=1):
+        row |= _checked(target, promised, number, layout, cells)
+    return {
+        **row,
+        "eccentricity_over_a": target.loading.direction.eccentricity,
+        "push": str(target.loading.push),
+        "joint": repr(target.joint),
+    }
+
+
+def _checked(
+    target: Target, promised: float, number: int, layout: NodeLayout, cells: int
+) -> dict[str, Any]:
+    """First failure and peak on other nodes; the reason if there is none."""
+    row: dict[str, Any] = {f"nodes_{number}": f"{layout}, {cells} cells"}
+    try:
+        _, path = load_path(target.joint, target.loading, target.joint.least_side / cells, layout)
+    except CapacityError as error:
+        return row | {f"error_{number}": str(error)}
+    return row | {
+        f"first_failure_{number}_N": path.first_failure_load,
+        f"peak_{number}_N": path.peak.load,
+        f"safe_over_peak_{number}": promised / path.peak.load if path.peak.load else math.inf,
+    }
+
+
+def _row_of_start(space: Space, seed: int, evaluations: int) -> dict[str, Any]:
+    return row_of(search(space, seed, evaluations))
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Attack all spaces, write the table, and fail if a safe load is above the first failure."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--evaluations", type=int, default=1800, help="of each start")
+    parser.add_argument("--seeds", type=int, default=3, help="starts in each space")
+    names = [space.name for space in SPACES]
+    parser.add_argument("--spaces", nargs="+", choices=names, default=names)
+    parser.add_argument("--table", type=Path, default=Path("results-attack/tables/attack.csv"))
+    parser.add_argument("--processes", type=int, default=2)
+    given = parser.parse_args(arguments)
+    given.table.parent.mkdir(parents=True, exist_ok=True)
+    spaces = [space for space in SPACES if space.name in given.spaces]
+    rows: list[dict[str, Any]] = []
+    with ProcessPoolExecutor(given.processes) as pool:
+        starts = [
+            pool.submit(_row_of_start, space, seed, given.evaluations)
+            for seed in range(1, given.seeds + 1)
+            for space in spaces
+        ]
+        for start in starts:
+            rows.append(start.result())
+            table = pd.DataFrame(rows)
+            table.to_csv(given.table, index=False)  # after each start: a later one may fail
+            print(
+                "{space}, seed {seed}: {evaluations} joints, {answered} answered, largest ratio "
+                "{safe_over_first_failure:.4f}".format_map(rows[-1]),
+                flush=True,
+            )
+    worst, total = table["safe_over_first_failure"].max(), table["evaluations"].sum()
+    print(f"{total} joints; largest safe load over first failure {worst:.4f}; {given.table}")
+    return 0 if worst <= 1.0 else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Blocks that bend: elastic pieces, from soft to rigid."""

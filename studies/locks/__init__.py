@@ -1,0 +1,1 @@
+"""How many locks work: the law against the static model, on joints of all sizes."""

@@ -1,0 +1,194 @@
+"""Figures of the campaign: the law on one curve, its errors, the rules, and a nomogram."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from analysis.figures import style
+from analysis.looks import rule_name
+from sidmacib.rule.pairs import Pairs
+from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
+from studies.locks.points import POINTS
+from workflow.results.tables import read_table
+
+MOST_DRAWN = 20_000  # points of a figure: more would not be seen
+
+
+def smooth_shear(points: pd.DataFrame) -> pd.DataFrame:
+    """Smooth columns under a plate in pure shear: locks that work over those of a long joint."""
+    smooth = points[
+        points["eccentricity_over_a"].eq(0.0)
+        & points["plate"]
+        & points["upper_body"].eq("columns")
+        & points["friction"].eq(0.0)
+        & points["first_failure"].gt(0.0)
+        & points["saturation"].gt(0.0)
+    ]
+    return smooth.assign(
+        working=smooth["first_failure"] / smooth["saturation"],
+        row=smooth["pairs"] / smooth["saturation"],
+    )
+
+
+def collapse(points: pd.DataFrame) -> Figure:
+    """Pure shear on one curve, and the law against the static model in all directions."""
+    figure = Figure(figsize=(9.6, 4.9), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    smooth = smooth_shear(points)
+    left.plot(smooth["row"], smooth["working"], ".", ms=2.5, color=style.COLOURS[0], label="joints")
+    reach = np.linspace(0.0, max(4.0, float(smooth["row"].max())), 300)
+    left.plot(reach, np.tanh(reach), color="0.2", lw=1.2, label="tanh")
+    left.set_xlabel("pairs of locks P / locks that work if there are many")
+    left.set_ylabel("locks that work / locks that work if there are many")
+    left.set_xlim(0, 5)
+    left.set_ylim(bottom=0)
+    left.legend(fontsize=8)
+    _parity(right, points)
+    style.caption(
+        figure,
+        f"{len(smooth)} smooth joints with columns in pure shear (left), "
+        f"{points['law'].notna().sum()} points in "
+        "all directions (right). Locks that work: load at the first failure of the static model "
+        "over T0; many: 41 locks, after the law. Most points off the curve are even joints pushed "
+        "from the side of a lower lock: the curve knows no such end, the law does.",
+        height=0.12,
+    )
+    return figure
+
+
+def _parity(axes: Axes, points: pd.DataFrame) -> None:
+    held = points[points["law"].gt(0.0) & known(points) & points["plate"]]
+    shown = held.iloc[:: max(1, len(held) // MOST_DRAWN)]
+    for rough, colour in ((True, style.COLOURS[1]), (False, style.COLOURS[0])):
+        rows = shown[shown["friction"].gt(0.0).eq(rough)]
+        words = "rough" if rough else "smooth"
+        axes.plot(rows["first_failure"], rows["law"], ".", ms=1.5, color=colour, label=words)
+    ends = [held["first_failure"].min(), held["first_failure"].max()]
+    axes.plot(ends, ends, color="0.2", lw=1.0)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("first failure / T0, static model")
+    axes.set_ylabel("first failure / T0, law")
+    axes.legend(fontsize=8, markerscale=5)
+
+
+def margins(points: pd.DataFrame) -> Figure:
+    """How far law and safe rule are from what they stand for."""
+    figure = Figure(figsize=(9.6, 4.6), layout="constrained")
+    held = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
+    kinds = (
+        ("law", "first_failure", "law over first failure (%)", (-20, 20)),
+        ("safe", "peak", "safe rule over brittle peak (%)", (-50, 10)),
+    )
+    for axes, (value, reference, words, reach) in zip(figure.subplots(1, 2), kinds, strict=True):
+        for (least, most), colour in zip(
+            ((0, 0.1), (0.3, 1), (3, np.inf)), style.COLOURS, strict=False
+        ):
+            rows = held[held["eccentricity_over_a"].between(least, most) & held[value].gt(0.0)]
+            error = 100.0 * (rows[value] / rows[reference] - 1.0)
+            label = "e from 3 a to torsion" if least == 3 else f"e from {least:g} to {most:g} a"
+            axes.hist(
+                error.clip(*reach), bins=70, range=reach, histtype="step", color=colour, label=label
+            )
+        axes.axvline(0.0, color="0.2", lw=1.0)
+        axes.set_xlabel(words)
+        axes.set_ylabel("points")
+        axes.legend(fontsize=8)
+    style.caption(
+        figure,
+        f"{len(held)} points under a plate; values beyond the axis are counted at its ends. The "
+        "peak lies above the first failure under torque, so the margin is larger there.",
+        height=0.08,
+    )
+    return figure
+
+
+def rules(points: pd.DataFrame) -> Figure:
+    """Where each rule counts too many locks, by number of locks and load of a long joint."""
+    odd = brittle_odd_joints(points)
+    pure = odd[odd["eccentricity_over_a"].eq(0.0)]
+    errors = rule_errors(odd, "option4")
+    figure = Figure(figsize=(9.6, 2.9 * len(errors) + 0.6), layout="constrained")
+    panels = figure.subplots(len(errors), 2, sharex=True, sharey=True)
+    for row, (rule, error) in zip(panels, errors.items(), strict=True):
+        worst = error.groupby([odd[name] for name in JOINT]).transform("max")
+        for axes, words, shown in (
+            (row[0], "pure shear", error),
+            (row[1], "all directions", worst),
+        ):
+            drawn = axes.scatter(
+                pure["locks"],
+                pure["saturation"],
+                c=100.0 * shown[pure.index],
+                s=4,
+                cmap="RdBu_r",
+                vmin=-100,
+                vmax=100,
+            )
+            axes.set_yscale("log")
+            axes.set_yticks([2, 3, 5, 10, 20], [2, 3, 5, 10, 20])
+            axes.set_yticks([], minor=True)
+            axes.set_title(f"{rule_name(rule)}: {words}", loc="left", fontsize=9)
+        row[0].set_ylabel("V / T0 of many locks")
+    for axes in panels[-1]:
+        axes.set_xlabel("locks n")
+    figure.colorbar(drawn, ax=panels, label="rule over the peak (%)", shrink=0.5)
+    style.caption(
+        figure,
+        "Odd joints under a plate, columns. Red: the rule promises more than the joint carries. "
+        "Right: the largest of all directions. SiDMACIB, Option 4, without friction; V / T0 of 41 "
+        "locks, smooth, after the law.",
+        height=0.05,
+    )
+    return figure
+
+
+def nomogram(points: pd.DataFrame) -> Figure:
+    """The lag from sizes and stiffnesses, and locks that work from it and the pairs."""
+    figure = Figure(figsize=(9.6, 4.9), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    pair = np.logspace(-2.5, 1.5, 200)  # k / (Kn a b)
+    for height, colour in zip((0.3, 0.6, 1.0, 2.0, 3.0), style.COLOURS, strict=False):
+        lag = 2.0 * pair / height
+        left.loglog(pair, lag, color=colour, label=f"H / b = {height:g}")
+    left.set_xlabel("k / (Kn a b),   1 / k = 2 / (Ks a b) + 1 / (Kd a h)")
+    left.set_ylabel("lag r = 2 k / (Kn a H)")
+    left.legend(fontsize=8)
+    lags = np.logspace(-3, 1.5, 200)
+    for count, colour in zip((1, 2, 3, 4, 5, 7, 10, 15), style.COLOURS * 2, strict=False):
+        right.semilogx(lags, [Pairs(count, lag).working for lag in lags], color=colour)
+        right.annotate(f"{count}", (lags[0], Pairs(count, lags[0]).working), fontsize=7)
+    right.semilogx(lags, [Pairs(1, lag).most for lag in lags], "k--", lw=1.0, label="any number")
+    right.set_ylim(0, 15.5)
+    right.set_xlabel("lag r")
+    right.set_ylabel("locks that work, V / T0")
+    right.legend(fontsize=8)
+    style.caption(
+        figure,
+        "Columns, smooth dry faces, pure shear, closed form of the pairs (numbers at the curves); "
+        "one rigid piece has no lag. Valid where a dry face is softer than a root, Kd h < Ks b.",
+        height=0.08,
+    )
+    return figure
+
+
+DRAWN: dict[str, Callable[[pd.DataFrame], Figure]] = {
+    "law": collapse,
+    "law_margins": margins,
+    "law_rules": rules,
+    "law_nomogram": nomogram,
+}
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
+) -> None:
+    """Draw every figure into the files that are named after it."""
+    points = read_table(POINTS, inputs["points"])
+    for name, draw in DRAWN.items():
+        style.save(draw(points), [path for path in outputs["figures"] if path.stem == name])

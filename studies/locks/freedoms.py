@@ -1,0 +1,141 @@
+"""How well SiDMACIB's polygon fits the peaks of sampled joints, by what is free to choose.
+
+Without friction, SiDMACIB's load is that of one lock times the number of locks that count, however
+the strength is shared among the locks. So only that number and the contact points can be fitted to
+the peaks in all directions. The number with the smallest largest misfit is known in closed form:
+two over the sum of the largest and the smallest ratio of load to peak.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.mechanics.assembly import Floats
+from studies.locks.errors import brittle_odd_joints, by_locks, unit_loads
+from studies.locks.points import POINTS
+from workflow.results.tables import Table, read_table, write_table
+
+POSITIONS = np.linspace(0.02, 0.5, 25)  # of a pair's points, over a
+ENDS = np.linspace(0.05, 0.5, 10)  # the same, beside a third point in the middle,
+MIDDLES = np.linspace(0.1, 0.9, 9)  # and what that has of the strength
+RULE, ONE, EACH, THIRD = "half with option4", "one pair for all", "own pair", "own three points"
+FREEDOMS = Table(
+    "freedoms",
+    (
+        *("design", "freedom", "upper_body", "locks", "joints", "mean_misfit"),
+        *("misfit_95_percent", "locks_that_count", "position_over_a", "middle_share"),
+    ),
+    ("design", "freedom", "upper_body", "locks"),
+    digits=4,
+)
+
+
+@dataclass(frozen=True)
+class Fits:
+    """Misfit, locks that count and contact points of each joint, shape (N,).
+
+    ``misfit``: the largest of load over peak, less 1, in all directions. ``position``: of the
+    outer points over a. ``middle``: strength of the middle point over the lock's.
+    """
+
+    misfit: Floats
+    locks: Floats
+    position: Floats
+    middle: Floats
+
+
+def minimax(loads: Floats, peaks: Floats) -> tuple[Floats, Floats]:
+    """The number of locks that fits best, and its misfit: (N,) each.
+
+    ``loads`` of one lock, (D,) or (N, D); ``peaks``, (N, D).
+    """
+    ratio = loads / peaks
+    most, least = ratio.max(axis=1), ratio.min(axis=1)
+    return 2.0 / (most + least), (most - least) / (most + least)
+
+
+def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, Fits]:
+    """What each freedom makes of ``peaks`` (N, D) over T0 of joints with so many ``locks``."""
+
+    def fixed(option: ContactOption) -> Fits:
+        counted, misfit = minimax(unit_loads(option, ratios), peaks)
+        middle = option.portions[1] if len(option.portions) == 3 else 0.0
+        same = np.ones(len(peaks))
+        return Fits(misfit, counted, option.positions[-1] * same, middle * same)
+
+    half = (locks - 1.0) / 2.0
+    rule = unit_loads(OPTIONS["option4"], ratios) * half[:, None] / peaks - 1.0
+    every = {RULE: Fits(np.abs(rule).max(axis=1), half, np.full(len(peaks), 0.25), 0.0 * half)}
+    every |= {name: fixed(option) for name, option in OPTIONS.items()}
+    pairs = [fixed(ContactOption.pair(float(position))) for position in POSITIONS]
+    triples = [
+        fixed(
+            ContactOption(
+                (-float(end), 0.0, float(end)),
+                ((1.0 - float(part)) / 2.0, float(part), (1.0 - float(part)) / 2.0),
+            )
+        )
+        for end, part in product(ENDS, MIDDLES)
+    ]
+    every[ONE] = min(pairs, key=lambda each: float(each.misfit.mean()))
+    every[EACH] = _best(pairs)
+    every[THIRD] = _best([*pairs, *triples])
+    return every
+
+
+def _best(fitted: Sequence[Fits]) -> Fits:
+    """The fit of least misfit, joint by joint."""
+    place = np.argmin([each.misfit for each in fitted], axis=0)
+    joint = np.arange(len(place))
+
+    def chosen(name: str) -> Floats:
+        return np.asarray(np.array([getattr(each, name) for each in fitted])[place, joint])
+
+    return Fits(*(chosen(name) for name in ("misfit", "locks", "position", "middle")))
+
+
+def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
+    """Misfits by freedom, body and number of locks: odd joints under a plate, all directions."""
+    rows = []
+    for sampling, part in brittle_odd_joints(points).groupby("design", sort=True):
+        peaks = part.pivot_table(
+            index=["number", "upper_body", "locks"], columns="eccentricity_over_a", values="peak"
+        ).dropna()
+        ratios = [float(ratio) for ratio in peaks.columns]
+        if len(ratios) < 3 or peaks.empty:  # two loads are always fitted
+            continue
+        joints = peaks.index.to_frame(index=False)
+        fitted = fits(peaks.to_numpy(), joints["locks"].to_numpy(dtype=float), ratios)
+        for (freedom, fit), ((body, locks), group) in product(fitted.items(), [*by_locks(joints)]):
+            chosen = group.to_numpy()
+            if not chosen.any():
+                continue
+            misfit = fit.misfit[chosen]
+            rows.append(
+                {
+                    "design": sampling,
+                    "freedom": freedom,
+                    "upper_body": body,
+                    "locks": locks,
+                    "joints": int(chosen.sum()),
+                    "mean_misfit": float(misfit.mean()),
+                    "misfit_95_percent": float(np.quantile(misfit, 0.95)),
+                    "locks_that_count": float(np.median(fit.locks[chosen])),
+                    "position_over_a": float(np.median(fit.position[chosen])),
+                    "middle_share": float(np.median(fit.middle[chosen])),
+                }
+            )
+    return pd.DataFrame(rows, columns=list(FREEDOMS.columns))
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the table."""
+    write_table(FREEDOMS, freedoms_table(read_table(POINTS, inputs["points"])), outputs["freedoms"])

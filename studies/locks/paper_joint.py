@@ -1,0 +1,115 @@
+"""Joints like the paper's: scatter of the locks' strength, and sizes that the paper does not print.
+
+The paper prints a b = 0.003 m2. The law gives the number of locks that work over the spans of a, h
+and H that such joints may have, with friction as printed and as fitted.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.fields import from_plain
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.rule.law import law
+from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
+from workflow.results.tables import Table, write_table
+
+SCATTERED_LOCKS = (3, 5, 9, 15)
+RATIOS = (0.0, 0.3)  # e / a
+VARIATIONS = (0.1, 0.2, 0.3)  # coefficients of variation of a lock's strength
+
+LOCKS = (3, 5, 7, 15)
+AREA = 0.003  # a b in m2; Table 1 of the paper
+SLENDERNESS = (0.8, 1.2, 2.0, 3.0)  # a / b
+HEIGHTS = (0.08, 0.16, 0.3, 0.6)  # h / b
+BODIES = (0.4, 0.54, 1.0, 2.0)  # H / b
+FRICTIONS = (0.005, 0.3)
+
+CHARACTERISTIC = Table(
+    "characteristic",
+    (
+        *("locks", "upper_body", "eccentricity_over_a", "variation", "law_N"),
+        *("median_over_law", "characteristic_over_law"),
+    ),
+    ("locks", "upper_body", "eccentricity_over_a", "variation"),
+    digits=4,
+)
+ASSUMED_SIZES = Table(
+    "assumed_sizes",
+    (
+        *("locks", "friction", "half", "sizes", "working_at_assumed_sizes", "least_working"),
+        *("median_working", "most_working", "unsafe_share_of_half"),
+    ),
+    ("locks", "friction"),
+    digits=4,
+)
+
+
+def characteristic_table(base: Joint) -> pd.DataFrame:
+    """Median and 5 % quantile of the first failure over the law's, for joints like ``base``."""
+    rows = []
+    bodies = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
+    for locks, body, ratio, variation in product(SCATTERED_LOCKS, bodies, RATIOS, VARIATIONS):
+        joint = replace(base, locks=locks, upper_body=body)
+        first = scatter(joint, Direction(ratio), variation)
+        rows.append(
+            {
+                "locks": locks,
+                "upper_body": str(body),
+                "eccentricity_over_a": ratio,
+                "variation": variation,
+                "law_N": first.load,
+                "median_over_law": first.quantile(0.5) / first.load,
+                "characteristic_over_law": first.quantile(FIFTH_PERCENTILE) / first.load,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def assumed_sizes_table(base: Joint) -> pd.DataFrame:
+    """Locks that work in pure shear over all sizes, beside (n - 1) / 2, by locks and friction."""
+    rows = []
+    for locks, friction in product(LOCKS, FRICTIONS):
+        joint = replace(base, locks=locks, dry=replace(base.dry, friction=friction))
+        working = np.array(
+            [_working(_sized(joint, *sizes)) for sizes in product(SLENDERNESS, HEIGHTS, BODIES)]
+        )
+        half = (locks - 1) / 2
+        rows.append(
+            {
+                "locks": locks,
+                "friction": friction,
+                "half": half,
+                "sizes": len(working),
+                "working_at_assumed_sizes": _working(joint),
+                "least_working": float(working.min()),
+                "median_working": float(np.median(working)),
+                "most_working": float(working.max()),
+                "unsafe_share_of_half": float((working < 0.99 * half).mean()),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def _sized(joint: Joint, slenderness: float, height: float, body: float) -> Joint:
+    """``joint`` with other a / b, h / b and H / b, and a b as printed."""
+    b = (AREA / slenderness) ** 0.5
+    return replace(joint, a=slenderness * b, b=b, h=height * b, H=body * b)
+
+
+def _working(joint: Joint) -> float:
+    return law(joint, Direction(0.0)).load / joint.T0
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write both tables."""
+    base = from_plain(Joint, arguments["base"])
+    write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
+    write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])

@@ -1,0 +1,39 @@
+"""The points of the campaign: a joint in a direction, with every model's load over T0."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
+
+POINTS = Table(  # loads over T0; design: the sampling
+    "points",
+    (
+        *("design", "number", "eccentricity_over_a", "locks", "push", "upper_body", "failure"),
+        *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
+        *("pressure_over_cohesion", "plate", "stiffness_ratio", "energy_ratio"),
+        *("first_failure", "peak", "mode", "first_failure_mesh_error", "peak_mesh_error"),
+        *("unbalanced_share", "limit", "weight_sum", "lower_weight_sum", "pairs", "closed_form"),
+        *("saturation", "law", "safe", "law_error", "error"),
+    ),
+    ("design", "number", "eccentricity_over_a"),
+)
+
+
+def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    """The table of samplings with the batches of the law's ``answers`` beside it."""
+    law = pd.concat(answers, ignore_index=True)
+    keys = list(SAMPLINGS.key)
+    points = solved.merge(law, on=keys, how="left", validate="1:1")
+    return points.rename(columns={"sampling": "design"})[list(POINTS.columns)]
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Any], outputs: Mapping[str, Path]
+) -> None:
+    """Write the table."""
+    solved = read_table(SAMPLINGS, inputs["samplings"])
+    points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
+    write_table(POINTS, points, outputs["points"])

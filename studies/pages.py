@@ -1,0 +1,57 @@
+"""Write numbers of a study's tables into pages.
+
+    python -m studies.pages results-locks docs/law.md
+
+A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import benchmarks.page
+import studies.attack.page
+import studies.elastic.page
+import studies.locks.page
+import studies.published.page
+
+BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
+BLOCKS = {
+    **studies.published.page.BLOCKS,
+    **studies.elastic.page.BLOCKS,
+    **studies.locks.page.BLOCKS,
+    **studies.attack.page.BLOCKS,
+    **benchmarks.page.BLOCKS,
+}
+
+
+class PageError(ValueError):
+    """A page names a block that does not exist."""
+
+
+def blocks_of(text: str) -> list[str]:
+    """Names of the blocks in a page."""
+    return [name for _, name, _ in BLOCK.findall(text)]
+
+
+def filled(text: str, results: Path) -> str:
+    """A page with its blocks made from the tables in ``results``; raises `PageError`."""
+
+    def block(match: re.Match[str]) -> str:
+        begin, name, end = match.groups()
+        if name not in BLOCKS:
+            raise PageError(f"{name}: unknown numbers; they must be one of {', '.join(BLOCKS)}")
+        return f"{begin}{BLOCKS[name](results)}\n{end}"
+
+    return BLOCK.sub(block, text)
+
+
+def main() -> None:
+    """Fill the pages that are named on the command line."""
+    results, *pages = map(Path, sys.argv[1:])
+    for page in pages:
+        page.write_text(filled(page.read_text(), results))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""The published study, whose configuration is `config.yaml` of the checkout."""

@@ -1,0 +1,271 @@
+"""Numbers of the published study in pages, `make study`."""
+
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from analysis.beside import Beside, Line, beside, difference, name_of
+from analysis.looks import look_of
+from analysis.summary import leading_models
+from sidmacib.joint import Direction
+from studies.markdown import (
+    direction,
+    markdown,
+    markdown_of,
+    percent,
+    signed,
+    size,
+    span,
+    table_in,
+)
+from workflow.models import WITNESS
+from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
+
+SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
+LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
+HEAD = ("at e = 0", "locks", "mesh (m)", "published")
+FITS = "fitted"  # the published numbers, with another friction and geometry
+NONE = "–"
+REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
+
+
+def _beside(results: Path) -> list[Beside]:
+    leading = leading_models(table_in(results, FIT))
+    return list(beside(table_in(results, VALIDATION), leading))
+
+
+def _head(parts: Sequence[Beside]) -> list[str]:
+    """Of the published number, then of each sample: its setting and model, and the difference."""
+    head = [*HEAD]
+    for words in parts[0].samples.values():
+        setting, model = words.rsplit("; ", 1)
+        setting = setting.replace("not as printed", FITS)
+        head += [f"{setting}; {look_of(model).name}", "difference"]
+    return head
+
+
+def _lines(parts: Iterable[Beside], quantities: Sequence[str], mesh: str = "") -> list[list[str]]:
+    """Published numbers whose names begin as ``quantities`` do, beside the computed ones.
+
+    ``mesh``: of the only lines that are shown; all if it is not given.
+    """
+    return [
+        _cells(part, line)
+        for quantity in quantities
+        for part in parts
+        for line in part.lines
+        if line.quantity.startswith(quantity) and mesh in ("", line.mesh)
+    ]
+
+
+def _cells(part: Beside, line: Line) -> list[str]:
+    cells = [name_of(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
+    for sample in part.samples:
+        row = line.rows.get(sample)
+        cells += [NONE] * 2 if row is None else [f"{row.computed:.5g}", signed(difference(row))]
+    return cells
+
+
+def _weights(part: Beside, mesh: str) -> list[str]:
+    """The weights at a mesh, one after the other."""
+    lines = [
+        line
+        for line in part.lines
+        if line.quantity.startswith("weight_lock")
+        and not line.quantity.endswith("_swapped")
+        and line.mesh == mesh
+    ]
+    cells = [", ".join(f"{line.published:g}" for line in lines)]
+    for sample in part.samples:
+        cells += [", ".join(f"{line.rows[sample].computed:.2f}" for line in lines), "see below"]
+    return [f"weights of locks 1 … {part.locks}", f"{part.locks}", mesh, *cells]
+
+
+def _finest_mesh(parts: Iterable[Beside]) -> str:
+    """The finest mesh of the published numbers."""
+    return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
+
+
+def beside_short(results: Path) -> str:
+    """The published numbers that the README shows."""
+    parts = _beside(results)
+    mesh = _finest_mesh(parts)
+    rows = [
+        *_lines(parts, LOADS),
+        *(_weights(part, mesh) for part in parts),
+        *_lines(parts, ("weight_sum", "best_option"), mesh),
+    ]
+    return markdown(_head(parts), rows)
+
+
+def headline(results: Path) -> str:
+    """Three published numbers beside those computed with the fitted friction, finest mesh."""
+    parts = _beside(results)
+    mesh, rows = _finest_mesh(parts), []
+    for part in parts:
+        *_, sample = part.samples
+        model = look_of(part.samples[sample].rsplit("; ", 1)[1]).name
+        lines = {line.quantity: line for line in part.lines if line.mesh == mesh}
+        for quantity, words, unit in (
+            ("dem_pure_shear_N", f"peak V, {part.locks} locks ({model})", " N"),
+            ("weight_sum", f"sum of weights, {part.locks} locks ({model})", ""),
+        ):
+            row = lines[quantity].rows[sample]
+            numbers = [f"{lines[quantity].published:.5g}{unit}", f"{row.computed:.5g}{unit}"]
+            rows.append([words, *numbers, signed(difference(row))])
+    return markdown(["", "published", "multilock", "difference"], [rows[0], *rows[2:]])
+
+
+def weights(results: Path) -> str:
+    """Published and computed weights at the finest mesh, also with the first two swapped."""
+    parts = _beside(results)
+    return markdown(_head(parts), _lines(parts, ("weight_",), _finest_mesh(parts)))
+
+
+def peaks(results: Path) -> str:
+    """The peak of every model in pure shear, with its mesh error."""
+    table = table_in(results, VALIDATION).query(
+        "quantity == 'dem_pure_shear_N' and model != 'limit'"
+    )
+    return markdown_of(
+        table.sort_values(["locks", "setting", "mesh_m"], kind="stable"),
+        {
+            "locks": lambda row: f"{row.locks}",
+            "setting": lambda row: row.setting.replace("not as printed", FITS),
+            "mesh (m)": lambda row: f"{row.mesh_m:g}",
+            "3DEC, published (N)": lambda row: f"{row.published:g}",
+            "model": lambda row: look_of(row.model).name,
+            "V (N)": lambda row: f"{row.computed:.2f}",
+            "difference": lambda row: percent(row.relative_difference, 2),
+            "mesh error": lambda row: NONE if np.isnan(row.mesh_error) else size(row.mesh_error, 2),
+        },
+    )
+
+
+def _static(results: Path) -> pd.DataFrame:
+    """The static model's peaks at the finest mesh, by e / a, with a column for each sample."""
+    table = table_in(results, CASES)
+    table = table[table["model"].eq(WITNESS) & table["variant"].eq("reference")]
+    return table.query("mesh_m == mesh_m.min()").pivot_table(
+        index="eccentricity_over_a", columns="sample", values="load_N", sort=False
+    )
+
+
+def curves(results: Path) -> str:
+    """Loads along the path of the static model in all directions, finest mesh."""
+    loads = _static(results)
+    rows = [
+        [direction(float(ratio)), *(f"{load:.1f}" for load in row)]
+        for ratio, row in loads.iterrows()
+    ]
+    return markdown(["e / a", *(f"{sample} (N)" for sample in loads.columns)], rows)
+
+
+def slopes(results: Path) -> str:
+    """-dM/dV over a between the directions, from pure torsion to pure shear."""
+    loads = _static(results).sort_index(ascending=False)
+    directions = [Direction(float(ratio)) for ratio in loads.index]
+    parts = np.array([(each.shear, each.torque) for each in directions])
+    rows = []
+    for sample in loads.columns:
+        shear, torque = parts.T * loads[sample].to_numpy()
+        values = -np.diff(torque) / np.diff(shear)
+        rows.append([sample, ", ".join(f"{value:.2f}" for value in values)])
+    return markdown(["sample, static model", "−dM/dV over a"], rows)
+
+
+def models(results: Path) -> str:
+    """First failure and peak of engines and static model on the same nodes, finest mesh."""
+    cases = table_in(results, CASES).drop_duplicates("case")[["case", "eccentricity_over_a"]]
+    table = table_in(results, MODELS).merge(cases, on="case", suffixes=("_", ""))
+    engines = [name for name in table["model"].unique() if name not in (WITNESS, "limit")]
+    samples = table.loc[table["model"].isin(engines), "sample"].unique()
+    table = table[table["mesh_m"].eq(table["mesh_m"].min())]
+    shown = table[table["sample"].isin(samples) & table["eccentricity_over_a"].isin(SHOWN)]
+    names = [*engines, WITNESS]
+    rows = []
+    for (_, sample, ratio), part in shown.groupby(["locks", "sample", "eccentricity_over_a"]):
+        loads = part.set_index("model")[["first_failure_load_N", "load_N"]]
+        cells = [
+            ", ".join(f"{load:.2f}" for load in loads.loc[name]) if name in loads.index else NONE
+            for name in names
+        ]
+        rows.append([str(sample), direction(float(ratio)), *cells])
+    head = [f"sample, mesh {table['mesh_m'].min():g} m", "e / a"]
+    return markdown([*head, *(f"{look_of(name).name} (N)" for name in names)], rows)
+
+
+def agreement(results: Path) -> str:
+    """Every two models of the pieces on the same nodes: largest differences."""
+    cases = table_in(results, CASES).query("error.isna() and variant == 'reference'")
+    loads = [
+        cases.pivot_table(index="case", columns="model", values=column)
+        for column in ("first_failure_load_N", "load_N")
+    ]
+    weights = (
+        table_in(results, WEIGHTS)
+        .query("variant == 'reference'")
+        .pivot_table(index=["case", "lock"], columns="model", values="weight")
+    )
+    names = [name for name in cases["model"].unique() if name != "limit"]
+    rows = []
+    for number, one in enumerate(names):
+        for other in names[number + 1 :]:
+            errors = [(table[one] / table[other] - 1.0).dropna() for table in loads]
+            spans = [span(error.min(), error.max(), 2, " to ") for error in errors]
+            apart = (weights[one] - weights[other]).abs().max()
+            who = f"{look_of(one).name} over {look_of(other).name}"
+            rows.append([who, f"{len(errors[1])}", *spans, f"{apart:.4f}"])
+    head = ["", "cases", "first failure", "peak", "weights apart, at most"]
+    return markdown(head, rows)
+
+
+def options(results: Path) -> str:
+    """The option of SiDMACIB that fits each model best, by the paper's rule and by the sum."""
+    table = table_in(results, FIT)
+    leading = table["model"].eq(table["sample"].map(leading_models(table)))
+    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(REDUCTIONS)]
+    keys = ["sample", "reduction", "mesh_m"]
+    best = table.sort_values([*keys, "misfit"], kind="stable").drop_duplicates(keys)
+    return markdown_of(
+        best,
+        {
+            "sample": lambda row: f"{row.sample}: {row.locks} locks, {look_of(row.model).name}",
+            "mesh (m)": lambda row: f"{row.mesh_m:g}",
+            "rule": lambda row: REDUCTIONS[row.reduction],
+            "best option": lambda row: row.option.removeprefix("option"),
+            "misfit": lambda row: size(row.misfit),
+            "unsafe by up to": lambda row: size(row.largest_unsafe_error),
+            "safe by up to": lambda row: size(row.largest_safe_error),
+        },
+    )
+
+
+def variants(results: Path) -> str:
+    """What each variant does to the peak, where reference and variant were both run."""
+    table = table_in(results, VARIANTS).query("model != 'limit'")
+    loads = table.pivot_table(index=["model", "sample", "case"], columns="variant", values="load_N")
+    rows = []
+    for variant in loads.columns.drop("reference"):
+        change = (loads[variant] / loads["reference"] - 1.0).dropna()
+        for (model, sample), part in change.groupby(level=["model", "sample"]):
+            one = len(part) == 1
+            words = percent(part.iloc[0]) if one else span(part.min(), part.max(), 1, " to ")
+            rows.append([variant, look_of(model).name, sample, f"{len(part)}", words])
+    return markdown(["variant", "model", "sample", "cases", "peak over the reference's"], rows)
+
+
+BLOCKS: dict[str, Callable[[Path], str]] = {
+    "published-three": headline,
+    "published-short": beside_short,
+    "weights": weights,
+    "curves": curves,
+    "slopes": slopes,
+    "peaks": peaks,
+    "models": models,
+    "agreement": agreement,
+    "options": options,
+    "variants": variants,
+}

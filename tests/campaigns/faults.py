@@ -1,0 +1,376 @@
+"""A campaign of faults: whatever happens to a study, the next run ends as if nothing had happened.
+
+    make faults FAULTS=500
+
+A small study is run undisturbed. Then, round by round, faults of one kind are put into its results
+or a run of it, and the next run must end well, with the same tables byte for byte; no process of
+it, no listening socket and no file of an engine may be left. Faults are counted by kind in
+build/faults.csv.
+"""
+
+import argparse
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import yaml
+from campaigns.counts import write_counts
+from tables import tables_of
+
+ROOT = Path(__file__).parents[2]
+STUDY = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.03],
+    "eccentricities": [0, "torsion"],
+    "models": ["static"],
+    "dem": {"engines": ["yade"], "time_limit": 60},
+    "sidmacib": {"reductions": ["none", "half"]},
+}
+LONGEST = 300.0  # s, of a run
+RUN = (sys.executable, "-m", "workflow", "study")
+# Root without the right to write where nobody may.
+AS_ANYBODY = ("setpriv", "--bounding-set=-dac_override,-dac_read_search")
+LISTENING = "0A"  # in /proc/net/tcp
+# What an engine's script may be run by in place of Python (YADE_PYTHON): none of it gives a result.
+BAD_ENGINES = {
+    "hangs": "#!/bin/sh\nexec sleep 1000\n",
+    "ends at once": "#!/bin/sh\nexit 0\n",
+    "crashes": "#!/bin/sh\nkill -SEGV $$\n",
+    "is killed": "#!/bin/sh\nkill -KILL $$\n",
+    "lies": "#!/bin/sh\necho load_N > history.csv; echo face > nodes.csv\n"
+    """echo '{"peak_load_N": 1e9, "failed_load_N": 2e9}' > result.json\n""",
+    "diverges": "#!/bin/sh\necho load_N > history.csv; echo face > nodes.csv\n"
+    """echo '{"peak_load_N": NaN, "failed_load_N": NaN}' > result.json\n""",
+}
+
+
+class LostError(AssertionError):
+    """Something was lost: the message says what, after which fault."""
+
+
+@dataclass
+class Campaign:
+    """A study that was run undisturbed, and one that is disturbed again and again."""
+
+    folder: Path
+    random: random.Random
+    counts: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def results(self) -> Path:
+        """Of the study that is disturbed."""
+        return self.folder / "results"
+
+    def run(
+        self, limit: int | None = None, prefix: Sequence[str] = (), **environment: str
+    ) -> subprocess.Popen[str]:
+        """Begin the study, perhaps by another command, ``prefix``.
+
+        ``limit``: bytes that a file may have, as on a disk that is full.
+        """
+
+        def full() -> None:
+            if limit is not None:
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+
+        study = self.folder / "study.yaml"
+        config = STUDY | ({"dem": {"engines": ["yade"], "time_limit": 3}} if environment else {})
+        study.write_text(yaml.safe_dump(config))
+        return subprocess.Popen(
+            [*prefix, *RUN, str(study), f"--results={self.results}"],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **environment},
+            start_new_session=True,
+            preexec_fn=full,  # noqa: PLW1509 - no threads here
+        )
+
+    def finished(self, process: subprocess.Popen[str]) -> str:
+        """What a run printed, once it has ended."""
+        told, _ = process.communicate(timeout=LONGEST)
+        return told
+
+    def tables(self) -> dict[str, bytes]:
+        """The tables that count, by name."""
+        return tables_of(self.results)
+
+    def files(self) -> list[Path]:
+        """Everything that the study has made, but its lock and what a run says."""
+        found = (path for path in self.results.rglob("*") if path.is_file())
+        return sorted(path for path in found if path.name != ".lock" and path.suffix != ".log")
+
+    def count(self, kind: str, number: int = 1) -> None:
+        """Count faults of a kind."""
+        self.counts[kind] = self.counts.get(kind, 0) + number
+
+
+# --- faults --------------------------------------------------------------------------------------
+def _chosen(campaign: Campaign, number: int) -> list[Path]:
+    files = campaign.files()
+    return campaign.random.sample(files, min(number, len(files)))
+
+
+def deleted(campaign: Campaign) -> None:
+    """Files that are gone."""
+    for path in _chosen(campaign, 6):
+        path.unlink()
+        campaign.count("deleted")
+
+
+def truncated(campaign: Campaign) -> None:
+    """Files that end too early."""
+    for path in _chosen(campaign, 6):
+        data = path.read_bytes()
+        path.write_bytes(data[: campaign.random.randrange(len(data) or 1)])
+        campaign.count("truncated")
+
+
+def garbled(campaign: Campaign) -> None:
+    """Files in which bytes were changed."""
+    for path in _chosen(campaign, 6):
+        data = bytearray(path.read_bytes() or b"x")
+        for _ in range(campaign.random.randint(1, 20)):
+            data[campaign.random.randrange(len(data))] = campaign.random.randrange(256)
+        path.write_bytes(bytes(data))
+        campaign.count("garbled")
+
+
+def foreign(campaign: Campaign) -> None:
+    """Files that hold another one's content."""
+    for path in _chosen(campaign, 4):
+        others = [each for each in campaign.files() if each.suffix == path.suffix and each != path]
+        if others:
+            path.write_bytes(campaign.random.choice(others).read_bytes())
+            campaign.count("foreign")
+
+
+def stale(campaign: Campaign) -> None:
+    """Receipts of something else."""
+    for path in campaign.random.sample(sorted((campaign.results / ".receipts").rglob("*.json")), 3):
+        told = json.loads(path.read_text())
+        path.write_text(json.dumps({**told, "digest": "0" * 64}))
+        campaign.count("stale")
+
+
+def clock(campaign: Campaign) -> None:
+    """Times that jump, forward and back."""
+    for path in _chosen(campaign, 8):
+        moment = time.time() + campaign.random.choice((-1, 1)) * campaign.random.uniform(10, 1e8)
+        os.utime(path, (moment, moment))
+        campaign.count("clock")
+
+
+def blocked(campaign: Campaign) -> None:
+    """A folder in whose place there is a file, while the study runs."""
+    name = campaign.random.choice(("tables", "figures", "cases"))
+    shutil.rmtree(campaign.results / name)
+    (campaign.results / name).write_text("")
+    campaign.finished(campaign.run())
+    (campaign.results / name).unlink(missing_ok=True)
+    campaign.count("blocked folder")
+
+
+def full_disk(campaign: Campaign) -> None:
+    """A disk on which no file of some size can be written."""
+    shutil.rmtree(campaign.results / "tables")
+    campaign.finished(campaign.run(limit=campaign.random.choice((100, 1000, 5000, 30000))))
+    campaign.count("full disk")
+
+
+def two_runs(campaign: Campaign) -> None:
+    """A second run in a folder where one is at work: it says so, and touches nothing."""
+    shutil.rmtree(campaign.results / "tables")
+    first = campaign.run()
+    time.sleep(campaign.random.uniform(0.1, 3.0))
+    told = campaign.finished(campaign.run())
+    whole = campaign.finished(first)
+    refused = ["another run is at work here" in each for each in (told, whole)]
+    if sum(refused) != 1:
+        raise LostError(f"two runs in one folder: {told}")
+    campaign.count("two runs")
+
+
+def killed(campaign: Campaign) -> None:
+    """A process of a run that is killed, at any moment: the whole run, or a job, or an engine."""
+    shutil.rmtree(campaign.results / "cases")
+    shutil.rmtree(campaign.results / "tables")
+    for _ in range(4):
+        process = campaign.run()
+        time.sleep(campaign.random.uniform(0.2, 8.0))
+        if process.poll() is None:
+            family = descendants(process.pid)
+            with suppress(ProcessLookupError):
+                os.kill(campaign.random.choice([process.pid, *family, *family]), signal.SIGKILL)
+                campaign.count("killed")
+        campaign.finished(process)
+
+
+def read_only(campaign: Campaign) -> None:
+    """Results that whoever runs the study may not write: one line says so, all stays as it is."""
+    before = {path: path.read_bytes() for path in campaign.files()}
+    (campaign.results / "tables/cases.csv").unlink()
+    with not_writable(campaign.results):
+        process = campaign.run(prefix=AS_ANYBODY if os.getuid() == 0 else ())
+        told = campaign.finished(process).splitlines()
+    wrong = [path for path in before if path.name != "cases.csv" and not path.exists()]
+    if wrong or not process.returncode or len(told) > 2 or "cannot be written" not in told[-1]:
+        raise LostError(f"read-only results: code {process.returncode}, {wrong}, {told}")
+    campaign.count("read-only folder")
+
+
+@contextmanager
+def not_writable(folder: Path) -> Iterator[None]:
+    """A folder that may be read only."""
+    modes = {path: path.stat().st_mode for path in [folder, *folder.rglob("*")]}
+    try:
+        for path, mode in modes.items():
+            path.chmod(mode & ~0o222)
+        yield
+    finally:
+        for path, mode in modes.items():
+            path.chmod(mode)
+
+
+def bad_engine(campaign: Campaign) -> None:
+    """An engine that hangs, lies, diverges or crashes: its cases have no result, and are named."""
+    kind = campaign.random.choice(sorted(BAD_ENGINES))
+    program = campaign.folder / "engine"
+    program.write_text(BAD_ENGINES[kind])
+    program.chmod(0o755)
+    shutil.rmtree(campaign.results / "cases" / "yade")
+    told = campaign.finished(campaign.run(YADE_PYTHON=str(program)))
+    if "No result" not in told and "WITHOUT A RESULT" not in told:
+        raise LostError(f"an engine that {kind} was believed: {told[-2000:]}")
+    campaign.count("bad engine", 2)  # its cases
+
+
+FAULTS: tuple[Callable[[Campaign], None], ...] = (
+    *(deleted, truncated, garbled, foreign, stale, clock),
+    *(blocked, full_disk, read_only, two_runs, killed, bad_engine),
+)
+
+
+# --- what may be left ----------------------------------------------------------------------------
+def descendants(pid: int) -> list[int]:
+    """Processes that a process has started, and those that they have."""
+    children: dict[int, list[int]] = {}
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(path.read_text().rpartition(")")[2].split()[1])
+        except (OSError, ValueError, IndexError):
+            continue
+        children.setdefault(parent, []).append(int(path.parent.name))
+    found, waiting = [], [pid]
+    while waiting:
+        own = children.get(waiting.pop(), [])
+        found += own
+        waiting += own
+    return found
+
+
+def processes_in(folder: Path) -> list[str]:
+    """Commands of the processes that name ``folder``, or work in it."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*"):
+        try:
+            command = (path / "cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace")
+            place = str((path / "cwd").readlink())
+        except OSError:
+            continue
+        if path.name != str(os.getpid()) and (str(folder) in command or str(folder) in place):
+            found.append(command)
+    return found
+
+
+def engines_files() -> set[str]:
+    """What engines keep in the folder for temporary files."""
+    names = (path.name for path in Path("/tmp").iterdir())
+    return {name for name in names if name.startswith(("yade-", "ompi.", "openmpi-"))}
+
+
+def listening() -> set[str]:
+    """Ports of this machine on which somebody listens."""
+    found = set()
+    for name in ("tcp", "tcp6"):
+        for line in Path("/proc/net", name).read_text().splitlines()[1:]:
+            parts = line.split()
+            if parts[3] == LISTENING:
+                found.add(parts[1])
+    return found
+
+
+# --- the campaign --------------------------------------------------------------------------------
+@contextmanager
+def begun(seed: int) -> Iterator[Campaign]:
+    """A campaign in a folder of its own, whose study was run undisturbed."""
+    with tempfile.TemporaryDirectory(prefix="multilock-faults-") as name:
+        campaign = Campaign(Path(name), random.Random(seed))
+        process = campaign.run()
+        told = campaign.finished(process)
+        if process.returncode:
+            raise LostError(f"the study does not run undisturbed: {told[-2000:]}")
+        yield campaign
+
+
+def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
+    """Put one round of a fault in, run the study again, and hold it against the undisturbed one.
+
+    Raises `LostError`.
+    """
+    expected, ports = campaign.tables(), listening()
+    what = f"{fault.__name__}, round after {sum(campaign.counts.values())} faults"
+    fault(campaign)
+    kept = engines_files()
+    process = campaign.run()
+    told = campaign.finished(process)
+    if process.returncode:
+        raise LostError(f"{what}: the next run did not end well: {told[:3000]}")
+    tables = campaign.tables()
+    for name in sorted(expected.keys() | tables.keys()):
+        if expected.get(name) != tables.get(name):
+            raise LostError(f"{what}: {name} is another")
+    time.sleep(0.1)
+    if left := processes_in(campaign.folder):
+        raise LostError(f"{what}: processes are left: {left}")
+    if more := listening() - ports:
+        raise LostError(f"{what}: somebody listens on {more}")
+    if more := engines_files() - kept:
+        time.sleep(1.0)  # those of other engines on this machine go
+        more &= engines_files()
+    if more:
+        raise LostError(f"{what}: files are left: {more}")
+
+
+def main() -> None:
+    """Run as many faults as asked for, one kind after the other, and write their counts."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--faults", type=int, default=500)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--table", type=Path, default=ROOT / "build/faults.csv")
+    arguments = parser.parse_args()
+    with begun(arguments.seed) as campaign:
+        number = 0
+        while sum(campaign.counts.values()) < arguments.faults:
+            held(campaign, FAULTS[number % len(FAULTS)])
+            number += 1
+            print(f"{sum(campaign.counts.values())} faults: {campaign.counts}", flush=True)
+    write_counts(arguments.table, ("kind", "faults"), sorted(campaign.counts.items()))
+    print(f"Nothing was lost. Table: {arguments.table}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,275 @@
+"""Whatever comes in: a valid study, record or answer, or one line that says what is wrong with it.
+
+    make fuzz FUZZ=100000
+
+Configurations, names of cases, files that engines and 3DEC return and words of the command are made
+from valid ones, by changes at random. Whoever reads them may refuse them with an error of its own,
+of few lines; nothing else. What was tried is counted by kind in build/fuzz.csv.
+"""
+
+import argparse
+import json
+import math
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import chdir, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import yaml
+from campaigns.counts import write_counts
+from click.testing import CliRunner
+from test_decks import returned
+from test_record import case_of, write_engine_files
+
+from sidmacib.command.main import main as command
+from sidmacib.loading import lateral_load
+from sidmacib.mechanics.assembly import Assembly
+from workflow.case import Case
+from workflow.cases import case_count, cases_of, find_case
+from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.results.files import HISTORY, NODES, RESULT, read_outcome
+from workflow.results.record import CaseRecord, ResultError, record_of
+from workflow.threedec import read_returned
+
+ROOT = Path(__file__).parents[2]
+PUBLISHED: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())
+SMALL = """samples: {n3: {locks: 3}, wide: {locks: 5, a: 0.09, dry: {friction: 0.1}}}
+geometry: {a: 0.06, h: 0.01}
+materials: {density: 1400, inner: {cohesion: 8.0e+4, tensile_strength: 3.7e+5}}
+meshes: [0.02, 0.01]
+eccentricities: [0, 0.5, torsion]
+models: [static, limit]
+assembly: {hold_down: {force: 100}, push: "-y"}
+dem: {engines: [yade], time_limit: 60, numerics: {tolerance: 0.002, guided: false}}
+variants: {slow: {numerics: {ramp_periods: 80}, meshes: [0.02]}}
+"""
+FEW = 200  # cases, of a study that is built out
+MOST_LINES, MOST_LETTERS = 21, 500
+VALUES: tuple[Any, ...] = (
+    *(None, True, False, 0, -1, 3, 10**400, 1e308, 5e-324, math.inf, -math.inf, math.nan, 0.02),
+    *(
+        "",
+        " ",
+        "torsion",
+        "static",
+        "yade",
+        "0.02",
+        "1e-2",
+        "../x",
+        "n3",
+        "é\u202e",
+        "\0",
+        "x" * 900,
+    ),
+    *([], {}, [[]], [None], {"a": {}}, [0.02, 0.02], {"": 1}, {"force": -1}),
+)
+AMOUNTS = (
+    "0",
+    "-1",
+    "0.06",
+    "3",
+    "1e-300",
+    "1e308",
+    "nan",
+    "torsion",
+    "weight",
+    "force:0",
+    "static",
+)
+LETTERS = "0123456789.e+-:,[]{}&*!#|>%@\"' \n\tnaif\0é\u202e"
+
+
+class BrokenError(AssertionError):
+    """Something else came out than an answer or one line; the message says what, after what."""
+
+
+@dataclass
+class Fuzz:
+    """What inputs are made from, and what came of them: accepted and refused, by kind."""
+
+    folder: Path
+    random: random.Random
+    case: Case
+    assembly: Assembly
+    engine_files: dict[str, str]
+    printed: str
+    accepted: Counter[str] = field(default_factory=Counter)
+    refused: Counter[str] = field(default_factory=Counter)
+
+    def holds(self, kind: str, read: Callable[[], object], *errors: type[Exception]) -> None:
+        """Have something read that may be refused by ``errors``; `BrokenError` for any other."""
+        try:
+            read()
+        except errors as error:
+            told = str(error).splitlines()
+            if not told or len(told) > MOST_LINES or max(map(len, told)) > MOST_LETTERS:
+                raise BrokenError(f"{kind}: refused in {len(told)} lines: {error!r}") from error
+            self.refused[kind] += 1
+        except BaseException as error:
+            raise BrokenError(f"{kind}: {error!r}") from error
+        else:
+            self.accepted[kind] += 1
+
+    # --- changes at random -----------------------------------------------------------------------
+    def cut(self, text: str) -> str:
+        """``text`` with some letters changed, left out, doubled or moved."""
+        for _ in range(self.random.choice((1, 1, 1, 2, 5))):
+            start = self.random.randrange(len(text) + 1)
+            end = min(len(text), start + self.random.choice((0, 1, 1, 2, 5, 40)))
+            put = "".join(self.random.choices(LETTERS, k=self.random.choice((0, 1, 1, 3))))
+            put = self.random.choice((put, put, text[start:end] * 2))
+            text = text[:start] + put + text[end:]
+        return text
+
+    def changed(self, tree: Any) -> Any:
+        """A copy of ``tree`` in which one key or value, somewhere, is another."""
+        if isinstance(tree, dict) and tree and self.random.random() < 0.9:
+            key = self.random.choice(list(tree))
+            rest = {name: value for name, value in tree.items() if name != key}
+            how = self.random.random()
+            if how < 0.1:
+                return rest
+            if how < 0.2:
+                return rest | {self.random.choice((self.cut(str(key)), 7, "")): tree[key]}
+            return tree | {key: self.changed(tree[key])}
+        if isinstance(tree, list) and tree and self.random.random() < 0.7:
+            place = self.random.randrange(len(tree))
+            return [*tree[:place], self.changed(tree[place]), *tree[place + 1 :]]
+        if isinstance(tree, float):
+            scale = 10.0 ** self.random.uniform(-12, 12)
+            return self.random.choice((tree * scale, -tree, *VALUES))
+        return self.random.choice(VALUES)
+
+
+# --- what is read --------------------------------------------------------------------------------
+def tree(fuzz: Fuzz) -> None:
+    """A configuration as keys and values."""
+    config = fuzz.random.choice((PUBLISHED, yaml.safe_load(SMALL)))
+    for _ in range(fuzz.random.choice((1, 1, 2, 4))):
+        changed = fuzz.changed(config)
+        config = changed if isinstance(changed, dict) else config
+    fuzz.holds("configuration, values", lambda: _built(config), ConfigError)
+
+
+def text(fuzz: Fuzz) -> None:
+    """A configuration as text."""
+    path = fuzz.folder / "study.yaml"
+    path.write_bytes(fuzz.cut(SMALL).encode("utf-8", "surrogateescape"))
+    fuzz.holds("configuration, text", lambda: read_study_file(path), ConfigError)
+
+
+def _built(config: dict[str, Any]) -> None:
+    study = read_study(config)
+    if case_count(study) <= FEW:
+        cases_of(study)
+
+
+def name(fuzz: Fuzz) -> None:
+    """The name of a case, and of a model."""
+    case = fuzz.cut("n3-mesh0.02-e0.5a")
+    model = fuzz.random.choice((None, "static", "yade", fuzz.cut("static")))
+    fuzz.holds("case", lambda: find_case(_SMALL_STUDY, case, model), ConfigError)
+
+
+def engine(fuzz: Fuzz) -> None:
+    """What an engine has left."""
+    for file, whole in fuzz.engine_files.items():
+        (fuzz.folder / file).write_text(whole)
+    file = fuzz.random.choice((HISTORY, NODES, RESULT))
+    whole = fuzz.engine_files[file]
+    told = json.dumps(fuzz.changed(json.loads(whole))) if file == RESULT else whole
+    told = fuzz.random.choice((fuzz.cut(whole), told))
+    (fuzz.folder / file).write_text(told, encoding="utf-8", errors="surrogateescape")
+    fuzz.holds("engine", lambda: _recorded(fuzz), ResultError)
+
+
+def _recorded(fuzz: Fuzz) -> None:
+    loads = lateral_load(fuzz.case.joint, fuzz.assembly, fuzz.case.loading)
+    found = read_outcome(fuzz.folder, fuzz.assembly)
+    _read_again(record_of(fuzz.case, fuzz.assembly, loads, found, {}))
+
+
+def _read_again(record: CaseRecord) -> None:
+    """A record that is believed is written, and read as it was."""
+    if CaseRecord.from_json(record.to_json()) != record:
+        raise AssertionError("the record is not read as it was written")
+
+
+def threedec(fuzz: Fuzz) -> None:
+    """What 3DEC has printed."""
+    told = fuzz.cut(fuzz.printed)
+
+    def read() -> None:
+        assembly, found = read_returned(told, fuzz.case)
+        loads = lateral_load(fuzz.case.joint, assembly, fuzz.case.loading)
+        _read_again(record_of(fuzz.case, assembly, loads, found, {}))
+
+    fuzz.holds("3DEC", read, ResultError)
+
+
+def words(fuzz: Fuzz) -> None:
+    """Words of the command."""
+    given = fuzz.random.choice((["law", "-n", "5"], ["capacity", "-n", "3", "-m", "law"]))
+    for _ in range(fuzz.random.choice((1, 1, 2, 3))):
+        (flag, *_) = fuzz.random.choice(command.commands[given[0]].params).opts
+        given += [flag, fuzz.random.choice(AMOUNTS)]
+    place = fuzz.random.randrange(2 * len(given))  # half of them stay as they are
+    given = [fuzz.cut(word) if number == place else word for number, word in enumerate(given)]
+    given = [word.replace("\0", "") for word in given]  # which no shell can hand on
+    with chdir(fuzz.folder):
+        found = CliRunner().invoke(command, given)
+    if found.exception and not isinstance(found.exception, SystemExit):
+        raise BrokenError(f"command: {given}: {found.exception!r}")
+    (fuzz.refused if found.exit_code else fuzz.accepted)["command"] += 1
+
+
+KINDS: tuple[tuple[Callable[[Fuzz], None], int], ...] = (
+    *((tree, 40), (text, 25), (name, 20), (engine, 10), (threedec, 3), (words, 2)),
+)
+_SMALL_STUDY = read_study(yaml.safe_load(SMALL))
+
+
+@contextmanager
+def begun(seed: int) -> Iterator[Fuzz]:
+    """What inputs are made from, in a folder of its own."""
+    with tempfile.TemporaryDirectory(prefix="multilock-fuzz-") as place:
+        folder, case = Path(place), case_of(0.5)
+        assembly = write_engine_files(folder, case)
+        files = {file: (folder / file).read_text() for file in (HISTORY, NODES, RESULT)}
+        printed = returned(case, json.loads(files[RESULT])["peak_load_N"])
+        yield Fuzz(folder, random.Random(seed), case, assembly, files, printed)
+
+
+def tried(fuzz: Fuzz, number: int) -> None:
+    """Try about ``number`` inputs of all kinds; raises `BrokenError`."""
+    whole = sum(share for _, share in KINDS)
+    for kind, share in KINDS:
+        for _ in range(math.ceil(number * share / whole)):
+            kind(fuzz)
+
+
+def main() -> None:
+    """Try as many as asked for, and write their counts."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--inputs", type=int, default=100_000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--table", type=Path, default=ROOT / "build/fuzz.csv")
+    arguments = parser.parse_args()
+    with begun(arguments.seed) as fuzz:
+        for part in range(100):
+            tried(fuzz, math.ceil(arguments.inputs / 100))
+            print(f"{part + 1} %", end="\r", flush=True)
+    rows = [
+        (kind, fuzz.accepted[kind], fuzz.refused[kind])
+        for kind in sorted(fuzz.accepted | fuzz.refused)
+    ]
+    write_counts(arguments.table, ("kind", "accepted", "refused"), rows)
+    print(f"\nAn answer or a clear no, every time. Table: {arguments.table}")
+
+
+if __name__ == "__main__":
+    main()

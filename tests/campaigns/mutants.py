@@ -1,0 +1,123 @@
+"""Would the tests notice? Faults are put into the code, one by one, and the everyday tests run.
+
+    make mutants MUTANTS=200
+
+Cosmic Ray makes the faults: in the library and the readers of results, at places chosen at random,
+one kind at a place. The tests that import a module come first, then the others. The score is the
+share that is noticed; build/mutants.csv has every fault.
+"""
+
+import argparse
+import csv
+import random
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from cosmic_ray.commands.init import init
+from cosmic_ray.mutating import mutate_and_test
+from cosmic_ray.work_db import WorkDB, use_db
+from cosmic_ray.work_item import MutationSpec, TestOutcome
+
+ROOT = Path(__file__).parents[2]
+READERS = ("workflow/results/files.py", "workflow/results/record.py", "workflow/threedec.py")
+EVERYDAY = "not engine and not study and not machine"
+TYPES = "BitOr"  # float | None: no tests are for those
+LONGEST = 400.0  # s, of all tests with one fault
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A fault: its file, line and kind, whether it was noticed, and the change as a diff."""
+
+    module: str
+    line: int
+    kind: str
+    noticed: bool
+    diff: str
+
+
+def places(folder: Path, modules: Iterable[Path]) -> list[list[MutationSpec]]:
+    """All faults that can be made, by place and kind."""
+    found: dict[tuple[str, tuple[int, int], str], list[MutationSpec]] = {}
+    with use_db(str(folder / "session.sqlite"), WorkDB.Mode.create) as database:
+        init(modules, database, {})
+        for item in database.work_items:
+            (fault,) = item.mutations
+            if TYPES not in fault.operator_name:
+                kind = fault.operator_name.partition("_")[0]
+                place = (str(fault.module_path), fault.start_pos, kind)
+                found.setdefault(place, []).append(fault)
+    return [found[place] for place in sorted(found)]
+
+
+def importers(checkout: Path, module: str) -> list[str]:
+    """Test files that import a module by its name, below the checkout."""
+    name = re.escape(module.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
+    told = re.compile(rf"^\s*(from|import) {name}\b", re.MULTILINE)
+    files = sorted((checkout / "tests").glob("test_*.py"))
+    return [f"tests/{path.name}" for path in files if told.search(path.read_text())]
+
+
+def command(checkout: Path, module: str | None = None) -> str:
+    """The tests, in a shell: those that import the module, then all."""
+    pytest = f"{shlex.quote(sys.executable)} -m pytest -x -q -p no:cacheprovider"
+    pytest += f" -m {shlex.quote(EVERYDAY)}"
+    first = " ".join(importers(checkout, module)) if module else ""
+    told = f"{pytest} {first} && {pytest}" if first else pytest
+    place = shlex.quote(str(checkout))
+    return f"cd {place} && PYTHONPATH={place} OPENBLAS_NUM_THREADS=1 sh -c {shlex.quote(told)}"
+
+
+def tried(checkout: Path, faults: Iterable[MutationSpec]) -> Iterator[Mutant]:
+    """Each fault with what the tests say of it."""
+    for fault in faults:
+        module = str(Path(fault.module_path).relative_to(checkout))
+        run = f"sh -c {shlex.quote(command(checkout, module))}"
+        found = mutate_and_test([fault], run, LONGEST)
+        if found.test_outcome is None:
+            continue
+        noticed = found.test_outcome is not TestOutcome.SURVIVED
+        kind = fault.operator_name.removeprefix("core/")
+        yield Mutant(module, fault.start_pos[0], kind, noticed, found.diff or "")
+
+
+def main() -> None:
+    """Try as many as asked for, in a copy of the checkout as it was committed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--mutants", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--table", type=Path, default=ROOT / "build/mutants.csv")
+    arguments = parser.parse_args()
+    arguments.table.parent.mkdir(parents=True, exist_ok=True)
+    counts = [0, 0]
+    with tempfile.TemporaryDirectory(prefix="multilock-mutants-") as name:
+        checkout = Path(name, "checkout")
+        subprocess.run(["git", "clone", "--quiet", str(ROOT), str(checkout)], check=True)
+        modules = [*sorted((checkout / "sidmacib").rglob("*.py")), *(checkout / r for r in READERS)]
+        chosen = random.Random(arguments.seed)
+        if subprocess.run(command(checkout), shell=True, check=False).returncode:
+            raise SystemExit("The tests fail before any fault is put in.")
+        every = places(Path(name), modules)
+        some = chosen.sample(every, min(arguments.mutants, len(every)))
+        with arguments.table.open("w", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(Mutant.__dataclass_fields__)
+            for mutant in tried(checkout, (chosen.choice(kinds) for kinds in some)):
+                counts[mutant.noticed] += 1
+                told = "noticed" if mutant.noticed else "SURVIVED"
+                print(f"{mutant.module}:{mutant.line} {mutant.kind}: {told}", flush=True)
+                row = (mutant.module, mutant.line, mutant.kind, mutant.noticed, mutant.diff)
+                writer.writerow(row)
+                stream.flush()
+    score = counts[True] / max(1, sum(counts))
+    print(f"{counts[True]} of {sum(counts)} noticed, score {score:.2f}. Table: {arguments.table}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,291 @@
+"""Samplings, and the campaign of locks: tables of what the law is worth on them."""
+
+import json
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import ROOT
+
+from analysis.samplings import samplings_table
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.contact_points.reductions import active
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Push
+from sidmacib.mechanics.assembly import Failure
+from studies.locks import law
+from studies.locks.bonds import bonds_table
+from studies.locks.errors import law_table, rules_table, unit_loads
+from studies.locks.figures import DRAWN
+from studies.locks.freedoms import freedoms_table, minimax
+from studies.locks.interaction import curve, interaction_table
+from studies.locks.paper_joint import assumed_sizes_table, characteristic_table
+from studies.locks.points import points_of
+from studies.locks.sensitivity import PARAMETERS, sensitivity_table
+from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.sampling import SampledJoint, sampled_joints
+from workflow.schema.sampling import SamplingSection
+from workflow.snakefile import plan_of
+from workflow.steps import sampling as solve_step
+
+RATIOS = [0.0, 0.3, math.inf]
+
+
+def joints_of(count: int, **others: Any) -> list[SampledJoint]:
+    section = SamplingSection(joints=count, **others)
+    return list(sampled_joints(section.sampling(), Joint(3), 0, count))
+
+
+def test_any_part_of_a_sampling_can_be_made_alone() -> None:
+    sampling = SamplingSection(joints=100).sampling()
+    assert list(sampled_joints(sampling, Joint(3), 37, 45)) == joints_of(100)[37:45]
+
+
+def test_another_seed_gives_other_joints() -> None:
+    assert joints_of(4, seed=1)[2].joint != joints_of(4, seed=2)[2].joint
+
+
+def test_joints_lie_within_the_spans_and_fill_them() -> None:
+    section = SamplingSection(joints=512)
+    joints = [one.joint for one in joints_of(512)]
+    for values, (low, high) in (
+        ([j.a / j.b for j in joints], section.a_over_b),
+        ([j.h / j.b for j in joints], section.h_over_b),
+        ([j.H / j.b for j in joints], section.H_over_b),
+        ([j.inner.shear_stiffness / 1e10 for j in joints], section.shear_over_normal),
+        ([j.dry.normal_stiffness / 1e10 for j in joints], section.dry_over_inner),
+    ):
+        place = np.log(np.array(values) / low) / np.log(high / low)
+        assert place.min() >= -1e-12
+        assert place.max() <= 1.0 + 1e-12
+        assert np.histogram(place, bins=8, range=(0, 1))[0].tolist() == [64] * 8
+    assert {j.locks for j in joints} == set(range(2, 32))
+    smooth = sum(j.dry.friction == 0.0 for j in joints)
+    assert smooth == pytest.approx(512 * section.smooth, abs=2)
+    assert max(j.dry.friction for j in joints) <= 0.8
+
+
+def test_even_joints_are_pushed_both_ways_and_odd_ones_one() -> None:
+    pushes = {(one.joint.locks % 2, one.push) for one in joints_of(256)}
+    assert pushes == {(0, Push.PLUS_Y), (0, Push.MINUS_Y), (1, Push.PLUS_Y)}
+
+
+def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
+    elastic = joints_of(16, stiffness_ratio=[1, 1000])
+    ratios = [one.joint.elastic.young / (1e10 * 0.05) for one in elastic if one.joint.elastic]
+    assert len(ratios) == 16
+    assert 1.0 <= min(ratios) < 3.0
+    assert 300.0 < max(ratios) <= 1000.0
+    (fades, *_) = joints_of(1, failure="softening")
+    assert fades.joint.failure is Failure.SOFTENING
+    assert fades.joint.inner.fracture_energy > 0.0
+
+
+@pytest.mark.parametrize(
+    ("section", "words"),
+    [
+        ({"joints": 0}, "joints: 0 is not allowed"),
+        ({"joints": 4, "locks": [1, 5]}, "locks: 1 is not allowed"),
+        ({"joints": 4, "a_over_b": [2, 1]}, "the first must not be more"),
+        ({"joints": 4, "a_over_b": 2}, "a list of the least and the largest value"),
+    ],
+)
+def test_faults_in_a_sampling_are_named(section: dict[str, Any], words: str) -> None:
+    content = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": section}}
+    with pytest.raises(ConfigError, match=words):
+        read_study(content)
+
+
+@pytest.fixture(scope="module")
+def points(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    """Twelve joints in three directions, solved by both steps as a study does."""
+    folder = tmp_path_factory.mktemp("sampling")
+    section = SamplingSection(joints=16, seed=11, locks=(3, 9), pressed=0.0)
+    arguments = {
+        **{"name": "made_up", "sampling": asdict(section.sampling()), "base": asdict(Joint(3))},
+        **{"start": 0, "stop": 12, "eccentricities": RATIOS, "cells": (1, 2), "limited": 6},
+    }
+    batches = []
+    for step in (solve_step, law):
+        step.run(json.loads(json.dumps(arguments)), {}, {"joints": folder / "batch.parquet"})
+        batches.append(pd.read_parquet(folder / "batch.parquet"))
+    return points_of(samplings_table(batches[:1]), batches[1:])
+
+
+def test_every_joint_has_a_row_for_each_direction(points: pd.DataFrame) -> None:
+    assert len(points) == 12 * len(RATIOS)
+    assert points["error"].isna().all()
+    assert points["limit"].notna().sum() == 2 * len(RATIOS)
+    assert (points["peak"] >= points["first_failure"] * (1 - 1e-9)).all()
+    assert points["first_failure_mesh_error"].abs().max() < 0.1
+    pure = points[points["eccentricity_over_a"] == 0.0]
+    assert (pure["closed_form"] <= pure["pairs"] * (1 + 1e-9)).all()
+
+
+def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
+    points: pd.DataFrame,
+) -> None:
+    table = law_table(points).set_index(["quantity", "held"])
+    whole = table[table["eccentricity_over_a"] == "all"]
+    law = whole.loc[("law / first failure", "all")]
+    # Two joints have dry faces too stiff for their roots, which the rule refuses.
+    assert law["points"] == points["law"].notna().sum() == len(points) - 2 * len(RATIOS)
+    assert law["mean_absolute_error"] < 0.02
+    assert max(law["largest_error"], -law["least_error"]) < 0.06
+    safe = whole.loc[("safe / peak", "all")]
+    assert safe["largest_error"] < 0.0
+    assert safe["mean_error"] > -0.12
+
+
+def test_limit_analysis_is_above_the_brittle_peak_of_smooth_joints(points: pd.DataFrame) -> None:
+    own = points[points["limit"].notna() & points["friction"].eq(0.0)]
+    assert (own["limit"] >= own["peak"] * (1 - 1e-6)).all()
+
+
+@pytest.mark.parametrize("option", list(OPTIONS))
+def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) -> None:
+    joint = Joint(9)
+    model = Sidmacib(joint, OPTIONS[option], active(joint, 4), friction=False)
+    loads = unit_loads(OPTIONS[option], RATIOS)
+    for ratio, load in zip(RATIOS, loads, strict=True):
+        expected = capacity(model, Direction(ratio)).load
+        assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)
+
+
+def test_rules_are_told_for_each_body_and_number_of_locks(points: pd.DataFrame) -> None:
+    table = rules_table(points)
+    assert set(table["rule"]) == {"none", "half", "floor_of_sum", "lower_sum"}
+    every = table[table["rule"] == "none"]
+    assert (every["unsafe_share"] > 0.9).all()
+
+
+def test_the_number_of_locks_that_fits_best_makes_both_ends_of_the_misfit_alike() -> None:
+    loads, peaks = np.array([1.0, 0.5, 0.25]), np.array([[2.0, 0.8, 0.6], [4.0, 2.0, 1.0]])
+    locks, misfit = minimax(loads, peaks)
+    errors = locks[:, None] * loads / peaks - 1.0
+    assert errors.max(axis=1) == pytest.approx(misfit)
+    assert errors.min(axis=1) == pytest.approx(-misfit)
+    assert locks[1] == pytest.approx(4.0)
+    assert misfit[1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
+    table = freedoms_table(points)
+    misfit = table.pivot_table(
+        index=["upper_body", "locks"], columns="freedom", values="mean_misfit"
+    )
+    assert (misfit["own three points"] <= misfit["own pair"] + 1e-12).all()
+    assert (misfit["own pair"] <= misfit["one pair for all"] + 1e-12).all()
+    assert (misfit["own pair"] <= misfit["option4"] + 0.02).all()  # positions are a grid
+    assert (misfit["option4"] <= misfit["half with option4"] + 1e-12).all()
+
+
+def test_shares_of_strength_among_locks_are_no_freedom_without_friction() -> None:
+    joint, option = Joint(5), OPTIONS["option4"]
+    shared, even = (1.0, 0.2, 0.6, 0.2, 0.5), (0.5,) * 5
+    for ratio in RATIOS:
+        loads = [
+            capacity(Sidmacib(joint, option, weights, friction=False), Direction(ratio)).load
+            for weights in (shared, even)
+        ]
+        assert loads[0] == pytest.approx(loads[1], rel=1e-6)
+
+
+def test_a_curve_between_both_ends_goes_through_them() -> None:
+    for exponent in (1.0, 2.0):
+        assert curve(2.0, 0.5, 1e-9, exponent) == pytest.approx(2.0, rel=1e-6)
+        assert curve(2.0, 0.5, 1e9, exponent) == pytest.approx(0.5, rel=1e-6)
+    load = curve(2.0, 0.5, 1.0, 1.0)
+    assert load / math.sqrt(2) * (1 / 2.0 + 1 / 0.5) == pytest.approx(1.0)
+    with pytest.raises(ValueError, match="more than 0 and finite"):
+        curve(2.0, 0.5, math.inf, 1.0)
+
+
+def test_curves_are_held_against_what_lies_between_the_ends(points: pd.DataFrame) -> None:
+    table = interaction_table(points)
+    whole = table[table["eccentricity_over_a"] == "all"]
+    between = len(RATIOS) - 2
+    assert whole[whole["exponent"] == 1.0]["points"].sum() == 12 * between
+    assert (whole.groupby("exponent")["mean_error"].mean().diff().dropna() > 0.0).all()
+
+
+def test_brittle_bonds_add_little_in_pure_shear(points: pd.DataFrame) -> None:
+    table = bonds_table(points).set_index("eccentricity_over_a")
+    assert set(table["bonds"]) == {"brittle"}
+    assert table.loc[0.0, "mean_peak_over_first_failure"].max() < 1.05
+    assert (table["mean_peak_over_first_failure"] >= 1.0 - 1e-9).all()
+
+
+def test_joints_without_a_pair_that_bears_are_left_out(points: pd.DataFrame) -> None:
+    lame = points.assign(pairs=0)
+    both = pd.concat([points, lame], ignore_index=True)
+    assert bonds_table(both).equals(bonds_table(points))
+
+
+def test_scatter_costs_more_the_more_there_is() -> None:
+    table = characteristic_table(Joint(3))
+    left = table.pivot_table(
+        index=["locks", "upper_body", "eccentricity_over_a"],
+        columns="variation",
+        values="characteristic_over_law",
+    )
+    assert (left.diff(axis=1).iloc[:, 1:] < 0.0).all(axis=None)
+    assert left.max(axis=None) < 1.0
+
+
+def test_sizes_that_the_paper_does_not_print_leave_three_locks_one_that_works() -> None:
+    table = assumed_sizes_table(Joint(3)).set_index(["locks", "friction"])
+    assert table.loc[(3, 0.005), "least_working"] == pytest.approx(1.0, abs=0.01)
+    assert table.loc[(3, 0.005), "most_working"] == pytest.approx(1.0, abs=0.01)
+    assert (table["least_working"] <= table["working_at_assumed_sizes"]).all()
+    assert (table["working_at_assumed_sizes"] <= table["most_working"]).all()
+    assert table.loc[15, "most_working"].max() < 7.0
+
+
+def test_figures_are_drawn(points: pd.DataFrame) -> None:
+    for draw in DRAWN.values():
+        assert draw(points).axes
+
+
+def test_the_study_of_the_law_is_planned_in_batches() -> None:
+    study = read_study_file(ROOT / "studies/locks/config.yaml")
+    jobs = plan_of(study).jobs
+    joints = sum(section.joints for section in study.samplings.values())
+    assert joints == 512 + 64 + 128 + 64
+    for kind in ("sampling", "law"):
+        assert sum(name.startswith(f"{kind}/") for name in jobs) == joints // 64
+    assert "tables/law.csv" in jobs["errors"].written
+
+
+def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only() -> None:
+    samplings = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": {"joints": 65}}}
+    jobs = plan_of(read_study(samplings)).made
+    assert [name for name in jobs if name.startswith("sampling")] == [
+        *("sampling/one-0000", "sampling/one-0001", "samplings")
+    ]
+    assert jobs["samplings"].written == ("tables/samplings.csv",)
+    assert not {"errors", "points", "law/one-0000"} & jobs.keys()
+
+
+def test_a_campaign_that_there_is_not_is_refused() -> None:
+    with pytest.raises(ConfigError, match="campaign: 'keys' is not allowed; it must be"):
+        read_study({"samples": {"n3": {"locks": 3}}, "campaign": "keys"})
+
+
+def test_bodies_are_columns_and_one_piece_alike() -> None:
+    bodies = [one.joint.upper_body for one in joints_of(64)]
+    assert bodies.count(UpperBody.COLUMNS) == bodies.count(UpperBody.MONOLITHIC) == 32
+
+
+def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
+    """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
+    section = SamplingSection(joints=4, friction=(0.0, 1e-9))
+    table = sensitivity_table(section.sampling(), Joint(3), draws=8)
+    assert len(table) == 2 * 2 * 2 * len(PARAMETERS)
+    total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
+    assert total.loc[(slice(None), "friction")].abs().max() < 0.05
+    assert total.loc[(0.0, "a_over_b")].abs().max() < 0.05

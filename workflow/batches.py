@@ -1,0 +1,126 @@
+"""The cases of a study by the job that runs them: alone in an engine, in a batch, or elsewhere."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from sidmacib.mechanics.assembly import Failure
+from workflow.case import Case, case_name
+from workflow.cases import cases_of, second_mesh
+from workflow.engines import ENGINES
+from workflow.models import MODELS, WITNESS, Ability, Obtained
+from workflow.needs import solved_needs
+from workflow.schema import Study
+from workflow.threedec import RETURNED, deck_folder, decks
+
+# A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
+BATCH, BATCH_TIME = 512, 120.0  # cases, s
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Cases that one job solves, one after the other."""
+
+    cases: tuple[Case, ...]
+
+
+@dataclass(frozen=True)
+class CaseJobs:
+    """The cases of a study by the job that finds their results.
+
+    ``cases``: by model and name, those of the study itself. ``engines``, ``returned``: by model and
+    name. ``batches``: by model and name of the batch. ``decks``: cases that 3DEC may solve, by
+    name. Beside the study's own cases there are those of the static model that engines are compared
+    with.
+    """
+
+    cases: Mapping[tuple[str, str], Case]
+    engines: Mapping[tuple[str, str], Case]
+    batches: Mapping[tuple[str, str], Batch]
+    returned: Mapping[tuple[str, str], Case]
+    decks: Mapping[str, Case]
+
+    @property
+    def batch_of(self) -> dict[tuple[str, str], str]:
+        """The batch that a case is in, by model and name of the case."""
+        return {
+            (model, case.name): name
+            for (model, name), batch in self.batches.items()
+            for case in batch.cases
+        }
+
+
+def case_jobs(study: Study) -> CaseJobs:
+    """All cases of ``study``; results returned from 3DEC count like those of any other model."""
+    cases = dict(cases_of(study))
+    of_decks = decks(study)
+    cases |= {
+        (case.model, name): case
+        for name, case in of_decks.items()
+        if Path(study.results, deck_folder(name), RETURNED).is_file()
+    }
+    engines: dict[tuple[str, str], Case] = {}
+    returned: dict[tuple[str, str], Case] = {}
+    solved: dict[str, list[Case]] = {}
+    for case in (*cases.values(), *reference_cases(cases.values())):
+        obtained = MODELS[case.model].obtained
+        if obtained is Obtained.ENGINE:
+            engines[case.model, case.name] = case
+        elif obtained is Obtained.SOLVED:
+            solved.setdefault(case.model, []).append(case)
+        elif obtained is Obtained.RETURNED:
+            returned[case.model, case.name] = case
+    in_batches = {
+        (model, name): Batch(tuple(batch))
+        for model, own in solved.items()
+        for name, batch in batches(own).items()
+    }
+    return CaseJobs(cases, engines, in_batches, returned, of_decks)
+
+
+def reference_cases(cases: Iterable[Case]) -> list[Case]:
+    """Cases of the static model that the study lacks, to compare every engine's case with.
+
+    They are on the same nodes, and where an engine has one mesh only at another one too.
+    """
+    cases = list(cases)
+    known = {case.physics() for case in cases if case.model == WITNESS}
+    series: dict[str, dict[float, Case]] = {}
+    able = MODELS[WITNESS].abilities
+    for case in cases:
+        ductile = case.joint.failure is Failure.DUCTILE
+        if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
+            continue
+        reference = replace(case, model=WITNESS, numerics=None)
+        series.setdefault(case.series(), {}).setdefault(case.mesh, reference)
+    for by_mesh in series.values():
+        (case, *_) = by_mesh.values()
+        if other := second_mesh(case.joint, by_mesh, case.nodes):
+            name = case_name(case.sample, other, case.direction.eccentricity, case.variant)
+            by_mesh[other] = replace(case, mesh=other, name=name)
+    every = {case.physics(): case for by_mesh in series.values() for case in by_mesh.values()}
+    return [case for physics, case in every.items() if physics not in known]
+
+
+def batches(cases: list[Case]) -> dict[str, list[Case]]:
+    """Cases in batches, by the first bits of their digests.
+
+    So adding or changing a case moves no other case to another batch, unless there is so much to do
+    that another bit is needed.
+    """
+    bits, time = 0, solved_needs(cases).time
+    while len(cases) > BATCH << bits or time > BATCH_TIME * 2**bits:
+        bits += 1
+    found: dict[str, list[Case]] = {}
+    for case in cases:
+        found.setdefault(_batch_name(case.digest(), bits), []).append(case)
+    return dict(sorted(found.items()))
+
+
+def _batch_name(digest: str, bits: int) -> str:
+    """A name made from the first ``bits`` of a hexadecimal ``digest``."""
+    if bits == 0:
+        return "batch"
+    digits = -(-bits // 4)
+    number = int(digest[:digits], 16) >> (4 * digits - bits)
+    return f"batch-{number:0{digits}x}"

@@ -1,0 +1,98 @@
+# What all rules share: where files are, what a job asks of a cluster, how a step is started.
+import functools
+import os
+import re
+import shlex
+
+from workflow.kills import LAST_TRY, RETRIES, forget, was_killed
+from workflow.lock import LockedError, lock
+from workflow.plan import compared, planned, prepared
+
+CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
+    ".csv": ("Tables", "table.rst"),
+    ".png": ("Figures", "figure.rst"),
+    ".html": ("Report", "report.rst"),
+}
+LOCKS = []  # of the results' folder, for as long as this process lives
+WILDCARDS = {}  # of all jobs of a rule that has some, by the rule's name
+
+
+def below(name):
+    """Path of a result, by its ``name`` below the results' folder."""
+    return f"{RESULTS}/{name}"
+
+
+def shown(name):
+    """Path of a result that Snakemake's own report shows, if it is of a kind that it can show."""
+    if (suffix := Path(name).suffix) not in CAPTIONS:
+        return below(name)
+    category, caption = CAPTIONS[suffix]
+    return report(
+        below(name),
+        category=category,
+        caption=f"{CHECKOUT}/workflow/captions/{caption}",
+        labels={"file": Path(name).name},
+    )
+
+
+def one_of(names):
+    """A wildcard that is one of these ``names``."""
+    return "|".join(map(re.escape, sorted(set(names)))) or "(?!)"
+
+
+@functools.cache
+def plans():
+    """The plan of each job by its name, once a run begins: only then is anything written.
+
+    Jobs on other machines take the plans as they are.
+    """
+    if not workflow.is_main_process:
+        return planned(Path(RESULTS))
+    retry = bool(os.environ.get("RETRY"))
+    if workflow.executor_plugin is None or workflow.dryrun:  # as with --rulegraph or --dry-run
+        return compared(PLAN.jobs.values(), Path(RESULTS), workflow.snakemake_tmp_dir, retry)
+    try:
+        LOCKS.append(lock(Path(RESULTS)))
+    except LockedError as error:
+        sys.exit(str(error))
+    forget(Path(RESULTS))
+    return prepared(PLAN.jobs.values(), Path(RESULTS), retry)
+
+
+def plan(name):
+    """The plan of a job: newer than its results if these must be made again."""
+    return lambda wildcards: str(plans()[name.format(**dict(wildcards.items()))])
+
+
+def asks(name):
+    """What a job asks of a cluster: memory (MB), time (min), a place of its group's `abreast`.
+
+    It asks for more if it was killed before. ``last_try``: whether a job that is killed is not tried
+    again, 1 or 0, as in its environment.
+    """
+
+    def needs(wildcards, attempt):
+        job = name.format(**dict(wildcards.items()))
+        return PLAN.jobs[job].needs, attempt if was_killed(Path(RESULTS), job) else 1
+
+    def mem_mb(wildcards, attempt):
+        asked, tried = needs(wildcards, attempt)
+        return asked.megabytes(tried)
+
+    def runtime(wildcards, attempt):
+        asked, tried = needs(wildcards, attempt)
+        return asked.minutes(tried)
+
+    def last_try(wildcards, attempt):
+        return int(workflow.is_main_process or attempt > RETRIES)
+
+    return {"mem_mb": mem_mb, "runtime": runtime, "last_try": last_try, "abreast": 1}
+
+
+# `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
+# of linear algebra on small matrices only wait for each other.
+PYTHON = f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)}"
+STEP = (
+    f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONUTF8=1 {PYTHON}"
+    " -m workflow.job {input.plan:q} > {log:q} 2>&1"
+)

@@ -1,0 +1,120 @@
+# From the tables to figures, summary and report, and whether every case has a result.
+from analysis.figures.catalogue import drawn_files, figures_of
+from analysis.report.parts import FILES as PAGE_FILES
+from analysis.report.parts import REPORT
+
+FIGURES = figures_of(STUDY, DETAILED)
+STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
+    name: RECORDS[figure.case.model, figure.case.name]
+    for name, figure in FIGURES.items()
+    if figure.case is not None
+}
+
+
+rule figures:
+    input:
+        **STRESSES,
+        plan=plan("figures"),
+        capacity=rules.capacity.output.capacity,
+        validation=rules.validation.output.validation,
+        models=rules.collect.output.models,
+        envelopes=rules.capacity.output.envelopes,
+        variants=rules.variants.output.variants,
+    output:
+        figures=[shown(name) for name in drawn_files(FIGURES)],
+    log:
+        below("logs/figures.log"),
+    group:
+        "tables"
+    resources:
+        **asks("figures"),
+    params:
+        step="analysis.figures.draw",
+        study=lambda wildcards: STUDY.figures_json(),
+        detailed_models=DETAILED,
+        files=PUBLISHED,
+    message:
+        "Draw the figures"
+    shell:
+        STEP
+
+
+rule summary:
+    input:
+        plan=plan("summary"),
+        validation=rules.validation.output.validation,
+        fit=rules.fit.output.fit,
+        best_fit=rules.fit.output.best_fit,
+        capacity=rules.capacity.output.capacity,
+        cases=rules.collect.output.cases,
+    output:
+        summary=below("summary.txt"),
+    log:
+        below("logs/summary.log"),
+    group:
+        "tables"
+    resources:
+        **asks("summary"),
+    params:
+        step="analysis.summary",
+        results=lambda wildcards: STUDY.results,
+        meshes=STUDY.meshes,
+        ductile=[
+            name
+            for name, change in STUDY.every_variant.items()
+            if change.assembly(STUDY.assembly).failure == "ductile"
+        ],
+    message:
+        "Sum up"
+    shell:
+        STEP
+
+
+rule report:
+    input:
+        plan=plan("report"),
+        validation=rules.validation.output.validation,
+        capacity=rules.capacity.output.capacity,
+        weights=rules.collect.output.weights,
+        cases=rules.collect.output.cases,
+        fit=rules.fit.output.fit,
+        best_fit=rules.fit.output.best_fit,
+        variants=rules.variants.output.variants,
+        summary=rules.summary.output.summary,
+    output:
+        page=shown(REPORT),
+    log:
+        below("logs/report.log"),
+    group:
+        "tables"
+    resources:
+        **asks("report"),
+    params:
+        step="analysis.report.page",
+        study=lambda wildcards: STUDY.pieces_json(),
+        files=PAGE_FILES,
+    message:
+        "Write the report"
+    shell:
+        STEP
+
+
+# In no group: a group that fails loses all that it made, and this rule may fail; it says what has no
+# result.
+rule complete:
+    input:
+        plan=plan("complete"),
+        cases=rules.collect.output.cases,
+        summary=rules.summary.output.summary,
+    output:
+        mark=below(".complete"),
+    log:
+        below("logs/complete.log"),
+    resources:
+        **asks("complete"),
+    params:
+        step="analysis.complete",
+    message:
+        "Check that every case has a result"
+    shell:
+        STEP

@@ -1,0 +1,114 @@
+"""Solve a batch of a sampling's joints in all directions, on two meshes, and write their rows."""
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import NodeLayout
+from workflow.case import REFERENCE, Case, case_name
+from workflow.results.record import CaseRecord, ResultError
+from workflow.sampling import SampledJoint
+from workflow.solvers import limit, static
+from workflow.steps.joints import joints_of, write_rows
+from workflow.steps.solve import solved
+
+BELOW = 0.999  # of a side: a mesh must be less than the side
+# Without the spread of the static model's peaks, which would take longer than all else.
+SOLVED = {"static": static.solve_once, "limit": limit.solve}
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the rows of a batch."""
+    asked = (arguments[key] for key in ("eccentricities", "cells", "limited"))
+    rows = solved_rows(joints_of(arguments), *asked)
+    write_rows(arguments["name"], rows, outputs["joints"])
+
+
+def solved_rows(
+    joints: Iterable[SampledJoint],
+    eccentricities: Sequence[float],
+    cells: Sequence[int],
+    limited: int,
+) -> Iterator[dict[str, Any]]:
+    """Parameters and loads over T0 of each joint along each direction e / a.
+
+    ``cells``: numbers of cells along the shorter side of a lock, on two meshes, from which the mesh
+    error is found. Every ``limited``-th joint is solved by limit analysis too, on the coarser mesh.
+    """
+    for one, ratio in product(joints, map(float, eccentricities)):
+        row: dict[str, Any] = {**parameters(one), "eccentricity_over_a": ratio, "error": None}
+        try:
+            coarse, fine = (_record(one, ratio, count, "static") for count in cells)
+            row |= _loads(one.joint, coarse, fine)
+            if one.number % limited == 0:
+                load = _record(one, ratio, cells[0], "limit").load_N
+                row["limit"] = None if load is None else load / one.joint.T0
+        except (CapacityError, ResultError, ValueError) as error:
+            row["error"] = str(error)
+        yield row
+
+
+def parameters(one: SampledJoint) -> dict[str, Any]:
+    """The joint's parameters; ratios as in `workflow.sampling.Sampling`."""
+    joint, inner = one.joint, one.joint.inner
+    stored = inner.cohesion**2 / (2.0 * inner.shear_stiffness)
+    return {
+        "number": one.number,
+        "locks": joint.locks,
+        "push": str(one.push),
+        "upper_body": str(joint.upper_body),
+        "failure": str(joint.failure),
+        "a_over_b": joint.a / joint.b,
+        "h_over_b": joint.h / joint.b,
+        "H_over_b": joint.H / joint.b,
+        "shear_over_normal": inner.shear_stiffness / inner.normal_stiffness,
+        "dry_over_inner": joint.dry.normal_stiffness / inner.normal_stiffness,
+        "friction": joint.dry.friction,
+        "pressure_over_cohesion": joint.hold_down.amount / inner.cohesion,
+        "plate": joint.pressing_force is None,
+        "stiffness_ratio": joint.stiffness_ratio,
+        "energy_ratio": inner.fracture_energy / stored,
+    }
+
+
+def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> CaseRecord:
+    """The checked result of a model, on a mesh of so many cells along the shorter side."""
+    joint, mesh = one.joint, BELOW * one.joint.least_side / cells
+    name = f"d{one.number}"
+    case = Case(
+        name=case_name(name, mesh, ratio),
+        model=model,
+        variant=REFERENCE,
+        sample=name,
+        joint=joint,
+        mesh=mesh,
+        nodes=NodeLayout.LOBATTO,
+        loading=Loading(Direction(ratio), push=one.push),
+        numerics=None,
+    )
+    return solved(case, SOLVED[model])[0]
+
+
+def _loads(joint: Joint, coarse: CaseRecord, fine: CaseRecord) -> dict[str, Any]:
+    """First failure and peak on the finer mesh, over T0, with their mesh errors, and weights."""
+    assert coarse.load_N and fine.load_N and fine.first_failure_load_N is not None
+    assert coarse.first_failure_load_N is not None
+    weights = [asdict(each) for each in fine.weights]
+    return {
+        "first_failure": fine.first_failure_load_N / joint.T0,
+        "peak": fine.load_N / joint.T0,
+        "first_failure_mesh_error": coarse.first_failure_load_N / fine.first_failure_load_N - 1.0,
+        "peak_mesh_error": coarse.load_N / fine.load_N - 1.0,
+        "mode": fine.mode,
+        "unbalanced_share": fine.unbalanced_share,
+        "weight_sum": math.fsum(each["weight"] for each in weights),
+        "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
+    }
