@@ -22,7 +22,8 @@ import pandas as pd
 from analysis.curve_shape import TwoParts
 from analysis.published import Published
 from workflow.configuration import ConfigError
-from workflow.models import MODELS, Ability
+from workflow.model import Ability
+from workflow.models import MODELS
 from workflow.schema import Study
 from workflow.schema.geometry import GeometrySection as Geometry
 

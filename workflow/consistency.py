@@ -10,7 +10,9 @@ from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.mechanics.quadrature import RULES
 from sidmacib.revision import REDUCTIONS
 from workflow.case import REFERENCE
-from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
+from workflow.engines import ENGINES
+from workflow.model import Ability, Need
+from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.geometry import PartSection
@@ -218,8 +220,8 @@ def _meshes(
 
 def _models(study: Study) -> Iterator[str]:
     for key, names, allowed in (
-        ("models", study.models, (*obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW))),
-        ("dem.engines", study.dem.engines, obtained_by(Obtained.ENGINE)),
+        ("models", study.models, (*SOLVED, *LAWS)),
+        ("dem.engines", study.dem.engines, tuple(ENGINES)),
     ):
         for place, name in enumerate(names):
             if name not in allowed:
@@ -232,11 +234,11 @@ def _models(study: Study) -> Iterator[str]:
         for sample in study.samples
         for name in study.models_of(sample)
         # A rule that cannot do a joint says so in its rows of the tables.
-        if name in known and MODELS[name].obtained is not Obtained.LAW
+        if name in known and name not in LAWS
     )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
-        can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
+        can = [n for n in detailed(MODELS) if n in SOLVED]
         yield (
             f"models: {_some(study.models)} is not enough while dem.engines is "
             f"{_some(study.dem.engines) if study.dem.engines else 'empty'}; it must "
@@ -246,7 +248,7 @@ def _models(study: Study) -> Iterator[str]:
 
 def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
     """Engines that are left out, because they are not installed, may be named too."""
-    key, allowed = f"samples.{sample}.models", (*obtained_by(Obtained.ENGINE), *study.models)
+    key, allowed = f"samples.{sample}.models", (*ENGINES, *study.models)
     for place, name in enumerate(own or ()):
         if name not in allowed:
             yield f"{key}: {shown(name)} is not allowed; it must be {' or '.join(allowed)}"
@@ -259,8 +261,8 @@ def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) ->
 
 def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterator[str]:
     """What models run of a sample must be of the study, and one model must run the whole of it."""
-    solved = (name for name in study.models if name in obtained_by(Obtained.SOLVED))
-    known = (*obtained_by(Obtained.ENGINE), *solved)
+    solved = (name for name in study.models if name in SOLVED)
+    known = (*ENGINES, *solved)
     for name, part in only.items():
         key = f"samples.{sample}.only"
         if name not in known:

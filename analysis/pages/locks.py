@@ -6,7 +6,7 @@ from pathlib import Path
 from analysis.designs.errors import ALL
 from analysis.looks import look_of
 from analysis.pages.markdown import body, markdown, percent, size, table_in
-from workflow.models import WITNESS
+from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import (
     ASSUMED_SIZES,
     BONDS,
@@ -210,9 +210,9 @@ def engines(results: Path) -> str:
     )
     rows = []
     for model in ("yade", "liggghts", "law", "safe"):
-        if model not in loads or WITNESS not in loads:
+        if model not in loads or REFERENCE_MODEL not in loads:
             continue
-        error = (loads[model] / loads[WITNESS] - 1.0).dropna()
+        error = (loads[model] / loads[REFERENCE_MODEL] - 1.0).dropna()
         rows.append(
             [
                 look_of(model).name,

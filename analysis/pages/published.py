@@ -11,7 +11,7 @@ from analysis.looks import look_of
 from analysis.pages.markdown import direction, markdown, percent, signed, size, table_in
 from analysis.summary import leading_models
 from sidmacib.joint import Direction
-from workflow.models import WITNESS
+from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
@@ -113,7 +113,7 @@ def peaks(results: Path) -> str:
 def _static(results: Path) -> pd.DataFrame:
     """The static model's peaks at the finest mesh, by e / a, with a column for each sample."""
     cases = table_in(results, CASES)
-    own = cases[cases["model"].eq(WITNESS) & cases["variant"].eq("reference")]
+    own = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq("reference")]
     finest = own[own["mesh_m"].eq(own["mesh_m"].min())]
     return finest.pivot_table(
         index="eccentricity_over_a", columns="sample", values="load_N", sort=False
@@ -149,10 +149,10 @@ def models(results: Path) -> str:
     cases = table_in(results, CASES)
     ratio = cases.drop_duplicates("case").set_index("case")["eccentricity_over_a"]
     table = table.assign(ratio=table["case"].map(ratio))
-    engines = [name for name in table["model"].unique() if name not in (WITNESS, "limit")]
+    engines = [name for name in table["model"].unique() if name not in (REFERENCE_MODEL, "limit")]
     samples = table.loc[table["model"].isin(engines), "sample"].unique()
     finest = table[table["mesh_m"].eq(table["mesh_m"].min()) & table["sample"].isin(samples)]
-    shown = [*engines, WITNESS]
+    shown = [*engines, REFERENCE_MODEL]
     rows = []
     parts = finest[finest["ratio"].isin(SHOWN)].groupby(["locks", "sample", "ratio"])
     for (_, sample, e), part in parts:
