@@ -9,7 +9,7 @@ import pandas as pd
 from analysis.fit import winner
 from analysis.looks import look_of, option_name
 from workflow.case import REFERENCE
-from workflow.models import Obtained, obtained_by
+from workflow.engines import ENGINES
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025
@@ -171,7 +171,7 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
 
 def _engines(cases: pd.DataFrame) -> Iterator[str]:
     """How far the engines are from the static model."""
-    engines = cases[cases["model"].isin(obtained_by(Obtained.ENGINE))]
+    engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
         names = ", ".join(look_of(model).name for model in engines["model"].unique())

@@ -24,7 +24,8 @@ from analysis.curve_shape import TwoParts
 from analysis.published import Published
 from sidmacib.joint import Joint
 from workflow.configuration import ConfigError
-from workflow.models import MODELS, Ability
+from workflow.model import Ability
+from workflow.models import MODELS
 from workflow.schema import Study
 from workflow.schema.joint import GeometrySection as Geometry
 

@@ -15,7 +15,7 @@ from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint import Direction
 from workflow.case import REFERENCE, case_name
-from workflow.models import MODELS, Obtained, detailed
+from workflow.models import LAWS, detailed
 from workflow.results.tables import (
     CAPACITY,
     CASES,
@@ -77,7 +77,7 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
 
     They know no mesh: their rows are the same at each. A joint that they refuse has the reason.
     """
-    chosen = [name for name in study.models if MODELS[name].obtained is Obtained.LAW]
+    chosen = [name for name in study.models if name in LAWS]
     for name, sample, ratio in product(chosen, study.samples, study.eccentricities):
         if name not in study.models_of(sample):
             continue

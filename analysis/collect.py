@@ -11,7 +11,7 @@ import pandas as pd
 
 from analysis.mesh_error import MeshErrors, errors_of
 from workflow.case import REFERENCE
-from workflow.models import WITNESS, first_failure_only
+from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
@@ -45,10 +45,10 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
     """
     witnesses = list(witnesses)
     mesh_errors = errors_of([*witnesses, *records])
-    static = {record.physics: record for record in witnesses if record.model == WITNESS}
+    static = {record.physics: record for record in witnesses if record.model == REFERENCE_MODEL}
     rows = []
     for record in records:
-        other = static.get(record.physics) if record.model != WITNESS else None
+        other = static.get(record.physics) if record.model != REFERENCE_MODEL else None
         witness, own = held_against(record, other) if other else (None, None)
         row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)

@@ -1,13 +1,11 @@
-"""How models and options are named and coloured: the same in figures, report and explorer."""
+"""How models, options and rules are named and coloured in figures, report and explorer."""
 
 from dataclasses import dataclass
 
 from sidmacib.contact_points.options import OPTIONS
+from workflow.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from workflow.models import MODELS
 
-BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
-    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6d00", "#000000"),
-    "#9aa0aa",
-)
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, BLACK)  # of what is no model, in turn
 
 
@@ -19,17 +17,6 @@ class Look:
     colour: str
 
 
-_MODELS = {
-    "static": Look("static model", BLUE),
-    "limit": Look("limit analysis", SKY),
-    "yade": Look("YADE", VERMILION),
-    "liggghts": Look("LIGGGHTS", ORANGE),
-    "calculix": Look("CalculiX", PURPLE),
-    "3dec": Look("3DEC", BLACK),
-    "law": Look("law", OCHRE),
-    "safe": Look("safe rule", GREEN),
-    "sidmacib": Look("SiDMACIB", PURPLE),
-}
 PUBLISHED = Look("published (3DEC)", BLACK)
 _RULES = {
     "none": "every lock counts",
@@ -43,7 +30,8 @@ _OPTIONS = dict(zip(OPTIONS, (ORANGE, SKY, PURPLE, "#2f4b7c"), strict=True))
 
 def look_of(model: str) -> Look:
     """The look of a model; its own name and grey if it has none yet."""
-    return _MODELS.get(model, Look(model, GREY))
+    known = MODELS.get(model)
+    return Look(known.label, known.colour) if known else Look(model, GREY)
 
 
 def rule_name(reduction: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
-from workflow.models import Obtained, obtained_by
+from workflow.models import SOLVED
 from workflow.results.record import CaseRecord
 
 
@@ -29,7 +29,7 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors
         series.setdefault((r.model, r.variant, r.series), []).append(r)
     own = {key: _errors_of_one(rows) for key, rows in series.items()}
     lent: dict[tuple[str, float], MeshErrors] = {}
-    for lender in obtained_by(Obtained.SOLVED):
+    for lender in SOLVED:
         for (model, _, joint), errors in own.items():
             if model == lender:
                 lent |= {

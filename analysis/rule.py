@@ -3,7 +3,7 @@
 They know no pieces, so there is nothing to run: the answer is told at once, or why there is none.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import product
 
 from analysis.looks import look_of, option_name, rule_name
@@ -15,7 +15,7 @@ from sidmacib.rule.law import RULES, LawCapacity
 from workflow.case import REFERENCE
 from workflow.cases import Place
 from workflow.consistency import needs
-from workflow.models import MODELS, Obtained
+from workflow.models import LAWS, MODELS
 from workflow.schema import Study
 
 WITHOUT_WEIGHTS = ("none", "half")  # reductions that need nothing but the number of locks
@@ -40,7 +40,8 @@ def describe(study: Study, name: str, place: Place) -> str:
 
     ValueError or `CapacityError` where it has no answer.
     """
-    return "\n".join(_DESCRIBED[MODELS[name].obtained](study, name, place))
+    told = _law if name in LAWS else _sidmacib
+    return "\n".join(told(study, name, place))
 
 
 def _law(study: Study, name: str, place: Place) -> Iterator[str]:
@@ -68,8 +69,4 @@ def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:
         yield f"  {told}: V = {found.shear:.2f} N, M = {found.torque:.4f} N m"
 
 
-_DESCRIBED: dict[Obtained, Callable[[Study, str, Place], Iterator[str]]] = {
-    Obtained.LAW: _law,
-    Obtained.RULE: _sidmacib,
-}
 ERRORS = (CapacityError, ValueError)  # of a rule that has no answer

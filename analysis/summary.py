@@ -22,7 +22,7 @@ from analysis.looks import look_of
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from workflow.case import REFERENCE
-from workflow.models import Obtained, first_failure_only, obtained_by
+from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,
@@ -156,17 +156,16 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
 
 def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> Iterator[str]:
     """V and M that each model gives at the finest mesh, direction by direction."""
-    laws = obtained_by(Obtained.LAW)
-    own = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(laws)]
+    own = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(LAWS)]
     own = own[(own["variant"] == REFERENCE) & np.isclose(own["mesh_m"], mesh)]
     own = own[own["case"].isin(ratio)]  # not of a sample whose engines are all missing
     samples = list(own["sample"].unique())
     # What to design for comes first, then the law, then models of the pieces.
-    models = sorted(own["model"].unique(), key=lambda m: (m != DESIGN, m not in laws))
+    models = sorted(own["model"].unique(), key=lambda m: (m != DESIGN, m not in LAWS))
     for model in models:
         rows = own[own["model"] == model]
         first = " (first failure)" * (first_failure_only(model) or model == "law")
-        at = "" if model in laws else f", mesh {mesh:g} m"
+        at = "" if model in LAWS else f", mesh {mesh:g} m"
         yield ""
         name = look_of(model).name
         yield f"{name[0].upper()}{name[1:]}{first}{at}: V (N) and M (N m)"

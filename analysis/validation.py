@@ -11,7 +11,7 @@ from analysis.fit import winner
 from analysis.published import Published, read_published
 from analysis.pure_shear import pure_shear_weights
 from workflow.case import REFERENCE, case_name
-from workflow.models import Obtained, first_failure_only, obtained_by
+from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
 from workflow.schema import Study
 
@@ -28,7 +28,7 @@ def validation_table(
     """One row for each published number that the study can be compared with."""
     # Published are peaks of the pieces.
     short = [name for name in study.model_names if first_failure_only(name)]
-    short += obtained_by(Obtained.LAW)
+    short += LAWS
     rows: list[dict[str, Any]] = []
     for sample in published.samples(study):
         joint = study.joint(sample)

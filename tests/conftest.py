@@ -35,6 +35,7 @@ from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.job import paths
+from workflow.problem import Problem
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
@@ -96,7 +97,8 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
 
     def run(name: str, assembly: Assembly, loads: Loads) -> Path:
         folder = tmp_path / "block"
-        run_engine(ENGINES[name], assembly, loads, Numerics(tolerance=5e-4), "block", folder, 120)
+        problem, numerics = Problem(assembly, loads), Numerics(tolerance=5e-4)
+        run_engine(ENGINES[name], problem, numerics, "block", folder, 120)
         return folder
 
     return run

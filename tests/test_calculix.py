@@ -34,7 +34,7 @@ from workflow.engines.scripts.assembly import (
 from workflow.engines.scripts.calculix_deck import Deck, line_weights
 from workflow.engines.scripts.calculix_process import read_state
 from workflow.engines.scripts.run_calculix import State, at_strength, load_at, most_used, raised
-from workflow.models import MODELS, WITNESS, detailed, first_failure_only
+from workflow.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved
 
@@ -220,7 +220,7 @@ def test_where_the_strength_is_reached_is_found_between_two_states() -> None:
 def test_it_is_no_model_of_the_peak_and_says_what_it_needs() -> None:
     assert first_failure_only("calculix")
     assert not any(map(first_failure_only, set(MODELS) - {"calculix"}))
-    assert detailed(["calculix", WITNESS]) == (WITNESS,)
+    assert detailed(["calculix", REFERENCE_MODEL]) == (REFERENCE_MODEL,)
     rigid, deforms = (loaded(joint, 0.0)[0] for joint in (Joint(3), elastic(Joint(3))))
     assert refusal(ENGINE, deforms) is None
     assert "only elastic" in str(refusal(ENGINE, rigid))

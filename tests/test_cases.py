@@ -23,9 +23,8 @@ from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
-from workflow.models import Obtained, detailed, obtained_by
+from workflow.models import SOLVED, detailed
 
-SOLVED = obtained_by(Obtained.SOLVED)
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 
 

@@ -21,7 +21,7 @@ from workflow.__main__ import profile_named
 from workflow.case import Case
 from workflow.closure import described
 from workflow.configuration import ConfigError, read_study
-from workflow.engines import FOREIGN, own_environment
+from workflow.engines.engine import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.kills import LAST_TRY, RETRIES, KilledError, begin, end, forget, last_try, was_killed
 from workflow.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs

@@ -15,6 +15,7 @@ from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.configuration import read_study
 from workflow.outcome import Outcome
+from workflow.problem import problem_of
 from workflow.results.files import force_to_stress
 from workflow.results.record import ResultError, record_of
 from workflow.solvers.static import solve
@@ -32,8 +33,7 @@ def case(request: pytest.FixtureRequest) -> Case:
 
 
 def static_outcome(case: Case) -> Outcome:
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    return solve(assembly, lateral_load(case.joint, assembly, case.loading))
+    return solve(problem_of(case))
 
 
 def returned(case: Case, load: float) -> str:
@@ -164,9 +164,7 @@ def test_every_line_is_a_command_or_fish(case: Case) -> None:
 
 def test_what_comes_back_reads_like_any_other_model(case: Case) -> None:
     load = static_outcome(case).path[-1].load
-    assembly, found = read_returned(returned(case, load), case)
-    loads = lateral_load(case.joint, assembly, case.loading)
-    record = record_of(case, assembly, loads, found, {})
+    record = record_of(case, *read_returned(returned(case, load), case), {})
     assert (record.name, record.load_N) == (case.name, pytest.approx(load, rel=1e-9))
     assert record.unbalanced_share < 1e-6
     assert max(each.weight for each in record.weights) <= 1.0 + 1e-6
@@ -205,8 +203,7 @@ def test_a_number_that_is_none_is_named_with_its_line(case: Case, value: str) ->
 @pytest.mark.parametrize("load", [float("inf"), -1.0, 0.0])
 def test_a_load_that_cannot_be_a_peak_does_not_count(case: Case, load: float) -> None:
     with pytest.raises(ResultError):
-        assembly, found = read_returned(returned(case, load), case)
-        record_of(case, assembly, lateral_load(case.joint, assembly, case.loading), found, {})
+        record_of(case, *read_returned(returned(case, load), case), {})
 
 
 def test_elastic_pieces_are_deformable_blocks_with_the_material(case: Case) -> None:

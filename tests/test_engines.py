@@ -20,6 +20,7 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.problem import Problem
 from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved
 
@@ -77,7 +78,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 ) -> None:
     assembly, loads = tilted_stack(3, friction, width=width, mesh=0.1)
     expected = min(friction, overturning(assembly)) * loads.scale
-    run_engine(ENGINES[engine], assembly, loads, Numerics(), "stack", tmp_path, 300)
+    run_engine(ENGINES[engine], Problem(assembly, loads), Numerics(), "stack", tmp_path, 300)
     result = json.loads((tmp_path / "result.json").read_text())
     assert result["peak_load_N"] == pytest.approx(expected, rel=5e-3)
     assert result["mode"] == "mechanism"
@@ -128,7 +129,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     assembly = block_on_ground(Joint(3), Kind.INNER, mesh=0.03)
     loads = load_on_block(assembly, (0.0, 1.0, 0.0), 0.0)
     with pytest.raises(EngineError, match=r"diverged|does not stand|LIGGGHTS has ended"):
-        run_engine(ENGINES[engine], assembly, loads, numerics, "block", tmp_path, 120)
+        run_engine(ENGINES[engine], Problem(assembly, loads), numerics, "block", tmp_path, 120)
     assert not (tmp_path / "result.json").exists()
 
 

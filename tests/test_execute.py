@@ -16,7 +16,8 @@ from conftest import block_on_ground
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
-from workflow.engines import ENGINES, Engine
+from workflow.engines import ENGINES
+from workflow.engines.engine import Engine
 from workflow.engines.execute import OUTPUTS, EngineError, EngineNoAnswerError, execute
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.run import refusal

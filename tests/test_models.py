@@ -6,27 +6,30 @@ import pytest
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
-from workflow.models import MODELS, Ability, Model, Need, Obtained, detailed, obtained_by
+from workflow.model import Ability, Model, Need
+from workflow.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
 from workflow.outcome import Outcome, State
+from workflow.problem import Problem
 
-SOLVED = obtained_by(Obtained.SOLVED)
 DUCTILE = Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
 STIFF = Need(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
 
 
-def loaded(joint: Joint) -> tuple[Assembly, Loads]:
+def loaded(joint: Joint) -> Problem:
     assembly = assemble(joint, 0.03, NodeLayout.CENTRES)
-    return assembly, lateral_load(joint, assembly, Loading(Direction(0.5)))
+    return Problem(assembly, lateral_load(joint, assembly, Loading(Direction(0.5))))
 
 
 def test_every_way_to_obtain_results_has_its_models() -> None:
-    assert obtained_by(Obtained.ENGINE) == tuple(ENGINES)
+    assert tuple(ENGINES) == ("yade", "liggghts", "calculix")
     assert SOLVED == ("static", "limit")
-    assert obtained_by(Obtained.RETURNED) == ("3dec",)
-    assert obtained_by(Obtained.RULE) == ("sidmacib",)
+    assert RETURNED == ("3dec",)
+    assert LAWS == ("law", "safe")
+    assert (*LAWS, "sidmacib") == CLOSED_FORM
+    assert set(MODELS) == {*ENGINES, *SOLVED, *RETURNED, *CLOSED_FORM}
 
 
 def test_sidmacib_is_held_against_models_that_follow_progressive_failure() -> None:
@@ -35,7 +38,7 @@ def test_sidmacib_is_held_against_models_that_follow_progressive_failure() -> No
 
 
 def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_several() -> None:
-    model = Model("rule", Obtained.RULE, frozenset({Ability.BRITTLE}))
+    model = Model(name="rule", label="", colour="", abilities=frozenset({Ability.BRITTLE}))
     assert model.refusal([]) is None
     assert model.refusal([Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")]) is None
     assert model.refusal([DUCTILE, STIFF]) == (
@@ -46,21 +49,19 @@ def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_sever
     )
 
 
-def test_engines_can_what_their_entries_say() -> None:
+def test_engines_can_what_each_of_them_must() -> None:
     for name, engine in ENGINES.items():
-        can = MODELS[name].abilities
-        assert (Ability.DUCTILE in can) != engine.brittle_only
-        assert (Ability.TWO_STIFFNESSES in can) != engine.one_stiffness
-        assert (Ability.RANKS in can) == engine.shares_out
+        assert MODELS[name] is engine
+        can = engine.abilities
         assert {Ability.NUMERICS, Ability.STRESSES, Ability.FIRST_FAILURE} <= can
-        assert (Ability.PROGRESSIVE in can) != engine.first_failure_only
         assert (Ability.ELASTIC in can) == engine.elastic == (Ability.RIGID not in can)
+        assert (Ability.PROGRESSIVE in can) != engine.first_failure_only
 
 
 @pytest.mark.parametrize("name", SOLVED)
 def test_a_solved_model_tells_what_its_abilities_promise(name: str) -> None:
-    model, (assembly, loads) = MODELS[name], loaded(Joint(3))
-    outcome = model.solve(assembly, loads)
+    model = MODELS[name]
+    outcome = model.run(loaded(Joint(3)))
     peak = outcome.path[-1]
     assert 0.0 < peak.load <= outcome.failed_load
     assert (peak.force is not None) == (Ability.STRESSES in model.abilities)
@@ -73,17 +74,17 @@ def test_a_solved_model_tells_what_its_abilities_promise(name: str) -> None:
 @pytest.mark.parametrize("name", SOLVED)
 def test_friction_matters_to_the_models_that_know_it_only(name: str) -> None:
     rough, smooth = Joint(3), Joint(3, dry=replace(Joint(3).dry, friction=0.0))
-    one, other = (MODELS[name].solve(*loaded(joint)).path[-1].load for joint in (rough, smooth))
+    one, other = (MODELS[name].run(loaded(joint)).path[-1].load for joint in (rough, smooth))
     assert (one == pytest.approx(other, rel=1e-6)) == (
         Ability.FRICTION not in MODELS[name].abilities
     )
 
 
 def test_a_model_that_is_not_solved_here_says_so() -> None:
-    assembly, loads = loaded(Joint(3))
+    problem = loaded(Joint(3))
     for name in ("yade", "3dec", "sidmacib"):
         with pytest.raises(TypeError, match=f"^{name} is not solved in this process$"):
-            MODELS[name].solve(assembly, loads)
+            MODELS[name].run(problem)
 
 
 def test_an_outcome_may_be_a_capacity_alone() -> None:

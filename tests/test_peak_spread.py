@@ -24,6 +24,7 @@ from sidmacib.mechanics.static.peak_spread import (
 )
 from sidmacib.pieces import assemble
 from workflow.case import Case
+from workflow.problem import Problem
 from workflow.results.record import CaseRecord
 from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved
@@ -119,7 +120,7 @@ def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_load_that_is_told(
 
 
 def test_samplings_leave_the_spread_out() -> None:
-    found = solve_once(*loaded(15, 1.0))
+    found = solve_once(Problem(*loaded(15, 1.0)))
     assert found.peak_spread is None
     assert found.first_failure_load is not None
     assert found.path[-1].load > 1.1 * found.first_failure_load

@@ -304,7 +304,7 @@ def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineErr
 
     monkeypatch.setattr("workflow.steps.engine.run_engine", ends)
     monkeypatch.setattr("workflow.job.edited", lambda _: False)
-    monkeypatch.setattr("workflow.engines.Engine.version", lambda _: "1")
+    monkeypatch.setattr("workflow.engines.engine.Engine.version", lambda _: "1")
     own = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
     job = plan_of(read_study(own)).jobs["yade/n3-mesh0.03-e0a"]
     run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))

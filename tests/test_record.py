@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from sidmacib.weights import lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome, State
+from workflow.problem import problem_of
 from workflow.results.files import (
     HISTORY,
     NODE_COLUMNS,
@@ -40,14 +41,9 @@ def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> 
     return Case("n3-case", model, "reference", "n3", joint, 0.03, NodeLayout.CENTRES, loading, None)
 
 
-def posed(case: Case) -> tuple[Assembly, Loads]:
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    return assembly, lateral_load(case.joint, assembly, case.loading)
-
-
 def parts(case: Case) -> tuple[Assembly, Outcome]:
-    assembly, loads = posed(case)
-    return assembly, static.solve(assembly, loads)
+    problem = problem_of(case)
+    return problem.assembly, static.solve(problem)
 
 
 def write_engine_files(folder: Path, case: Case) -> Assembly:
@@ -77,9 +73,8 @@ def write_engine_files(folder: Path, case: Case) -> Assembly:
 def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     case = case_of(0.5)
     assembly = write_engine_files(tmp_path, case)
-    loads = lateral_load(case.joint, assembly, case.loading)
     outcome = read_outcome(tmp_path, assembly)
-    record = record_of(case, assembly, loads, outcome, {"yade": "1"})
+    record = record_of(case, problem_of(case), outcome, {"yade": "1"})
     expected, _, found = solved(case, static.solve)
     assert np.array_equal(outcome.path[-1].bonded, found.path[-1].bonded)
     assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
@@ -116,7 +111,7 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
         found = read_outcome(tmp_path, assembly)
-        record_of(case, assembly, lateral_load(case.joint, assembly, case.loading), found, {})
+        record_of(case, problem_of(case), found, {})
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
@@ -175,11 +170,11 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
     case = case_of()
-    assembly, loads = posed(case)
+    problem = problem_of(case)
     found = Outcome((State(50.0, 1e-6), State(100.0, 2e-6)), 110.0, 80.0)
-    assert record_of(case, assembly, loads, found, {}).load_N == 100.0
+    assert record_of(case, problem, found, {}).load_N == 100.0
     with pytest.raises(ResultError, match=words):
-        record_of(case, assembly, loads, replace(found, **change), {})
+        record_of(case, problem, replace(found, **change), {})
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
@@ -203,9 +198,9 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
 @pytest.mark.parametrize("first", [0.0, 110.0])
 def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> None:
     case = case_of()
-    assembly, loads = posed(case)
+    problem = problem_of(case)
     found = Outcome((State(100.0),), 110.0, first)
-    assert record_of(case, assembly, loads, found, {}).first_failure_load_N == first
+    assert record_of(case, problem, found, {}).first_failure_load_N == first
 
 
 @pytest.mark.parametrize(
@@ -284,8 +279,8 @@ def test_a_record_is_written_whole(tmp_path: Path) -> None:
 
 def test_an_outcome_may_lack_stresses_and_displacements() -> None:
     case = case_of()
-    assembly, loads = posed(case)
-    record = record_of(case, assembly, loads, Outcome((State(100.0),), 100.0), {})
+    problem = problem_of(case)
+    record = record_of(case, problem, Outcome((State(100.0),), 100.0), {})
     assert record.load_N == 100.0
     assert record.weights == ()
     assert record.unbalanced_share is None
@@ -302,13 +297,12 @@ def test_stresses_and_forces_are_the_same_thing() -> None:
 @pytest.mark.parametrize(("factor", "refused"), [(1.0, False), (1.04, False), (1.2, True)])
 def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refused: bool) -> None:
     case = case_of(0.5)
-    assembly, found = parts(case)
+    _, found = parts(case)
     peak = found.path[-1]
     assert peak.force is not None
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
-    loads = lateral_load(case.joint, assembly, case.loading)
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
-        record_of(case, assembly, loads, wrong, {})
+        record_of(case, problem_of(case), wrong, {})
 
 
 def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:

@@ -16,7 +16,8 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.pieces import assemble
-from workflow.engines import ENGINES, Engine
+from workflow.engines import ENGINES
+from workflow.engines.engine import Engine
 from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import (

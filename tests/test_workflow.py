@@ -112,8 +112,17 @@ def solved(solved_once: Workspace, tmp_path: Path) -> Workspace:
 
 
 # --- planning ------------------------------------------------------------------------------------
-def test_a_dry_run_plans_every_case_and_table(workspace: Workspace) -> None:
+def test_a_dry_run_plans_every_case_and_table_and_writes_nothing(workspace: Workspace) -> None:
     assert workspace.planned() == CASES | {"batch"} | TABLES
+    assert not workspace.results.exists()
+
+
+def test_the_rule_graph_names_the_rules_and_writes_nothing(workspace: Workspace) -> None:
+    found = workspace.snakemake("--rulegraph")
+    assert found.returncode == 0, found.stderr
+    named = set(re.findall(r'label = "(\w+)"', found.stdout))
+    assert named == {"all", "engine", "solve", "variants"} | TABLES
+    assert not workspace.results.exists()
 
 
 @pytest.mark.parametrize(

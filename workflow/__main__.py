@@ -16,11 +16,11 @@ from pathlib import Path
 
 from analysis.report.parts import REPORT
 from workflow.caches import use_writable_caches
-from workflow.cases import CLOSED_FORM, case_count, find_case, find_place
+from workflow.cases import case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.job import end_with_parent
-from workflow.models import WITNESS
+from workflow.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.results.files import RECORD, case_folder
 from workflow.schema import Study
 from workflow.waiting import waiting
@@ -140,7 +140,7 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
     Only if there is none yet: what it shows is made again when the engines have ended.
     """
     path = Path(own.results, REPORT)
-    if engines and WITNESS in own.models and not path.exists():
+    if engines and REFERENCE_MODEL in own.models and not path.exists():
         print("First, a report without the engines", file=sys.stderr)
         # In a process of its own, whose lock of the results folder ends with it.
         told = ["report", str(config), f"--results={own.results}"]
@@ -165,7 +165,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     print(f"{describe(record)}\n  files: {folder}")
     if record.error is not None:
         return f"{name}: no result"
-    if chosen.model == WITNESS:
+    if chosen.model == REFERENCE_MODEL:
         from analysis.vtk import write_path  # compiles what it caches
 
         pieces, _ = write_path(chosen, folder / "vtk")

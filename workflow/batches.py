@@ -8,10 +8,12 @@ from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case, case_name
 from workflow.cases import cases_of, second_mesh
 from workflow.engines import ENGINES
-from workflow.models import MODELS, WITNESS, Ability, Obtained
+from workflow.model import Ability
+from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.needs import solved_needs
 from workflow.schema import Study
-from workflow.threedec import RETURNED, deck_folder, decks
+from workflow.threedec import RETURNED as PRINTED
+from workflow.threedec import deck_folder, decks
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s
@@ -57,18 +59,17 @@ def case_jobs(study: Study) -> CaseJobs:
     cases |= {
         (case.model, name): case
         for name, case in of_decks.items()
-        if Path(study.results, deck_folder(name), RETURNED).is_file()
+        if Path(study.results, deck_folder(name), PRINTED).is_file()
     }
     engines: dict[tuple[str, str], Case] = {}
     returned: dict[tuple[str, str], Case] = {}
     solved: dict[str, list[Case]] = {}
     for case in (*cases.values(), *reference_cases(cases.values())):
-        obtained = MODELS[case.model].obtained
-        if obtained is Obtained.ENGINE:
+        if case.model in ENGINES:
             engines[case.model, case.name] = case
-        elif obtained is Obtained.SOLVED:
+        elif case.model in SOLVED:
             solved.setdefault(case.model, []).append(case)
-        elif obtained is Obtained.RETURNED:
+        elif case.model in RETURNED:
             returned[case.model, case.name] = case
     in_batches = {
         (model, name): Batch(tuple(batch))
@@ -84,14 +85,14 @@ def reference_cases(cases: Iterable[Case]) -> list[Case]:
     They are on the same nodes, and where an engine has one mesh only at another one too.
     """
     cases = list(cases)
-    known = {case.physics() for case in cases if case.model == WITNESS}
+    known = {case.physics() for case in cases if case.model == REFERENCE_MODEL}
     series: dict[str, dict[float, Case]] = {}
-    able = MODELS[WITNESS].abilities
+    able = MODELS[REFERENCE_MODEL].abilities
     for case in cases:
         ductile = case.joint.failure is Failure.DUCTILE
         if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
             continue
-        reference = replace(case, model=WITNESS, numerics=None)
+        reference = replace(case, model=REFERENCE_MODEL, numerics=None)
         series.setdefault(case.series(), {}).setdefault(case.mesh, reference)
     for by_mesh in series.values():
         (case, *_) = by_mesh.values()

@@ -16,14 +16,14 @@ from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
-from workflow.models import MODELS, Ability, Model, Obtained, detailed, obtained_by
+from workflow.model import Ability, Model
+from workflow.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import PartSection
 
 MAX_CASES = 1_000_000
-CLOSED_FORM = *obtained_by(Obtained.LAW), *obtained_by(Obtained.RULE)  # models with nothing to run
 DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
 BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
 WHOLE = 0.999  # of a side: a mesh must be less than it
@@ -42,7 +42,7 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
     cases = {(case.model, case.name): case for case in _cases(study, study.model_names)}
     if study.overrides:
         # Engines that are left out, because they are not installed, have these cases too.
-        names = {case.name for case in _cases(study, obtained_by(Obtained.ENGINE))}
+        names = {case.name for case in _cases(study, tuple(ENGINES))}
         for name in study.overrides:
             if name not in names:
                 raise ConfigError(f"overrides: {shown(name)} is no case; {_near(name, names)}")
@@ -147,7 +147,7 @@ def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, 
     chosen = _part(study, run, sample).meshes
     every = run.change.meshes or study.meshes
     meshes = tuple(mesh for mesh in every if _within(mesh, chosen))
-    if not meshes or run.model.obtained is not Obtained.SOLVED:
+    if not meshes or run.model.name not in SOLVED:
         return meshes
     other = second_mesh(joint, meshes, run.nodes)
     return meshes if other is None else (*meshes, other)

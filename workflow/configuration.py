@@ -12,7 +12,7 @@ from sidmacib.quantities import shown
 from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import faults, needs
 from workflow.engines import ENGINES
-from workflow.models import MODELS, Obtained, obtained_by
+from workflow.models import LAWS, MODELS, SOLVED
 from workflow.schema import Study
 from workflow.schema.values import shown_key
 
@@ -119,8 +119,8 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
     """``config`` with all models if it names none."""
     dem = config.get("dem", {})
     if isinstance(dem, Mapping):
-        dem = {"engines": obtained_by(Obtained.ENGINE), **dem}
-    models = *obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW)
+        dem = {"engines": tuple(ENGINES), **dem}
+    models = *SOLVED, *LAWS
     return {"models": models, **config, "dem": dem}
 
 
@@ -135,8 +135,8 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
         )
 
     def able(names: tuple[str, ...]) -> tuple[str, ...]:
-        law = obtained_by(Obtained.LAW)  # which tell in the tables why they cannot
-        return tuple(name for name in names if name in law or not refused(name))
+        # Laws say in the tables why they cannot.
+        return tuple(name for name in names if name in LAWS or not refused(name))
 
     if "models" not in config:
         study = study.model_copy(update={"models": able(study.models)})

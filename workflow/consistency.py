@@ -11,7 +11,9 @@ from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.quantities import shown
 from sidmacib.unit_warnings import unit_warnings
 from workflow.case import REFERENCE
-from workflow.models import MODELS, Ability, Need, Obtained, detailed, obtained_by
+from workflow.engines import ENGINES
+from workflow.model import Ability, Need
+from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.dem import NumericsSection
@@ -231,8 +233,8 @@ def _names(key: str, names: Sequence[str], allowed: Sequence[str]) -> Iterator[s
 
 def _models(study: Study) -> Iterator[str]:
     for key, names, allowed in (
-        ("models", study.models, (*obtained_by(Obtained.SOLVED), *obtained_by(Obtained.LAW))),
-        ("dem.engines", study.dem.engines, obtained_by(Obtained.ENGINE)),
+        ("models", study.models, (*SOLVED, *LAWS)),
+        ("dem.engines", study.dem.engines, tuple(ENGINES)),
     ):
         yield from _names(key, names, allowed)
     known = [name for name in study.model_names if name in MODELS]
@@ -241,11 +243,11 @@ def _models(study: Study) -> Iterator[str]:
         for sample in study.samples
         for name in study.models_of(sample)
         # A rule that cannot do a joint says so in its rows of the tables.
-        if name in known and MODELS[name].obtained is not Obtained.LAW
+        if name in known and name not in LAWS
     )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
-        can = [n for n in detailed(MODELS) if MODELS[n].obtained is Obtained.SOLVED]
+        can = [n for n in detailed(MODELS) if n in SOLVED]
         yield (
             f"models: {_some(study.models)} is not enough while dem.engines is "
             f"{_some(study.dem.engines) if study.dem.engines else 'empty'}; it must "
@@ -255,7 +257,7 @@ def _models(study: Study) -> Iterator[str]:
 
 def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
     """Engines that are left out, because they are not installed, may be named too."""
-    key, allowed = f"samples.{sample}.models", (*obtained_by(Obtained.ENGINE), *study.models)
+    key, allowed = f"samples.{sample}.models", (*ENGINES, *study.models)
     yield from _names(key, own or (), allowed)
     can = detailed(name for name in study.model_names if name in MODELS)
     if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
@@ -264,8 +266,8 @@ def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) ->
 
 def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterator[str]:
     """What models run of a sample must be of the study, and one model must run the whole of it."""
-    solved = (name for name in study.models if name in obtained_by(Obtained.SOLVED))
-    known = (*obtained_by(Obtained.ENGINE), *solved)
+    solved = (name for name in study.models if name in SOLVED)
+    known = (*ENGINES, *solved)
     for name, part in only.items():
         key = f"samples.{sample}.only"
         if name not in known:

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 
 from sidmacib.joint import Joint
-from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,
@@ -24,11 +23,11 @@ from sidmacib.mechanics.assembly import (
     self_weight,
 )
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import assemble
 from workflow.case import REFERENCE, Case
 from workflow.cases import cases_of
 from workflow.engines.render import ENVIRONMENT
 from workflow.outcome import Outcome, State
+from workflow.problem import Problem, problem_of
 from workflow.results.files import stress_to_force
 from workflow.results.record import ResultError
 from workflow.schema import Study
@@ -63,7 +62,7 @@ def deck_folder(name: str) -> str:
 
 def deck(case: Case) -> str:
     """3DEC's commands for ``case``: pieces, faces, loads."""
-    assembly = assemble(case.joint, case.mesh, case.nodes)
+    assembly, loads = problem_of(case)
     faces = [
         {
             "below": assembly.pieces[face.below].name,
@@ -72,7 +71,6 @@ def deck(case: Case) -> str:
         }
         for face in assembly.faces
     ]
-    loads = lateral_load(case.joint, assembly, case.loading)
     lower = math.fsum(map(case.joint.strength, case.joint.lower_locks))
     increment = INCREMENT * (lower or loads.scale)  # one upper lock alone has no lower ones
     return ENVIRONMENT.get_template(TEMPLATE).render(
@@ -143,13 +141,14 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
     return found
 
 
-def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
-    """The assembly with 3DEC's own nodes, and what it printed for ``case``.
+def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
+    """The problem of ``case`` on 3DEC's own nodes, and what it printed for it.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
     `ResultError` if the text is incomplete, or is not of ``case`` as it is now.
     """
-    assembly = assemble(case.joint, case.mesh, case.nodes)
+    problem = problem_of(case)
+    assembly = problem.assembly
     numbers = {
         frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): number
         for number, face in enumerate(assembly.faces)
@@ -174,7 +173,8 @@ def read_returned(text: str, case: Case) -> tuple[Assembly, Outcome]:
         raise ResultError(f"{RETURNED}: not whole; run the deck again")
     if of != fingerprint(case):
         raise ResultError(f"{RETURNED}: results of {of}; they must be of {fingerprint(case)}")
-    return _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
+    on_its_nodes, outcome = _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
+    return problem._replace(assembly=on_its_nodes), outcome
 
 
 def _numbers(values: list[str], count: int, line: int) -> list[float]:

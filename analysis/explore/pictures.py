@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import Any
 
 from analysis.explore.state import Settings
-from analysis.looks import BLUE, GREY, look_of
+from analysis.looks import look_of
 from analysis.outlines import outlines
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
@@ -17,6 +17,7 @@ from sidmacib.pieces import assemble
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights
+from workflow.colours import BLUE, GREY
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root

@@ -6,10 +6,10 @@ from matplotlib.patches import Rectangle
 
 from analysis.figures import style
 from analysis.figures.material import Material
-from analysis.looks import BLACK, BLUE, GREY
 from analysis.outlines import MM, outlines
 from sidmacib.joint import Joint
 from sidmacib.loading import Push
+from workflow.colours import BLACK, BLUE, GREY
 
 X, Y, Z = range(3)
 

@@ -12,7 +12,7 @@ from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import Material
 from analysis.looks import look_of
-from workflow.models import Obtained, obtained_by
+from workflow.models import LAWS
 from workflow.schema import Study
 
 
@@ -25,7 +25,7 @@ def models(material: Material) -> Figure:
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model in material.models:
         model_curve(curves, material, model, material.sample, mesh)
-    for rule in obtained_by(Obtained.LAW):
+    for rule in LAWS:
         rule_curve(curves, material, rule, material.sample, mesh)
     published_point(curves, material.capacity, material.sample)
     style.curve_axes(curves, "largest loads")
@@ -55,7 +55,7 @@ def models(material: Material) -> Figure:
 
 def _of_rules(study: Study) -> str:
     """What dotted curves are, if the study has any."""
-    shown = [look_of(name).name for name in obtained_by(Obtained.LAW) if name in study.models]
+    shown = [look_of(name).name for name in LAWS if name in study.models]
     return f"Dotted: {' and '.join(shown)}; the law tells first failures. " if shown else ""
 
 

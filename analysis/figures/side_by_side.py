@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from analysis.beside import Beside, beside, difference, name_of
 from analysis.figures import style
 from analysis.figures.material import Material
-from analysis.looks import GREY, PUBLISHED, look_of
+from analysis.looks import PUBLISHED, look_of
+from workflow.colours import GREY
 
 
 def side_by_side(material: Material) -> Figure:

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from analysis.looks import SERIES, look_of
-from workflow.models import MODELS, Obtained
+from workflow.models import SOLVED
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = SERIES
@@ -47,12 +47,8 @@ LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 
 
 def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
     """How one of ``models`` is drawn: its colour; distinct elements by marks, others by lines."""
-
-    def solved(name: str) -> bool:
-        return MODELS[name].obtained is Obtained.SOLVED
-
-    own = [name for name in models if solved(name) == solved(model)]
-    styles = LINES if solved(model) else MARKS
+    own = [name for name in models if (name in SOLVED) == (model in SOLVED)]
+    styles = LINES if model in SOLVED else MARKS
     return {"color": look_of(model).colour, **styles[own.index(model) % len(styles)]}
 
 

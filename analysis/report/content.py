@@ -18,7 +18,8 @@ from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
-from workflow.models import MODELS, WITNESS, Obtained
+from workflow.engines import ENGINES
+from workflow.models import MODELS, REFERENCE_MODEL
 from workflow.schema import Study
 from workflow.times import read_times
 
@@ -45,10 +46,7 @@ def _plain(value: Any) -> Any:
 
 def looks() -> dict[str, dict[str, Any]]:
     """Name and colour of each model, and whether it is an engine, which is drawn by marks."""
-    return {
-        name: {**asdict(look_of(name)), "engine": model.obtained is Obtained.ENGINE}
-        for name, model in MODELS.items()
-    }
+    return {name: {**asdict(look_of(name)), "engine": name in ENGINES} for name in MODELS}
 
 
 def law_of(joint: Joint) -> dict[str, list[Any]]:
@@ -201,7 +199,7 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 
 def _ends(cases: pd.DataFrame) -> dict[str, str]:
     """What the end of the static model's path is, by case, where peaks spread too far."""
-    own = cases[cases["model"].eq(WITNESS) & cases["variant"].eq(REFERENCE)]
+    own = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
     far = own[own["peak_spread"] > SPREAD_LIMIT]
     return {
         row.case: f"The capacity is the first failure, {row.first_failure_load_N:.4g} N: peaks "

@@ -13,7 +13,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.pieces import cut_pieces, lock_faces, upper_block
 from workflow.case import REFERENCE, Case
-from workflow.models import WITNESS
+from workflow.models import REFERENCE_MODEL
 
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
@@ -23,7 +23,7 @@ DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
 
 def shown_cases(cases: Iterable[Case]) -> list[Case]:
     """The static model's cases without changes, those on coarse meshes first."""
-    own = [case for case in cases if case.model == WITNESS and case.variant == REFERENCE]
+    own = [case for case in cases if case.model == REFERENCE_MODEL and case.variant == REFERENCE]
     return sorted(own, key=lambda case: -case.mesh)
 
 

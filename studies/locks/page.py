@@ -12,7 +12,7 @@ from studies.locks.paper_joint import ASSUMED_SIZES, CHARACTERISTIC
 from studies.locks.points import POINTS
 from studies.locks.sensitivity import SENSITIVITY
 from studies.markdown import body, markdown, markdown_of, percent, size, span, table_in
-from workflow.models import WITNESS
+from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import CAPACITY
 
 DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf": "torsion"}
@@ -190,8 +190,8 @@ def engines(results: Path) -> str:
     loads = table.pivot_table(index="case", columns="model", values="load_N")
     rows = []
     for model in ("yade", "liggghts", "law", "safe"):
-        if model in loads and WITNESS in loads:
-            error = (loads[model] / loads[WITNESS] - 1.0).dropna()
+        if model in loads and REFERENCE_MODEL in loads:
+            error = (loads[model] / loads[REFERENCE_MODEL] - 1.0).dropna()
             cells = [f"{len(error)}", size(error.abs().mean()), span(error.min(), error.max())]
             rows.append([look_of(model).name, *cells])
     return markdown(["against the static peak", "cases", "mean size", "extremes"], rows)

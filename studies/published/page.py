@@ -20,7 +20,7 @@ from studies.markdown import (
     span,
     table_in,
 )
-from workflow.models import WITNESS
+from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a
@@ -147,7 +147,7 @@ def peaks(results: Path) -> str:
 def _static(results: Path) -> pd.DataFrame:
     """The static model's peaks at the finest mesh, by e / a, with a column for each sample."""
     table = table_in(results, CASES)
-    table = table[table["model"].eq(WITNESS) & table["variant"].eq("reference")]
+    table = table[table["model"].eq(REFERENCE_MODEL) & table["variant"].eq("reference")]
     return table.query("mesh_m == mesh_m.min()").pivot_table(
         index="eccentricity_over_a", columns="sample", values="load_N", sort=False
     )
@@ -180,11 +180,11 @@ def models(results: Path) -> str:
     """First failure and peak of engines and static model on the same nodes, finest mesh."""
     cases = table_in(results, CASES).drop_duplicates("case")[["case", "eccentricity_over_a"]]
     table = table_in(results, MODELS).merge(cases, on="case", suffixes=("_", ""))
-    engines = [name for name in table["model"].unique() if name not in (WITNESS, "limit")]
+    engines = [name for name in table["model"].unique() if name not in (REFERENCE_MODEL, "limit")]
     samples = table.loc[table["model"].isin(engines), "sample"].unique()
     table = table[table["mesh_m"].eq(table["mesh_m"].min())]
     shown = table[table["sample"].isin(samples) & table["eccentricity_over_a"].isin(SHOWN)]
-    names = [*engines, WITNESS]
+    names = [*engines, REFERENCE_MODEL]
     rows = []
     for (_, sample, ratio), part in shown.groupby(["locks", "sample", "eccentricity_over_a"]):
         loads = part.set_index("model")[["first_failure_load_N", "load_N"]]

@@ -26,11 +26,11 @@ from test_decks import returned
 from test_record import case_of, write_engine_files
 
 from sidmacib.command.main import main as command
-from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import Assembly
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.problem import problem_of
 from workflow.results.files import HISTORY, NODES, RESULT, read_outcome
 from workflow.results.record import CaseRecord, ResultError, record_of
 from workflow.threedec import read_returned
@@ -188,9 +188,9 @@ def engine(fuzz: Fuzz) -> None:
 
 
 def _recorded(fuzz: Fuzz) -> None:
-    loads = lateral_load(fuzz.case.joint, fuzz.assembly, fuzz.case.loading)
-    found = read_outcome(fuzz.folder, fuzz.assembly)
-    _read_again(record_of(fuzz.case, fuzz.assembly, loads, found, {}))
+    problem = problem_of(fuzz.case)
+    found = read_outcome(fuzz.folder, problem.assembly)
+    _read_again(record_of(fuzz.case, problem, found, {}))
 
 
 def _read_again(record: CaseRecord) -> None:
@@ -204,9 +204,7 @@ def threedec(fuzz: Fuzz) -> None:
     told = fuzz.cut(fuzz.printed)
 
     def read() -> None:
-        assembly, found = read_returned(told, fuzz.case)
-        loads = lateral_load(fuzz.case.joint, assembly, fuzz.case.loading)
-        _read_again(record_of(fuzz.case, assembly, loads, found, {}))
+        _read_again(record_of(fuzz.case, *read_returned(told, fuzz.case), {}))
 
     fuzz.holds("3DEC", read, ResultError)
 

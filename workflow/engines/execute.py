@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from workflow.engines import Engine, own_environment
+from workflow.engines.engine import Engine, own_environment
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.engines.scripts.records import NO_ANSWER

@@ -15,7 +15,7 @@ import jinja2.meta
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads
 from sidmacib.mechanics.springs import compliance, natural_frequencies
-from workflow.engines import Engine
+from workflow.engines.engine import Engine
 from workflow.engines.numerics import Numerics
 from workflow.engines.scripts.assembly import Guide, Material
 

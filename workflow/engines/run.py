@@ -2,33 +2,34 @@
 
 from pathlib import Path
 
-from sidmacib.mechanics.assembly import Assembly, Failure, Kind, Loads
-from workflow.engines import Engine
+from sidmacib.mechanics.assembly import Assembly, Failure, Kind
+from workflow.engines.engine import Engine
 from workflow.engines.execute import EngineNoAnswerError, execute
 from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
+from workflow.model import Ability
+from workflow.problem import Problem
 
 
 def run_engine(
     engine: Engine,
-    assembly: Assembly,
-    loads: Loads,
+    problem: Problem,
     numerics: Numerics,
     title: str,
     folder: Path,
     time_limit: float,
 ) -> None:
-    """Search the peak of ``assembly`` under ``loads`` for at most ``time_limit`` s.
+    """Search the peak of ``problem`` for at most ``time_limit`` s.
 
     Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
-    if reason := refusal(engine, assembly):
+    if reason := refusal(engine, problem.assembly):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
     guided = numerics.guided and "guided" not in engine.ignores
-    guide = guide_of(assembly, loads) if guided else None
-    write_script(engine, assembly, loads, numerics, title, folder, guide)
+    guide = guide_of(*problem) if guided else None
+    write_script(engine, *problem, numerics, title, folder, guide)
     execute(engine, folder, time_limit)
 
 
@@ -36,7 +37,7 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute ``assembly``; None if it can."""
     if assembly.failure is Failure.SOFTENING:
         return f"inner faces are {assembly.failure}; no engine has bonds that fade"
-    if engine.brittle_only and assembly.failure is not Failure.BRITTLE:
+    if Ability.DUCTILE not in engine.abilities and assembly.failure is not Failure.BRITTLE:
         return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
     if engine.elastic and not all(deforms):
@@ -46,7 +47,8 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
     for face in assembly.faces:
         law = face.material
         unequal = law.normal_stiffness != law.shear_stiffness
-        if engine.one_stiffness and face.kind is Kind.INNER and unequal:
+        one_stiffness = Ability.TWO_STIFFNESSES not in engine.abilities
+        if one_stiffness and face.kind is Kind.INNER and unequal:
             return (
                 f"{face.name} has a normal stiffness of {law.normal_stiffness:g} Pa/m and a shear "
                 f"stiffness of {law.shear_stiffness:g} Pa/m; inner faces must have one stiffness"

@@ -13,13 +13,14 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.weights import LockWeight, lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome
+from workflow.problem import Problem
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
@@ -99,9 +100,10 @@ def failed_record(case: Case, error: str) -> CaseRecord:
 
 
 def record_of(
-    case: Case, assembly: Assembly, loads: Loads, outcome: Outcome, versions: dict[str, str]
+    case: Case, problem: Problem, outcome: Outcome, versions: dict[str, str]
 ) -> CaseRecord:
     """The record of ``outcome``; raises `ResultError` where it cannot be the result of ``case``."""
+    assembly, loads = problem
     peak = outcome.path[-1]
     _check_loads(outcome)
     weights: tuple[LockWeight, ...] = ()

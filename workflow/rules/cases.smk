@@ -1,7 +1,7 @@
 # The cases: each in an engine on its own, in batches in this process, or as it came back from 3DEC.
 from snakemake.io import strip_wildcard_constraints
 
-from workflow.engines import ENGINES, versions
+from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
 from workflow.needs import engine_needs, solved_needs
@@ -55,7 +55,7 @@ rule engine:
         ],
         modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
         files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
-        versions=lambda wildcards: versions(ENGINES[wildcards.engine]),
+        versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
         needs=lambda wildcards: engine_needs(case_in_engine(wildcards), STUDY.dem.time_limit),
     message:
         "{wildcards.engine}: {wildcards.case}"

@@ -1,24 +1,24 @@
 """The static brittle model."""
 
-from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.solution import Equilibrium, StaticSolution
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.static.peak_spread import static_capacity
 from workflow.outcome import Outcome, State
+from workflow.problem import Problem
 
 
-def solve(assembly: Assembly, loads: Loads) -> Outcome:
+def solve(problem: Problem) -> Outcome:
     """The equilibria on the way to the capacity, which is the first failure where peaks spread.
 
     `sidmacib.errors.CapacityError` if there is none.
     """
-    found = static_capacity(assembly, loads)
+    found = static_capacity(*problem)
     return _outcome(found.solution, found.path, found.spread)
 
 
-def solve_once(assembly: Assembly, loads: Loads) -> Outcome:
+def solve_once(problem: Problem) -> Outcome:
     """The equilibria on the way to the peak, whose spread is not asked; raises as `solve` does."""
-    found = static_peak(assembly, loads)
+    found = static_peak(*problem)
     return _outcome(found, found.path, None)
 
 

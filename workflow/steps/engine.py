@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.loading import lateral_load
-from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
 from workflow.kills import KilledError, Settled, last_try
+from workflow.problem import problem_of
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
 from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 
@@ -29,14 +28,13 @@ def run(
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     try:
-        assembly = assemble(case.joint, case.mesh, case.nodes)
-        loads = lateral_load(case.joint, assembly, case.loading)
-        run_engine(engine, assembly, loads, case.numerics, title, folder, arguments["time_limit"])
-        found = read_outcome(folder, assembly)
-        least = case.numerics.first_increment * loads.scale
+        problem = problem_of(case)
+        run_engine(engine, problem, case.numerics, title, folder, arguments["time_limit"])
+        found = read_outcome(folder, problem.assembly)
+        least = case.numerics.first_increment * problem.loads.scale
         check_bracket(found, case.numerics.tolerance, least)
         versions = {engine.name: engine.version()}
-        write_record(record_of(case, assembly, loads, found, versions), record)
+        write_record(record_of(case, problem, found, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
         if isinstance(error, EngineKilledError) and not last_try():
             raise KilledError(f"{case.name}: {case.model}: {error}") from error

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sidmacib.loading import lateral_load
 from workflow.case import Case
 from workflow.results.files import write_record
 from workflow.results.record import ResultError, failed_record, record_of
@@ -17,9 +16,8 @@ def run(
     """Write the record; returns what is wrong with the text, None if nothing is."""
     case = Case.from_json(arguments["case"])
     try:
-        assembly, found = read_returned(inputs["printed"].read_text(errors="replace"), case)
-        loads = lateral_load(case.joint, assembly, case.loading)
-        record = record_of(case, assembly, loads, found, {})
+        problem, found = read_returned(inputs["printed"].read_text(errors="replace"), case)
+        record = record_of(case, problem, found, {})
     except (OSError, ResultError) as error:
         record = failed_record(case, f"{case.model}: {error}")
     write_record(record, outputs["record"])

@@ -1,7 +1,7 @@
 """Solve a batch of cases in this process, check what comes out, and write records and tables."""
 
 import importlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,12 +10,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from sidmacib.errors import CapacityError
-from sidmacib.loading import lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.outcome import Outcome
+from workflow.problem import Problem, problem_of
 from workflow.results.files import NODE_COLUMNS, force_to_stress
 from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
 
@@ -49,12 +48,11 @@ def run(
     return "\n".join(f"{record.name}: {record.error}" for record in failed) or None
 
 
-def solved(case: Case, solve: Any) -> tuple[CaseRecord, Assembly, Outcome]:
+def solved(case: Case, solve: Callable[[Problem], Outcome]) -> tuple[CaseRecord, Assembly, Outcome]:
     """The checked record of ``case``, its assembly and what the model found."""
-    assembly = assemble(case.joint, case.mesh, case.nodes)
-    loads = lateral_load(case.joint, assembly, case.loading)
-    found = solve(assembly, loads)
-    return record_of(case, assembly, loads, found, {}), assembly, found
+    problem = problem_of(case)
+    found = solve(problem)
+    return record_of(case, problem, found, {}), problem.assembly, found
 
 
 def node_table(case: Case, assembly: Assembly, found: Outcome) -> list[pa.Table]:

@@ -1,0 +1,41 @@
+"""CalculiX: finite elements, up to the first node that fails."""
+
+import subprocess
+import sys
+
+from workflow import colours
+from workflow.engines.engine import Engine
+from workflow.model import Ability
+
+
+def _version() -> str:
+    """What CalculiX says of itself; it ends with an exit code although nothing is wrong."""
+    return subprocess.run(
+        ["ccx", "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
+    ).stdout
+
+
+CALCULIX = Engine(
+    name="calculix",
+    label="CalculiX",
+    colour=colours.PURPLE,
+    abilities=frozenset(
+        {
+            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION, Ability.NUMERICS),
+            *(Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
+            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+        }
+    ),
+    template="calculix.py.j2",
+    command=(sys.executable,),  # the script starts CalculiX and reads what it writes
+    package="calculix-ccx",
+    probe="ccx",
+    version_text=_version,
+    version_pattern=r"Version ([\d.]+)",
+    ignores=frozenset(
+        {
+            *("ramp_periods", "hold_periods", "unbalanced_ratio", "collapse_ratio"),
+            *("damping", "time_step_ratio", "guided"),
+        }
+    ),
+)

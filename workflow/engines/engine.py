@@ -1,0 +1,67 @@
+"""An external program that a study can run."""
+
+import os
+import re
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+from workflow.model import Ability, Model
+
+# What schedulers and MPI tell the processes that they start: an engine is none of them.
+FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
+
+
+def own_environment(**more: str) -> dict[str, str]:
+    """The environment of an engine's process: without what a scheduler has put into this one's."""
+    own = {name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)}
+    return own | more
+
+
+@dataclass(frozen=True, kw_only=True)
+class Engine(Model):
+    """An external program, with its own abilities.
+
+    ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
+    the program, followed by the script's name; ``package``: Debian's package that has it;
+    ``probe``: a program of that package, which tells whether it is installed; ``version_text``: a
+    text of the program that holds its version where ``version_pattern`` tells.
+    """
+
+    template: str
+    command: tuple[str, ...]
+    package: str
+    probe: str
+    version_text: Callable[[], str]
+    version_pattern: str
+    script: str = "joint.py"
+
+    @property
+    def elastic(self) -> bool:
+        """Whether its pieces are elastic; it needs no time step or period of rigid ones then."""
+        return Ability.ELASTIC in self.abilities
+
+    def missing(self) -> str | None:
+        """What to install, in one line; None if the program is there."""
+        if shutil.which(self.probe) and shutil.which(self.command[0]):
+            return None
+        return f"{self.name}: not installed; on Debian: apt-get install {self.package}"
+
+    def version(self) -> str:
+        """The program's own version, such as 3.8.0; RuntimeError if it is not installed."""
+        return _version(self)
+
+    def versions(self) -> dict[str, str]:
+        """Its version by its name; empty if it is not installed."""
+        return {} if self.missing() else {self.name: self.version()}
+
+
+@cache
+def _version(engine: Engine) -> str:
+    if missing := engine.missing():
+        raise RuntimeError(missing)
+    found = re.search(engine.version_pattern, engine.version_text(), re.MULTILINE)
+    if not found:
+        raise RuntimeError(f"{engine.name}: it does not tell its version")
+    return found[1]

@@ -1,0 +1,42 @@
+"""LIGGGHTS: distinct elements, on several processes if need be."""
+
+import subprocess
+import sys
+
+from workflow import colours
+from workflow.engines.engine import Engine, own_environment
+from workflow.model import Ability
+
+
+def _help() -> str:
+    alone = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_btl": "self"}
+    return subprocess.run(
+        ["liggghts", "-h"],
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        errors="replace",
+        env=own_environment(**alone),
+        check=False,
+    ).stdout
+
+
+LIGGGHTS = Engine(
+    name="liggghts",
+    label="LIGGGHTS",
+    colour=colours.ORANGE,
+    abilities=frozenset(  # its inner faces are as stiff along as across
+        {
+            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE, Ability.NUMERICS),
+            *(Ability.RIGID, Ability.SHARED, Ability.RANKS),
+            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+        }
+    ),
+    template="liggghts.py.j2",
+    command=(sys.executable,),  # the script starts LIGGGHTS and gives it commands
+    package="liggghts",
+    probe="liggghts",
+    version_text=_help,
+    version_pattern=r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)",
+    ignores=frozenset({"damping"}),
+)

@@ -1,0 +1,38 @@
+"""YADE: distinct elements, in Python."""
+
+import os
+from pathlib import Path
+
+from workflow import colours
+from workflow.engines.engine import Engine
+from workflow.model import Ability
+
+CONFIGURATION = "/usr/lib", "*/yade-double/py/yade/config.py"  # Debian's
+
+
+def _configuration() -> str:
+    """YADE's configuration: asking the program takes it two seconds."""
+    root, pattern = CONFIGURATION
+    return "".join(path.read_text() for path in sorted(Path(root).glob(pattern)))
+
+
+YADE = Engine(
+    name="yade",
+    label="YADE",
+    colour=colours.VERMILION,
+    abilities=frozenset(
+        {
+            *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
+            *(Ability.PROGRESSIVE, Ability.NUMERICS, Ability.RIGID, Ability.SHARED),
+            *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
+        }
+    ),
+    template="yade.py.j2",
+    # Debian's Python, not yade's own launcher: the latter opens ports on the loopback.
+    command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
+    package="yade",
+    probe="yade",
+    version_text=_configuration,
+    version_pattern=r"^version='(.+)'",
+    ignores=frozenset({"ranks"}),
+)

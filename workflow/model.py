@@ -1,0 +1,111 @@
+"""What a model is: its name and looks, what it can do, and why it refuses a study."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum, auto
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from workflow.outcome import Outcome
+    from workflow.problem import Problem
+
+
+class Ability(StrEnum):
+    """What a model can take into account, or can give."""
+
+    BRITTLE = auto()  # inner faces that lose their strength where it is reached
+    SOFTENING = auto()  # inner faces that lose it as they move on
+    DUCTILE = auto()  # inner faces that keep it
+    TWO_STIFFNESSES = auto()  # inner faces whose normal and shear stiffness differ
+    FRICTION = auto()  # on dry faces
+    PROGRESSIVE = auto()  # follows failure from node to node up to the peak
+    NUMERICS = auto()  # has settings of its own for the search, dem.numerics
+    RIGID = auto()  # pieces
+    ELASTIC = auto()  # pieces
+    JOINED = auto()  # columns without the compliance of a joint
+    SHARED = auto()  # a load that does not act on the whole lateral face
+    RANKS = auto()  # runs one case on several processes
+    STRESSES = auto()  # gives them at all nodes
+    DISPLACEMENTS = auto()  # gives the one that the load does work on
+    FIRST_FAILURE = auto()  # gives the load at which the first node fails
+
+
+@dataclass(frozen=True)
+class Need:
+    """What a study asks of its models: an ability, because ``key`` has this ``value``.
+
+    ``allowed``: the value that models without the ability can do.
+    """
+
+    ability: Ability
+    key: str
+    value: str
+    allowed: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """A model of the joint.
+
+    ``label``, ``colour``: in figures, report and explorer. ``ignores``: keys of dem.numerics that
+    have no effect on it.
+    """
+
+    name: str
+    label: str
+    colour: str
+    abilities: frozenset[Ability]
+    ignores: frozenset[str] = frozenset()
+
+    @property
+    def first_failure_only(self) -> bool:
+        """Whether it finds the first failure and goes no further: that is no peak."""
+        can = self.abilities
+        return Ability.FIRST_FAILURE in can and Ability.PROGRESSIVE not in can
+
+    def refusal(self, needs: Iterable[Need]) -> str | None:
+        """Why the model cannot do all that is needed, in one line; None if it can."""
+        for need in needs:
+            if need.ability not in self.abilities:
+                return (
+                    f"{need.key}: {need.value} is not possible with {self.name}; "
+                    f"it must be {need.allowed}"
+                )
+        return None
+
+    def run(self, problem: Problem) -> Outcome:
+        """What the model finds for ``problem``; TypeError if it is not solved in this process."""
+        raise TypeError(f"{self.name} is not solved in this process")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolvedModel(Model):
+    """A model that is solved in this process, many cases in one batch.
+
+    ``module``: where its ``solve`` is, which is loaded when it is used.
+    """
+
+    module: str
+
+    def run(self, problem: Problem) -> Outcome:
+        """What the model finds for ``problem``.
+
+        Raises `sidmacib.errors.CapacityError` where it has no answer.
+        """
+        found: Outcome = importlib.import_module(self.module).solve(problem)
+        return found
+
+
+class ReturnedModel(Model):
+    """A program that is run elsewhere; its results are read when they come back."""
+
+
+class ClosedForm(Model):
+    """A rule without pieces: its capacities are tabulated, and there is nothing to run."""
+
+
+class ChainLaw(ClosedForm):
+    """A rule from the chain of springs, which gives one load for each direction."""
