@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from campaigns.faults import AS_ANYBODY, not_writable
 from conftest import ROOT
-from faults import AS_ANYBODY, not_writable
 
 from workflow.caches import FOLDERS
 

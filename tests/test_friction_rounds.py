@@ -17,8 +17,9 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, Nod
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.newton import PATIENT, newton, node_forces
+from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
-from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver, friction_rounds
+from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.pieces import assemble

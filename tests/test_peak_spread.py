@@ -14,7 +14,7 @@ from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
-from sidmacib.mechanics.static.model import peak_spread as module
+from sidmacib.mechanics.static import peak_spread as module
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.static.peak_spread import (
     StaticCapacity,

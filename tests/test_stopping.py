@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 import yaml
+from campaigns.faults import processes_in
 from conftest import ROOT
-from faults import processes_in
 from test_execute import becomes_true
 
 from workflow.stopping import STOPPED
