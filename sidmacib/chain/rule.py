@@ -126,7 +126,9 @@ def require_covered(joint: Joint, direction: Direction) -> None:
                 f"at least {low:g}, or rigid" if math.isinf(high) else f"from {low:g} to {high:g}"
             )
             raise refused(
-                name, _short(value), f"{allowed}: the rule was not tested beyond; use the static model"
+                name,
+                _short(value),
+                f"{allowed}: not tested beyond; use the static model",
             )
     if joint.locks == 2 and abs(direction.eccentricity) > FARTHEST_OF_TWO:
         raise CapacityError(

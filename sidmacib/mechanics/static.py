@@ -32,7 +32,7 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
-LEAST_FINE = 1 / 64  # part of these increments that the history of friction may ask for
+LEAST_FINE = 1 / 16  # part of these increments that the history of friction may ask for
 HISTORY = 1e-3  # over the load: what half the increments may change at the first failure
 LEAST_LOAD = 1e-3  # or over this part of the loads' scale where the load is less
 MOST_LOAD = 1e9  # over the loads' scale: what carries this carries any load
@@ -131,13 +131,15 @@ def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], 
     """The path to the first failure, the nodes that fail there, and how fine its increments are.
 
     Friction depends on its history, which increments follow to first order: where contacts have
-    slipped on the way the increments are halved until the first failure stays where it is.
+    slipped on the way the increments are halved until the first failure stays where it is. A path
+    on which the solver gives up before a bond fails is not taken.
     """
     start, fine = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale)
     while fine > LEAST_FINE and any(point.state.slip.any() for point in path):
         closer, fail = _raised(solver, [start], scale, fine / 2)
-        if abs(closer[-1].load - path[-1].load) <= HISTORY * path[-1].load:
+        gave_up = failing.any() and not fail.any()
+        if gave_up or abs(closer[-1].load - path[-1].load) <= HISTORY * path[-1].load:
             break
         path, failing, fine = closer, fail, fine / 2
     return path, failing, fine
