@@ -24,7 +24,7 @@ from sidmacib.mechanics.rigid import RESIDUAL, RigidSolver
 from sidmacib.mechanics.static import static_first_failure, static_peak
 from sidmacib.pieces import assemble
 
-# Number 9783 of a design of 13,312 joints, as locks.yaml had: rough locks, soft roots, stiff dry faces.
+# Number 9783 of 13,312 joints of an older study: rough locks, soft roots, stiff dry faces.
 ROUGH = Joint(
     16,
     a=0.066531,
