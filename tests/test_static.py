@@ -239,7 +239,7 @@ def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> N
     changes = np.diff(found)
     assert (changes < 0.0).all() and (np.abs(changes[1:]) < 0.8 * np.abs(changes[:-1])).all()
     own = static_first_failure(model, loads).point.load  # as small as friction asks for
-    assert own == pytest.approx(2 * found[-1] - found[-2], rel=3e-3)
+    assert own == pytest.approx(2 * found[-1] - found[-2], rel=5e-3)
     assert found[0] > 1.04 * own and static_peak(model, loads).first_failure_load == own
     with pytest.raises(ValueError, match=r"increment: 0\.0 is not allowed"):
         static_first_failure(model, loads, increment=0.0)

@@ -32,7 +32,7 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
-LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
+LEAST_REFINEMENT = 1 / 16  # the least factor on these increments
 HISTORY = 1e-3  # change of the first failure when increments are halved, over the load: converged
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
@@ -133,13 +133,15 @@ def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], 
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
-    slipped on the path, the increments are halved until the first failure no longer changes.
+    slipped on the path, the increments are halved until the first failure no longer changes. A path
+    on which the solver gives up before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale)
     while refinement > LEAST_REFINEMENT and any(point.state.slip.any() for point in path):
         finer_path, finer_failing = _raised(solver, [start], scale, refinement / 2)
-        if abs(finer_path[-1].load - path[-1].load) <= HISTORY * path[-1].load:
+        gave_up = failing.any() and not finer_failing.any()
+        if gave_up or abs(finer_path[-1].load - path[-1].load) <= HISTORY * path[-1].load:
             break
         path, failing, refinement = finer_path, finer_failing, refinement / 2
     return path, failing, refinement
