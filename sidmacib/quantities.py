@@ -136,10 +136,10 @@ class Span:
         return _read_before(self.read, source, handler)
 
 
-def _read_before(read: Callable[[Any], Any], source: Any, handler: Any) -> Any:
-    from pydantic_core import core_schema
-
-    return core_schema.no_info_before_validator_function(read, handler(source))
+def _read_before(read: Callable[[Any], Any], source: Any, handler: Any) -> dict[str, Any]:
+    """A pydantic schema: ``read``, then the field's own. Plain data: no pydantic is needed here."""
+    function = {"type": "no-info", "function": read}
+    return {"type": "function-before", "function": function, "schema": handler(source)}
 
 
 def choice(kind: type[Choice], value: Any) -> Choice:

@@ -130,7 +130,7 @@ def problem(model: Assembly, loads: Loads, load: float) -> tuple[Problem, np.nda
     solver = RigidSolver(model, loads)
     state = NodeState.initial(solver.contact_law)
     target = solver.weight + load * solver.load
-    limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.most_displacement
+    limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.largest_step
     own = target, state.slip, state.whole, solver.stiffness, *limits
     return Problem(solver.structure, solver.matrix, *own), solver.rest
 

@@ -100,7 +100,7 @@ def test_the_strength_of_a_plain_lock_does_not_depend_on_those_that_differ() -> 
 
 @pytest.mark.parametrize("mesh", [0.04, 0.05])
 def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
-    with pytest.raises(ValueError, match=r"it must be more than 0 and less than 0.04 m"):
+    with pytest.raises(ValueError, match=r"mesh: must be more than 0 and less than 0.04 m"):
         assemble(Joint(3, different={2: OwnLock(width=0.04)}), mesh, NodeLayout.CENTRES)
 
 

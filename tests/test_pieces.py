@@ -90,7 +90,7 @@ def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None
 
 @pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])
 def test_a_mesh_that_does_not_fit_an_inner_face_is_refused(joint: Joint, mesh: float) -> None:
-    with pytest.raises(ValueError, match=rf"mesh: {mesh} m is .* 0.05 m"):
+    with pytest.raises(ValueError, match=rf"mesh: must be .* 0.05 m.*got {mesh} m"):
         assemble(joint, mesh, NodeLayout.CENTRES)
 
 

@@ -222,7 +222,7 @@ def test_many_locks_in_one_piece_under_torsion_have_a_safe_load() -> None:
 
 def test_two_locks_are_refused_alike_to_both_sides() -> None:
     for far in (-5.0, 5.0):
-        with pytest.raises(CapacityError, match=r"at most 0\.5 a to either side"):
+        with pytest.raises(CapacityError, match=r"at most 0\.5 a"):
             law(Joint(2), Direction(far))
 
 

@@ -175,7 +175,7 @@ def test_a_factor_on_a_strength_is_not_negative(joint: Joint, value: object) -> 
 
 
 def test_there_is_one_factor_on_the_strength_of_each_lock(joint: Joint) -> None:
-    with pytest.raises(ValueError, match=r"^strength: 2 factors .* each of the 3 locks$"):
+    with pytest.raises(ValueError, match=r"^strength: must be one factor for each of the 3 locks"):
         Sidmacib(joint, OPTIONS["option1"], strength=(1.0, 1.0))
 
 
@@ -187,7 +187,7 @@ def test_friction_in_sidmacib_is_a_choice_and_no_coefficient(joint: Joint) -> No
 @pytest.mark.parametrize(
     ("positions", "portions", "message"),
     [
-        ((0.1,), (0.4, 0.6), "positions: 1 values are not possible"),
+        ((0.1,), (0.4, 0.6), "positions: must be one for each of the 2 portions"),
         ((), (), r"portions: \(\) is not allowed"),
         ((-0.6, 0.6), (0.5, 0.5), "positions: .* must be from -0.5 to 0.5"),
         ((math.nan, 0.1), (0.5, 0.5), "positions: .* must be from -0.5 to 0.5"),
