@@ -28,6 +28,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.pieces import lock_faces
+from sidmacib.problem import Problem
 from workflow.case import Case
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
@@ -35,7 +36,6 @@ from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.job import paths
-from workflow.problem import Problem
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord
 from workflow.schema import Study

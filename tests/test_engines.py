@@ -16,11 +16,11 @@ from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
+from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
-from workflow.problem import Problem
 from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved
 

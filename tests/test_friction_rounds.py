@@ -18,7 +18,7 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
 from sidmacib.mechanics.newton import PATIENT, newton, node_forces
 from sidmacib.mechanics.rigid import friction_rounds
-from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
@@ -125,14 +125,14 @@ def test_every_equilibrium_of_rough_locks_obeys_the_law(
     assert found.path[0].load == 0.0
 
 
-def problem(model: Assembly, loads: Loads, load: float) -> tuple[Problem, np.ndarray]:
+def problem(model: Assembly, loads: Loads, load: float) -> tuple[EquilibriumSearch, np.ndarray]:
     """The search at ``load`` (N) with nothing slipped yet, and the elastic displacements."""
     solver = RigidSolver(model, loads)
     state = NodeState.initial(solver.contact_law)
     target = solver.weight + load * solver.load
     limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.largest_step
     own = target, state.slip, state.whole, solver.stiffness, *limits
-    return Problem(solver.structure, solver.matrix, *own), solver.rest
+    return EquilibriumSearch(solver.structure, solver.matrix, *own), solver.rest
 
 
 def test_rounds_find_what_newtons_method_does_not() -> None:

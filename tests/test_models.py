@@ -8,11 +8,11 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
+from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.model import Ability, Model, Need
 from workflow.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
 from workflow.outcome import Outcome, State
-from workflow.problem import Problem
 
 DUCTILE = Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
 STIFF = Need(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")

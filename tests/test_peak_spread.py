@@ -23,8 +23,8 @@ from sidmacib.mechanics.static.peak_spread import (
     static_capacity,
 )
 from sidmacib.pieces import assemble
+from sidmacib.problem import Problem
 from workflow.case import Case
-from workflow.problem import Problem
 from workflow.results.record import CaseRecord
 from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved

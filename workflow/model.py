@@ -9,8 +9,8 @@ from enum import StrEnum, auto
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sidmacib.problem import Problem
     from workflow.outcome import Outcome
-    from workflow.problem import Problem
 
 
 class Ability(StrEnum):
@@ -107,5 +107,5 @@ class ClosedForm(Model):
     """A rule without pieces: its capacities are tabulated, and there is nothing to run."""
 
 
-class ChainLaw(ClosedForm):
-    """A rule from the chain of springs, which gives one load for each direction."""
+class FirstFailureLaw(ClosedForm):
+    """The law of the first failure, or the safe rule: one load for each direction."""

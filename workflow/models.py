@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 from workflow import colours
 from workflow.engines import ENGINES
-from workflow.model import Ability, ChainLaw, ClosedForm, Model, ReturnedModel, SolvedModel
+from workflow.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
 
 REFERENCE_MODEL = "static"  # every engine is compared with it, on the same nodes
 _OF_THE_PIECES = {
@@ -46,8 +46,10 @@ _ALL: tuple[Model, ...] = (
         colour=colours.BLACK,
         abilities=frozenset({*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE}),
     ),
-    ChainLaw(name="law", label="law", colour=colours.OCHRE, abilities=frozenset(_OF_ANY_FAILURE)),
-    ChainLaw(
+    FirstFailureLaw(
+        name="law", label="law", colour=colours.OCHRE, abilities=frozenset(_OF_ANY_FAILURE)
+    ),
+    FirstFailureLaw(
         name="safe",
         label="safe rule",
         colour=colours.GREEN,
@@ -64,7 +66,7 @@ MODELS = {model.name: model for model in _ALL}
 # Names of the models whose results are obtained in the same way.
 SOLVED = tuple(model.name for model in _ALL if isinstance(model, SolvedModel))
 RETURNED = tuple(model.name for model in _ALL if isinstance(model, ReturnedModel))
-LAWS = tuple(model.name for model in _ALL if isinstance(model, ChainLaw))
+LAWS = tuple(model.name for model in _ALL if isinstance(model, FirstFailureLaw))
 CLOSED_FORM = tuple(model.name for model in _ALL if isinstance(model, ClosedForm))
 
 

@@ -23,11 +23,12 @@ from sidmacib.mechanics.assembly import (
     self_weight,
 )
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.problem import Problem
 from workflow.case import REFERENCE, Case
 from workflow.cases import cases_of
 from workflow.engines.render import ENVIRONMENT
 from workflow.outcome import Outcome, State
-from workflow.problem import Problem, problem_of
+from workflow.problem import problem_of
 from workflow.results.files import stress_to_force
 from workflow.results.record import ResultError
 from workflow.schema import Study

@@ -10,10 +10,9 @@ from analysis.looks import look_of
 from analysis.outlines import outlines
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.loading import Loading
 from sidmacib.mechanics.static.peak_spread import static_capacity
-from sidmacib.pieces import assemble
+from sidmacib.problem import load_path, posed
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights
@@ -83,10 +82,9 @@ def spread_words(joint: Joint, ratio: float) -> str:
     """
     if joint.elastic is not None:
         return ""
-    direction = Direction(ratio)
-    assembly = assemble(joint, COARSE * joint.least_side)
+    loading = Loading(Direction(ratio))
     try:
-        found = static_capacity(assembly, lateral_load(joint, assembly, Loading(direction)))
+        found = static_capacity(*posed(joint, loading, COARSE * joint.least_side))
     except CapacityError:
         return ""
     spread = 100.0 * found.spread
@@ -94,7 +92,7 @@ def spread_words(joint: Joint, ratio: float) -> str:
         return f" (spread {spread:.1f} % at {ratio:g} a)"
     return (
         f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: count on the first failure, "
-        f"V = {found.load * direction.shear:.4g} N)"
+        f"V = {found.load * loading.direction.shear:.4g} N)"
     )
 
 

@@ -61,15 +61,12 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.load_path import load_path
-    from sidmacib.loading import lateral_load
     from sidmacib.mechanics.static.peak_spread import static_capacity
-    from sidmacib.pieces import assemble
+    from sidmacib.problem import load_path, posed
 
     loading, meshes = Loading(direction, push=push), _meshes(joint)
     coarse = load_path(joint, loading, meshes[0])[1]
-    assembly = assemble(joint, meshes[1])
-    fine = static_capacity(assembly, lateral_load(joint, assembly, loading))
+    fine = static_capacity(*posed(joint, loading, meshes[1]))
     if not (fine.load > 0.0 and coarse.peak.load > 0.0):
         return Answer(float(fine.load), "nothing is carried", peak_spread=fine.spread)
     note = (
@@ -99,13 +96,11 @@ def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticCapacity") 
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.loading import lateral_load
     from sidmacib.mechanics.limit import limit_load
-    from sidmacib.pieces import assemble
+    from sidmacib.problem import posed
 
-    assembly = assemble(joint, _meshes(joint)[1])
-    loads = lateral_load(joint, assembly, Loading(direction, push=push))
-    return Answer(float(limit_load(assembly, loads).load), "bonds that yield, no friction")
+    problem = posed(joint, Loading(direction, push=push), _meshes(joint)[1])
+    return Answer(float(limit_load(*problem).load), "bonds that yield, no friction")
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -172,7 +167,7 @@ def reason(error: Exception) -> str:
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
-    from sidmacib.load_path import load_path
+    from sidmacib.problem import load_path
     from sidmacib.weights import lock_weights
 
     loading = Loading(Direction(ratio), push=push)

@@ -23,11 +23,10 @@ from scipy.optimize import differential_evolution
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import Hold, HoldDown
 from sidmacib.joint import Block, Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.pieces import assemble
+from sidmacib.problem import load_path, posed
 from sidmacib.rule.law import SPANS, safe
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to
@@ -147,10 +146,9 @@ def ratio_at(space: Space, place: Sequence[float]) -> float | None:
     if promised is None:
         return 0.0
     joint = target.joint
-    assembly = assemble(joint, joint.least_side / CELLS[space.elastic])
     try:
-        loads = lateral_load(joint, assembly, target.loading)
-        load = static_first_failure(assembly, loads).point.load
+        problem = posed(joint, target.loading, joint.least_side / CELLS[space.elastic])
+        load = static_first_failure(*problem).point.load
     except CapacityError:
         return None
     return promised / load if load > 0.0 else math.inf

@@ -8,7 +8,6 @@ it, no listening socket and no file of an engine may be left. Faults are counted
 build/faults.csv.
 """
 
-import argparse
 import json
 import os
 import random
@@ -25,10 +24,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
-from campaigns.counts import write_counts
+from campaigns.counts import ROOT, asked, write_counts
 from tables import tables_of
 
-ROOT = Path(__file__).parents[2]
 STUDY = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
@@ -357,14 +355,10 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
 
 def main() -> None:
     """Run as many faults as asked for, one kind after the other, and write their counts."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--faults", type=int, default=500)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--table", type=Path, default=ROOT / "build/faults.csv")
-    arguments = parser.parse_args()
+    arguments = asked(__doc__, "faults", 500, "faults.csv")
     with begun(arguments.seed) as campaign:
         number = 0
-        while sum(campaign.counts.values()) < arguments.faults:
+        while sum(campaign.counts.values()) < arguments.number:
             held(campaign, FAULTS[number % len(FAULTS)])
             number += 1
             print(f"{sum(campaign.counts.values())} faults: {campaign.counts}", flush=True)

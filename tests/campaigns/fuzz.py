@@ -7,7 +7,6 @@ from valid ones, by changes at random. Whoever reads them may refuse them with a
 of few lines; nothing else. What was tried is counted by kind in build/fuzz.csv.
 """
 
-import argparse
 import json
 import math
 import random
@@ -20,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import yaml
-from campaigns.counts import write_counts
+from campaigns.counts import ROOT, asked, write_counts
 from click.testing import CliRunner
 from test_decks import returned
 from test_record import case_of, write_engine_files
@@ -35,7 +34,6 @@ from workflow.results.files import HISTORY, NODES, RESULT, read_outcome
 from workflow.results.record import CaseRecord, ResultError, record_of
 from workflow.threedec import read_returned
 
-ROOT = Path(__file__).parents[2]
 PUBLISHED: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())
 SMALL = """samples: {n3: {locks: 3}, wide: {locks: 5, a: 0.09, dry: {friction: 0.1}}}
 geometry: {a: 0.06, h: 0.01}
@@ -252,14 +250,10 @@ def tried(fuzz: Fuzz, number: int) -> None:
 
 def main() -> None:
     """Try as many as asked for, and write their counts."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--inputs", type=int, default=100_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--table", type=Path, default=ROOT / "build/fuzz.csv")
-    arguments = parser.parse_args()
+    arguments = asked(__doc__, "inputs", 100_000, "fuzz.csv")
     with begun(arguments.seed) as fuzz:
         for part in range(100):
-            tried(fuzz, math.ceil(arguments.inputs / 100))
+            tried(fuzz, math.ceil(arguments.number / 100))
             print(f"{part + 1} %", end="\r", flush=True)
     rows = [
         (kind, fuzz.accepted[kind], fuzz.refused[kind])

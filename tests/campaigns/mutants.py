@@ -7,7 +7,6 @@ one kind at a place. The tests that import a module come first, then the others.
 share that is noticed; build/mutants.csv has every fault.
 """
 
-import argparse
 import csv
 import random
 import re
@@ -19,12 +18,12 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from campaigns.counts import ROOT, asked
 from cosmic_ray.commands.init import init
 from cosmic_ray.mutating import mutate_and_test
 from cosmic_ray.work_db import WorkDB, use_db
 from cosmic_ray.work_item import MutationSpec, TestOutcome
 
-ROOT = Path(__file__).parents[2]
 READERS = ("workflow/results/files.py", "workflow/results/record.py", "workflow/threedec.py")
 EVERYDAY = "not engine and not study and not machine"
 TYPES = "BitOr"  # float | None: no tests are for those
@@ -89,11 +88,7 @@ def tried(checkout: Path, faults: Iterable[MutationSpec]) -> Iterator[Mutant]:
 
 def main() -> None:
     """Try as many as asked for, in a copy of the checkout as it was committed."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--mutants", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--table", type=Path, default=ROOT / "build/mutants.csv")
-    arguments = parser.parse_args()
+    arguments = asked(__doc__, "mutants", 200, "mutants.csv")
     arguments.table.parent.mkdir(parents=True, exist_ok=True)
     counts = [0, 0]
     with tempfile.TemporaryDirectory(prefix="multilock-mutants-") as name:
@@ -104,7 +99,7 @@ def main() -> None:
         if subprocess.run(command(checkout), shell=True, check=False).returncode:
             raise SystemExit("The tests fail before any fault is put in.")
         every = places(Path(name), modules)
-        some = chosen.sample(every, min(arguments.mutants, len(every)))
+        some = chosen.sample(every, min(arguments.number, len(every)))
         with arguments.table.open("w", newline="") as stream:
             writer = csv.writer(stream, lineterminator="\n")
             writer.writerow(Mutant.__dataclass_fields__)

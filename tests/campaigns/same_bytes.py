@@ -18,10 +18,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
-from campaigns.counts import write_counts
+from campaigns.counts import ROOT, write_counts
 from kernels import NEEDS, can_run
 
-ROOT = Path(__file__).parents[2]
 STUDY = {
     "samples": {"n5": {"locks": 5, "dry": {"friction": 0.1}}},
     "meshes": [0.02],

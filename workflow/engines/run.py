@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Assembly, Failure, Kind
+from sidmacib.problem import Problem
 from workflow.engines.engine import Engine
 from workflow.engines.execute import EngineNoAnswerError, execute
 from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
 from workflow.model import Ability
-from workflow.problem import Problem
 
 
 def run_engine(

@@ -17,10 +17,10 @@ from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
+from sidmacib.problem import Problem
 from sidmacib.weights import LockWeight, lock_weights
 from workflow.case import Case
 from workflow.outcome import Outcome
-from workflow.problem import Problem
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007

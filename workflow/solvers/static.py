@@ -3,8 +3,8 @@
 from sidmacib.mechanics.solution import Equilibrium, StaticSolution
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.static.peak_spread import static_capacity
+from sidmacib.problem import Problem
 from workflow.outcome import Outcome, State
-from workflow.problem import Problem
 
 
 def solve(problem: Problem) -> Outcome:

@@ -43,7 +43,7 @@ FRICTION, GIVEN = 2, 3  # columns of `Structure.nodes`
 
 
 @dataclass(frozen=True)
-class Problem:
+class EquilibriumSearch:
     """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.newton`.
 
     ``target`` (U,) in N; ``slip`` (N, 2) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
@@ -86,7 +86,7 @@ class Problem:
         return solution if converged else None
 
 
-def by_rounds(problem: Problem, guess: Floats) -> Floats | None:
+def by_rounds(problem: EquilibriumSearch, guess: Floats) -> Floats | None:
     """Unknowns (U,) of an equilibrium, from a ``guess``; None if none is found.
 
     The first rounds start with the limits of the guess, to find an equilibrium nearby; if they
@@ -101,7 +101,7 @@ def by_rounds(problem: Problem, guess: Floats) -> Floats | None:
     return _rounds(problem, stuck, problem.limits(stuck)) if solution is None else solution
 
 
-def _rounds(problem: Problem, unknowns: Floats, limits: Floats) -> Floats | None:
+def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> Floats | None:
     """Rounds from ``unknowns``, the first of them with ``limits`` (N); see `by_rounds`."""
     lost, share, last = 0, 1.0, np.zeros_like(limits)  # rounds without equilibrium, in a row
     for number in range(ROUNDS):
@@ -120,7 +120,9 @@ def _rounds(problem: Problem, unknowns: Floats, limits: Floats) -> Floats | None
     return None
 
 
-def _given_limits(problem: Problem, unknowns: Floats, limits: Floats) -> tuple[Floats, bool]:
+def _given_limits(
+    problem: EquilibriumSearch, unknowns: Floats, limits: Floats
+) -> tuple[Floats, bool]:
     """The minimum of the energy with friction ``limits`` (N), (N,), and whether it was found.
 
     It is not found if the loads push pieces away; these are then some way off.

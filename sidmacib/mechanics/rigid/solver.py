@@ -13,7 +13,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium, node_forces
-from sidmacib.mechanics.rigid.friction_rounds import Problem, by_rounds
+from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs
@@ -71,7 +71,7 @@ class RigidSolver:
         )
         if thorough and not converged:
             at_nodes = target, state.slip, state.whole, self.stiffness
-            problem = Problem(self.structure, self.matrix, *at_nodes, *limits)
+            problem = EquilibriumSearch(self.structure, self.matrix, *at_nodes, *limits)
             by_limits = by_rounds(problem, begin)
             if by_limits is not None:
                 converged, unknowns = True, by_limits

@@ -1,0 +1,39 @@
+"""What a model is asked about a joint, pieces under loads, and the static model's answer."""
+
+from typing import NamedTuple
+
+from sidmacib.joint import Joint
+from sidmacib.loading import Loading, lateral_load
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.pieces import assemble
+
+
+class Problem(NamedTuple):
+    """Pieces with their faces and nodes, and the loads on them."""
+
+    assembly: Assembly
+    loads: Loads
+
+
+def posed(
+    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+) -> Problem:
+    """The pieces of ``joint`` on cells of at most ``mesh`` (m), under ``loading``.
+
+    Errors of `sidmacib.assemble` and `sidmacib.lateral_load`.
+    """
+    assembly = assemble(joint, mesh, nodes)
+    return Problem(assembly, lateral_load(joint, assembly, loading))
+
+
+def load_path(
+    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+) -> tuple[Assembly, StaticSolution]:
+    """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
+
+    Errors of `posed` and `sidmacib.static_peak`.
+    """
+    problem = posed(joint, loading, mesh, nodes)
+    return problem.assembly, static_peak(*problem)
