@@ -1,12 +1,10 @@
-"""What a model is asked about a joint, pieces under loads, and the static model's answer."""
+"""What a model is asked about a joint: pieces under loads. Light to import."""
 
 from typing import NamedTuple
 
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
 
 
@@ -26,14 +24,3 @@ def posed(
     """
     assembly = assemble(joint, mesh, nodes)
     return Problem(assembly, lateral_load(joint, assembly, loading))
-
-
-def load_path(
-    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
-) -> tuple[Assembly, StaticSolution]:
-    """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
-
-    Errors of `posed` and `sidmacib.static_peak`.
-    """
-    problem = posed(joint, loading, mesh, nodes)
-    return problem.assembly, static_peak(*problem)

@@ -16,9 +16,9 @@ from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves
 from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.problem import load_path
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.pairs import pairs_of
 from sidmacib.weights import lock_weights

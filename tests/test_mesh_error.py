@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from analysis.mesh_error import MeshErrors, errors_of
 from sidmacib.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
-from sidmacib.problem import load_path
 from workflow.case import Case
 from workflow.cases import second_mesh
 from workflow.results.record import CaseRecord, failed_record

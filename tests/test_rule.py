@@ -9,11 +9,11 @@ import pytest
 from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble
-from sidmacib.problem import load_path
 from sidmacib.rule.law import RULES, SAFETY, law, safe
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)

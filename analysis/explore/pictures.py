@@ -10,9 +10,10 @@ from analysis.looks import look_of
 from analysis.outlines import outlines
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
+from sidmacib.load_path import load_path
 from sidmacib.loading import Loading
 from sidmacib.mechanics.static.peak_spread import static_capacity
-from sidmacib.problem import load_path, posed
+from sidmacib.problem import posed
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights

@@ -8,10 +8,10 @@ import numpy as np
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
+from sidmacib.load_path import load_path
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.pieces import cut_pieces, lock_faces, upper_block
-from sidmacib.problem import load_path
 from workflow.case import REFERENCE, Case
 from workflow.models import REFERENCE_MODEL
 

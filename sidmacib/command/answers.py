@@ -61,8 +61,9 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.load_path import load_path
     from sidmacib.mechanics.static.peak_spread import static_capacity
-    from sidmacib.problem import load_path, posed
+    from sidmacib.problem import posed
 
     loading, meshes = Loading(direction, push=push), _meshes(joint)
     coarse = load_path(joint, loading, meshes[0])[1]
@@ -167,7 +168,7 @@ def reason(error: Exception) -> str:
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
-    from sidmacib.problem import load_path
+    from sidmacib.load_path import load_path
     from sidmacib.weights import lock_weights
 
     loading = Loading(Direction(ratio), push=push)

@@ -1,0 +1,19 @@
+"""The static model of a joint in one call: its pieces, and its path to the peak."""
+
+from sidmacib.joint import Joint
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import posed
+
+
+def load_path(
+    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+) -> tuple[Assembly, StaticSolution]:
+    """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
+
+    Errors of `sidmacib.problem.posed` and `sidmacib.static_peak`.
+    """
+    problem = posed(joint, loading, mesh, nodes)
+    return problem.assembly, static_peak(*problem)
