@@ -3,7 +3,7 @@
 # make report  the report alone, one page: report.html in $(RESULTS); make study writes it too
 # make explore a page with sliders for a joint of your own, on this machine only
 # make calibrate  which geometry fits the published numbers
-# make locks   the study of the law: how many locks work, over 768 joints; hours, goes on where stopped
+# make locks   the study of the law: how many locks work, over 640 joints; hours, goes on where stopped
 # make study PROFILE=slurm  the same on a SLURM cluster, see docs/howto/cluster.md
 # make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
 # make test    lint and all tests, real runs of the engines included
