@@ -21,6 +21,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
+from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
 from workflow.closure import ROOT
 from workflow.configuration import read_study
@@ -148,6 +149,9 @@ def library_figures() -> Iterator[Figure]:
     for _ in range(10):
         sidmacib.envelope(model)
     yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * (time.perf_counter() - start) / 10)
+    seconds = step_seconds()
+    if seconds is not None:
+        yield Figure("explorer, a step of the slider", "CPU-s", seconds)
 
 
 def process_figures(base: Path | None, folder: Path) -> Iterator[Figure]:
