@@ -16,6 +16,7 @@ from workflow.model import Ability, Need
 from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
+from workflow.schema.campaign import required_sections
 from workflow.schema.dem import NumericsSection
 from workflow.schema.joint import PartSection, changed
 from workflow.schema.values import shown_key
@@ -53,6 +54,9 @@ def faults(study: Study) -> Iterator[str]:
             f"{_some(study.meshes)}"
         )
     yield from _measured(study)
+    for section in required_sections(study.campaign) if study.campaign else ():
+        if not getattr(study, section):
+            yield f"campaign: {study.campaign} needs {section}"
     if REFERENCE in study.variants:
         yield f"variants: the name {REFERENCE} is taken; it must be another"
 

@@ -1,8 +1,6 @@
 # The law on the study's samplings, and tables and figures of that.
 from dataclasses import asdict
 
-if not STUDY.samplings:
-    sys.exit("Error in the configuration: campaign: locks needs samplings")
 WILDCARDS["law"] = OF_SAMPLINGS
 
 

@@ -1,5 +1,6 @@
 """The campaign that a study belongs to: a folder of `studies` with rules of its own."""
 
+import importlib
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,3 +20,9 @@ def campaign(value: Any) -> str:
 
 
 Campaign = Annotated[str, BeforeValidator(campaign)]
+
+
+def required_sections(name: str) -> tuple[str, ...]:
+    """Sections of the configuration that the campaign ``name`` says it cannot do without."""
+    package = importlib.import_module(f"studies.{name}")
+    return tuple(getattr(package, "REQUIRED_SECTIONS", ()))

@@ -1,7 +1,7 @@
 """A whole study."""
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import Field
 
@@ -41,8 +41,12 @@ class FiguresSection(Section):
     eccentricity: Positive = 0.5
 
 
-# Keys that no job of a case or a table depends on.
-_UNRELATED = ("results", "samplings", "campaign")
+# What the tables of all models depend on; the engines' numerics are not part of it. With further
+# sections it is a study still.
+_TABLES = (
+    *("samples", "geometry", "materials", "meshes", "nodes", "eccentricities", "assembly"),
+    *("models", "sidmacib"),
+)
 
 
 class Study(Section):
@@ -118,32 +122,26 @@ class Study(Section):
         return Elastic(young or self.materials.young, self.materials.poisson)
 
     def tables_json(self) -> str:
-        """What the tables depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without("overrides", "variants", "calibration", "figures", "measured")
+        """What the tables depend on, as JSON."""
+        return self._selected()
 
     def measured_json(self) -> str:
         """What the comparison with measured loads depends on, as JSON."""
-        return self._without("overrides", "variants", "calibration", "figures")
+        return self._selected("measured")
 
     def pieces_json(self) -> str:
         """What the models of the joint's pieces that need no engine depend on, as JSON."""
-        return self._without("overrides", "calibration", "figures", "measured")
+        return self._selected("variants")
 
     def figures_json(self) -> str:
-        """What the figures depend on, as JSON; the engines' numerics are not part of it."""
-        return self._without("overrides", "calibration")
+        """What the figures depend on, as JSON."""
+        return self._selected("variants", "figures", "measured")
 
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
-        return self.model_dump_json(
-            exclude={*_UNRELATED, "overrides", "variants", "figures", "measured"}
-        )
+        return self.model_dump_json(include={*_TABLES, "dem", "calibration"})
 
-    def _without(self, *sections: str) -> str:
-        """All but `_UNRELATED`, some ``sections`` and the engines' numerics.
-
-        What is left is a valid study.
-        """
-        dem = {"numerics": True, "time_limit": True}
-        left = dict.fromkeys((*_UNRELATED, *sections), True)
-        return self.model_dump_json(exclude={**left, "dem": dem})
+    def _selected(self, *sections: str) -> str:
+        """`_TABLES`, the engines' names and some ``sections``: a valid study."""
+        chosen: dict[str, Any] = dict.fromkeys((*_TABLES, *sections), True)
+        return self.model_dump_json(include={**chosen, "dem": {"engines"}})
