@@ -17,7 +17,10 @@ from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
-SHARED = ("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m")
+SHARED = (
+    *("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m"),
+    "eccentricity_over_a",
+)
 
 
 def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
@@ -29,8 +32,7 @@ def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
 def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
     """One row per case: W_sum, W_sum rounded down, and the sum over the lower locks."""
     lower = weights["weight"].where(weights["block"] == "lower", 0.0)
-    keys = ["model", "variant", "sample", "locks", "mesh_m", "eccentricity_m", "case"]
-    sums = weights.assign(lower=lower).groupby(keys, sort=False)[["weight", "lower"]].sum()
+    sums = weights.assign(lower=lower).groupby(list(SHARED), sort=False)[["weight", "lower"]].sum()
     sums = sums.rename(columns={"weight": "weight_sum", "lower": "lower_weight_sum"})
     sums.insert(1, "weight_sum_floor", np.floor(sums["weight_sum"]).astype(int))
     return sums.reset_index()

@@ -13,6 +13,7 @@ from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.pieces import assemble
 from workflow.case import Case
+from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.outcome import Outcome
 from workflow.problem import problem_of
@@ -29,7 +30,7 @@ NUMBER = r"(-?[\d.e+-]+)"
 
 @pytest.fixture(params=["n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion"])
 def case(request: pytest.FixtureRequest) -> Case:
-    return decks(STUDY)[request.param]
+    return decks(STUDY, cases_of(STUDY).values())[request.param]
 
 
 def static_outcome(case: Case) -> Outcome:
@@ -63,8 +64,8 @@ def discretised(case: Case) -> Assembly:
 
 
 def test_there_is_a_deck_for_every_case_of_the_reference() -> None:
-    assert len(decks(STUDY)) == 3
-    assert {case.model for case in decks(STUDY).values()} == {"3dec"}
+    assert len(decks(STUDY, cases_of(STUDY).values())) == 3
+    assert {case.model for case in decks(STUDY, cases_of(STUDY).values()).values()} == {"3dec"}
 
 
 def test_blocks_are_the_pieces_and_fixed_where_they_are(case: Case) -> None:

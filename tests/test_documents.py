@@ -20,7 +20,7 @@ from sidmacib.yaml_text import parsed
 from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.results.files import CASE, OUTPUTS, RECORD, case_folder
+from workflow.results.files import CASE, OUTPUTS, RECORD
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 from workflow.snakefile import plan_of
@@ -166,7 +166,7 @@ def test_make_knows_every_command() -> None:
 
 def test_every_command_for_snakemake_asks_for_results_of_a_case() -> None:
     study = read_study_file(ROOT / "config.yaml")
-    cases = {f"{study.results}/{case_folder(*case)}/result.json" for case in cases_of(study)}
+    cases = {f"{study.results}/{case.folder}/result.json" for case in cases_of(study)}
     for page in PAGES:
         for words in commands(page, "snakemake"):
             assert set(words) <= cases
@@ -209,7 +209,7 @@ def results() -> set[str]:
         *plan_of(read_study_file(ROOT / "studies/locks/config.yaml")).jobs.values(),
     ]
     paths = {f"results/{name}" for job in jobs for name in job.made}
-    folders = {f"results/{case_folder(*case)}" for case in plan.cases}
+    folders = {f"results/{case.folder}" for case in plan.cases}
     paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}
     paths |= {
         f"results/{folder}/{name}"

@@ -118,7 +118,7 @@ def test_cases_for_the_mesh_error_are_in_no_fit(tables: dict[str, pd.DataFrame])
 
 
 def test_decks_are_written_for_the_studys_meshes_and_for_every_sample(study: Study) -> None:
-    found = decks(study).values()
+    found = decks(study, cases_of(study).values()).values()
     assert {case.mesh for case in found} == {0.02}
     assert {case.sample for case in found} == {"n3", "n3_fits"}
 

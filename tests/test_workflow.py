@@ -16,6 +16,7 @@ import yaml
 from conftest import ROOT
 from test_decks import returned
 
+from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.threedec import decks
 
@@ -253,7 +254,8 @@ def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
 def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Workspace) -> None:
     config = {**SOLVED, "models": ["static", "limit"], "eccentricities": [0]}
     workspace.configure(config)
-    case = decks(read_study(config))["n3-mesh0.03-e0a"]
+    study = read_study(config)
+    case = decks(study, cases_of(study).values())["n3-mesh0.03-e0a"]
     folder = workspace.results / "decks/3dec/n3-mesh0.03-e0a"
     folder.mkdir(parents=True)
     (folder / "results.txt").write_text(returned(case, 245.5))

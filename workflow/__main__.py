@@ -21,7 +21,7 @@ from workflow.configuration import CallError, ConfigError, installed_engines, re
 from workflow.consistency import notes
 from workflow.job import end_with_parent
 from workflow.models import CLOSED_FORM, REFERENCE_MODEL
-from workflow.results.files import RECORD, case_folder
+from workflow.results.files import RECORD
 from workflow.schema import Study
 from workflow.waiting import waiting
 
@@ -157,7 +157,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if model in CLOSED_FORM:
         return _rule(own, name, model)
     chosen = find_case(own, name, model)
-    folder = Path(own.results, case_folder(chosen.model, chosen.name))
+    folder = Path(own.results, chosen.id.folder)
     engines = list(own.dem.engines)
     if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
         return f"{name}: no result{_because()}"

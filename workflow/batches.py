@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case, case_name
+from workflow.case import Case, CaseId, case_name
 from workflow.cases import cases_of, second_mesh
 from workflow.engines import ENGINES
 from workflow.model import Ability
@@ -30,47 +30,42 @@ class Batch:
 class CaseJobs:
     """The cases of a study by the job that finds their results.
 
-    ``cases``: by model and name, those of the study itself. ``engines``, ``returned``: by model and
-    name. ``batches``: by model and name of the batch. ``decks``: cases that 3DEC may solve, by
-    name. Beside the study's own cases there are those of the static model that engines are compared
-    with.
+    ``cases``: those of the study itself; the others have those of the static model too that engines
+    are compared with. ``batches``: by model and name of the batch. ``decks``: cases that 3DEC may
+    solve, by name.
     """
 
-    cases: Mapping[tuple[str, str], Case]
-    engines: Mapping[tuple[str, str], Case]
+    cases: Mapping[CaseId, Case]
+    engines: Mapping[CaseId, Case]
     batches: Mapping[tuple[str, str], Batch]
-    returned: Mapping[tuple[str, str], Case]
+    returned: Mapping[CaseId, Case]
     decks: Mapping[str, Case]
 
     @property
-    def batch_of(self) -> dict[tuple[str, str], str]:
-        """The batch that a case is in, by model and name of the case."""
-        return {
-            (model, case.name): name
-            for (model, name), batch in self.batches.items()
-            for case in batch.cases
-        }
+    def batch_of(self) -> dict[CaseId, str]:
+        """The name of the batch that a case is in."""
+        return {case.id: name for (_, name), batch in self.batches.items() for case in batch.cases}
 
 
 def case_jobs(study: Study) -> CaseJobs:
     """All cases of ``study``; results returned from 3DEC count like those of any other model."""
-    cases = dict(cases_of(study))
-    of_decks = decks(study)
+    cases = cases_of(study)
+    of_decks = decks(study, cases.values())
     cases |= {
-        (case.model, name): case
+        case.id: case
         for name, case in of_decks.items()
         if Path(study.results, deck_folder(name), PRINTED).is_file()
     }
-    engines: dict[tuple[str, str], Case] = {}
-    returned: dict[tuple[str, str], Case] = {}
+    engines: dict[CaseId, Case] = {}
+    returned: dict[CaseId, Case] = {}
     solved: dict[str, list[Case]] = {}
     for case in (*cases.values(), *reference_cases(cases.values())):
         if case.model in ENGINES:
-            engines[case.model, case.name] = case
+            engines[case.id] = case
         elif case.model in SOLVED:
             solved.setdefault(case.model, []).append(case)
         elif case.model in RETURNED:
-            returned[case.model, case.name] = case
+            returned[case.id] = case
     in_batches = {
         (model, name): Batch(tuple(batch))
         for model, own in solved.items()

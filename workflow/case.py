@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from sidmacib.fields import from_plain
 from sidmacib.joint import Direction, Joint
@@ -13,6 +13,18 @@ from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
+
+
+class CaseId(NamedTuple):
+    """What tells a case from all others of its study: the model and the case's name."""
+
+    model: str
+    name: str
+
+    @property
+    def folder(self) -> str:
+        """Where the files of the case are, below the results folder."""
+        return f"cases/{self.model}/{self.name}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +43,11 @@ class Case:
     nodes: NodeLayout
     loading: Loading
     numerics: Numerics | None
+
+    @property
+    def id(self) -> CaseId:
+        """Its identity in its study."""
+        return CaseId(self.model, self.name)
 
     @property
     def direction(self) -> Direction:

@@ -11,7 +11,7 @@ from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE, Case, case_name
+from workflow.case import REFERENCE, Case, CaseId, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
@@ -29,8 +29,8 @@ BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of
 WHOLE = 0.999  # of a side: a mesh must be less than it
 
 
-def cases_of(study: Study) -> dict[tuple[str, str], Case]:
-    """All cases of ``study`` by model and name.
+def cases_of(study: Study) -> dict[CaseId, Case]:
+    """All cases of ``study`` by their identity.
 
     Raises `ConfigError` for overrides of cases that do not exist, and if there are too many cases.
     """
@@ -39,7 +39,7 @@ def cases_of(study: Study) -> dict[tuple[str, str], Case]:
             f"study: {count:,} cases, samples times meshes times eccentricities times models and "
             f"variants, are too many; there must be {MAX_CASES:,} or fewer"
         )
-    cases = {(case.model, case.name): case for case in _cases(study, study.model_names)}
+    cases = {case.id: case for case in _cases(study, study.model_names)}
     if study.overrides:
         # Engines that are left out, because they are not installed, have these cases too.
         names = {case.name for case in _cases(study, tuple(ENGINES))}
@@ -227,12 +227,13 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
     leading = detailed(study.model_names)
     there = [m for m in leading if m not in ENGINES or not ENGINES[m].missing()]
     among = there or leading
-    model = model or next((m for m in among if (m, name) in cases), among[0])
+    model = model or next((m for m in among if CaseId(m, name) in cases), among[0])
     runs = [each for each in study.model_names if each not in CLOSED_FORM]
     if model not in runs:
         allowed = " or ".join((*runs, *CLOSED_FORM))
         raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
-    if (model, name) not in cases:
+    chosen = CaseId(model, name)
+    if chosen not in cases:
         names = {own for of, own in cases if of == model}
         raise CallError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
-    return cases[model, name]
+    return cases[chosen]

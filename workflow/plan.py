@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from workflow.case import Case
+from workflow.case import Case, CaseId
 from workflow.closure import code_digest, described
 from workflow.mending import mended
 from workflow.needs import Needs
@@ -39,8 +39,8 @@ class Job:
     reads of this project, beyond its imports. ``arguments``: plain data, all of which the results
     depend on; ``settings``: plain data that they do not depend on. ``inputs``, ``outputs``: paths
     below the results folder, by name; ``also``: outputs that exist only if the job has a result.
-    ``versions``: of the programs that it starts. ``finds``: model and name of the cases whose
-    records are in the first output. ``needs``: what it asks of a cluster.
+    ``versions``: of the programs that it starts. ``finds``: the cases whose records are in
+    the first output. ``needs``: what it asks of a cluster.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Job:
     files: tuple[str, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
-    finds: tuple[tuple[str, str], ...] = ()
+    finds: tuple[CaseId, ...] = ()
     needs: Needs = field(default_factory=Needs)
 
     @property
@@ -120,7 +120,7 @@ class Plan:
     """
 
     study: Study
-    cases: Mapping[tuple[str, str], Case]
+    cases: Mapping[CaseId, Case]
     jobs: Mapping[str, Job]
     made: Mapping[str, Job]
 

@@ -75,7 +75,7 @@ def _job(rule: Any, wildcards: dict[str, str], results: str) -> Job:
         outputs=outputs,
         also=tuple(_below(results, path.format(**wildcards)) for path in also),
         arguments={key: _plain(value) for key, value in told.items()},
-        finds=tuple((case.model, case.name) for value in told.values() for case in _cases(value)),
+        finds=tuple(case.id for value in told.values() for case in _cases(value)),
         **parts,
     )
 

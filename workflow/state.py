@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+from workflow.case import CaseId
 from workflow.configuration import ConfigError, read_study_file
 from workflow.plan import Job, why
 from workflow.results.files import read_records
@@ -30,18 +31,18 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
         found = _records(job, folder)
         valid = why(job, job.digest(), folder) is None
         rows += [
-            {"model": model, "case": name, **_state(found.get((model, name)), valid)}
-            for model, name in job.finds
-            if (model, name) in plan.cases
+            {"model": case.model, "case": case.name, **_state(found.get(case), valid)}
+            for case in job.finds
+            if case in plan.cases
         ]
     return rows
 
 
-def _records(job: Job, folder: Path) -> dict[tuple[str, str], CaseRecord]:
-    """What a job has made, by model and case; nothing if it has not."""
+def _records(job: Job, folder: Path) -> dict[CaseId, CaseRecord]:
+    """What a job has made, by case; nothing if it has not."""
     path = folder / job.written[0]
     try:
-        return {(each.model, each.name): each for each in read_records([path])}
+        return {each.id: each for each in read_records([path])}
     except (OSError, ResultError):
         return {}
 

@@ -5,6 +5,7 @@ it. What the decks assume of 3DEC is in docs/models.md; it has not been tried.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -25,7 +26,6 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.problem import Problem
 from workflow.case import REFERENCE, Case
-from workflow.cases import cases_of
 from workflow.engines.render import ENVIRONMENT
 from workflow.outcome import Outcome, State
 from workflow.problem import problem_of
@@ -40,11 +40,11 @@ ROUNDS = 4000  # at most: ten times the strength of the lower locks
 RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
 
 
-def decks(study: Study) -> dict[str, Case]:
-    """The cases that decks are written for, by name: brittle ones of the reference variant."""
+def decks(study: Study, cases: Iterable[Case]) -> dict[str, Case]:
+    """Those of ``cases`` that decks are written for, by name: brittle, of the reference variant."""
     return {
         case.name: replace(case, model=MODEL, numerics=None)
-        for case in cases_of(study).values()
+        for case in cases
         if case.variant == REFERENCE
         and case.joint.failure is Failure.BRITTLE
         and case.mesh in study.meshes

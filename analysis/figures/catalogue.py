@@ -42,9 +42,16 @@ def drawn_files(names: Iterable[str]) -> list[str]:
     return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]
 
 
-def figures_of(study: Study, detailed: tuple[str, ...]) -> dict[str, FigureSpec]:
-    """All figures of ``study`` by name; ``detailed``: its detailed models, the first leading."""
-    return {spec.name: spec for spec in _figures(study, detailed)}
+def figures_of(
+    study: Study, detailed: tuple[str, ...], cases: Iterable[Case] | None = None
+) -> dict[str, FigureSpec]:
+    """All figures of ``study`` by name.
+
+    ``detailed``: its detailed models, the first leading; ``cases``: its cases, if known already.
+    """
+    if cases is None:
+        cases = cases_of(study).values()
+    return {spec.name: spec for spec in _figures(study, detailed, list(cases))}
 
 
 def shown_samples(study: Study) -> tuple[str, ...]:
@@ -52,8 +59,7 @@ def shown_samples(study: Study) -> tuple[str, ...]:
     return tuple(study.samples)[:MOST_SAMPLES]
 
 
-def _figures(study: Study, detailed: tuple[str, ...]) -> Iterator[FigureSpec]:
-    cases = list(cases_of(study).values())
+def _figures(study: Study, detailed: tuple[str, ...], cases: list[Case]) -> Iterator[FigureSpec]:
     for sample in shown_samples(study):
         yield FigureSpec(f"joint-{sample}", "joint", sample)
         interlocking = sample in study.interlocking

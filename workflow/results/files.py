@@ -31,11 +31,6 @@ BEYOND = 10.0  # over the peak: no load so large is tried with success
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
 
 
-def case_folder(model: str, case: str) -> str:
-    """Where the files of a case are, below the results' folder."""
-    return f"cases/{model}/{case}"
-
-
 def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
     """What an engine left in ``folder``; `ResultError` names the file and line of what is wrong."""
     peak, failed, first, mode = _read_result(folder / RESULT)

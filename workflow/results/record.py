@@ -19,7 +19,7 @@ from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Problem
 from sidmacib.weights import LockWeight, lock_weights
-from workflow.case import Case
+from workflow.case import Case, CaseId
 from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
@@ -72,6 +72,11 @@ class CaseRecord:
     path: tuple[tuple[float, float | None], ...] = ()
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
     error: str | None = None
+
+    @property
+    def id(self) -> CaseId:
+        """The identity of the case."""
+        return CaseId(self.model, self.name)
 
     @property
     def is_peak(self) -> bool:

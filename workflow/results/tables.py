@@ -42,13 +42,13 @@ WEIGHTS = Table(
     (
         *("model", "locks", "mesh_m", "eccentricity_m", "lock", "block"),
         *("weight", "mean_shear_ratio", "max_shear_ratio"),
-        *("variant", "sample", "shear_x_N", "shear_y_N", "case"),
+        *("variant", "sample", "eccentricity_over_a", "shear_x_N", "shear_y_N", "case"),
     ),
     ("model", "variant", "case", "lock"),
 )
 WEIGHT_SUMS = Table(
     "weight_sums",
-    (*_CASE, "weight_sum", "weight_sum_floor", "lower_weight_sum", "case"),
+    (*_CASE, "eccentricity_over_a", "weight_sum", "weight_sum_floor", "lower_weight_sum", "case"),
     ("model", "variant", "case"),
 )
 CASES = Table(
@@ -64,8 +64,15 @@ CASES = Table(
 MODELS = Table(
     "models",
     (
-        *("model", "sample", "locks", "mesh_m", "eccentricity_m", "load_N", "mesh_error"),
-        *("first_failure_load_N", "peak_spread", "friction_share", "given_load_N"),
+        *("model", "sample", "locks", "mesh_m", "eccentricity_m", "eccentricity_over_a"),
+        *(
+            "load_N",
+            "mesh_error",
+            "first_failure_load_N",
+            "peak_spread",
+            "friction_share",
+            "given_load_N",
+        ),
     ),
     ("model", "case"),
     more=True,  # displacements at given loads, and a weight for each lock
@@ -74,7 +81,8 @@ CAPACITY = Table(
     "capacity",
     (
         *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
-        *("sample", "load_N", "failed_load_N", "first_failure_load_N", "unbalanced_share"),
+        *("sample", "eccentricity_over_a", "load_N", "failed_load_N", "first_failure_load_N"),
+        "unbalanced_share",
         *("option", "friction", "reduction", "weights_from", "case", "mode"),
         *("peak_spread", "difference_to_static", "mesh_error", "first_failure_mesh_error", "error"),
     ),
@@ -84,8 +92,17 @@ VARIANTS = Table(
     "variants",
     (
         *("model", "variant", "sample", "locks", "mesh_m", "case", "failure", "upper_body"),
-        *("young_Pa", "stiffness_ratio", "fracture_energy_J_m2", "eccentricity_m", "load_N"),
-        *("load_over_T0", "lower_weight_sum", "mesh_error", "directions", "option", *_ERRORS),
+        *("young_Pa", "stiffness_ratio", "fracture_energy_J_m2", "eccentricity_m"),
+        *(
+            "eccentricity_over_a",
+            "load_N",
+            "load_over_T0",
+            "lower_weight_sum",
+            "mesh_error",
+            "directions",
+            "option",
+            *_ERRORS,
+        ),
     ),
     ("model", "variant", "case"),
 )

@@ -122,14 +122,12 @@ def of_jobs(rule, *outputs):
     return [pattern.format(**job) for job in WILDCARDS[rule.name] for pattern in patterns]
 
 
-RECORDS = {  # where the record of a case is, by model and name
+RECORDS = {  # where the record of a case is
     **dict(zip(CASES.engines, of_jobs(rules.engine.rule, "record"))),
     **dict(zip(CASES.returned, of_jobs(rules.returned.rule, "record"))),
     **{
-        (model, case.name): path
-        for ((model, _), batch), path in zip(
-            CASES.batches.items(), of_jobs(rules.solve.rule, "records")
-        )
+        case.id: path
+        for batch, path in zip(CASES.batches.values(), of_jobs(rules.solve.rule, "records"))
         for case in batch.cases
     },
 }

@@ -3,9 +3,9 @@ from analysis.figures.catalogue import drawn_files, figures_of
 from analysis.report.parts import FILES as PAGE_FILES
 from analysis.report.parts import REPORT
 
-FIGURES = figures_of(STUDY, DETAILED)
+FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
 STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
-    name: RECORDS[figure.case.model, figure.case.name]
+    name: RECORDS[figure.case.id]
     for name, figure in FIGURES.items()
     if figure.case is not None
 }

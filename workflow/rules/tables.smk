@@ -19,7 +19,7 @@ rule collect:
         **asks("collect"),
     params:
         step="analysis.collect",
-        cases=[(case.model, case.name) for case in CASES.cases.values()],
+        cases=[case.id for case in CASES.cases.values()],
     message:
         "Collect the cases' results"
     shell:
