@@ -131,7 +131,7 @@ format: .venv/test.ready
 
 # A faulty configuration is told before minutes of installing.
 early:
-	@python3 workflow/early.py "$$CONFIG"
+	@python3 workflow/run/before_install.py "$$CONFIG"
 
 system: early
 	@sh workflow/system.sh

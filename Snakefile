@@ -8,13 +8,13 @@ from pathlib import Path
 CHECKOUT = str(workflow.basedir)
 sys.path.insert(0, CHECKOUT)
 
-from workflow.batches import case_jobs
+from workflow.planning.batches import case_jobs
 from workflow.configuration import ConfigError, load_configuration, read_study
 from workflow.models import detailed
-from workflow.snakefile import plan_from
+from workflow.planning.snakefile import plan_from
 
 # Snakemake has read the configuration too, and merges it with defaults; this reader checks every key,
-# and does not mix two studies. `workflow.snakefile.plan_of` hands over a study that has been read.
+# and does not mix two studies. `workflow.planning.snakefile.plan_of` hands over a study that has been read.
 CONFIG = workflow.config_settings.config or {}
 FILES = [Path(path) for path in workflow.config_settings.configfiles]
 FILES = FILES or [Path(CHECKOUT, "config.yaml")]

@@ -23,11 +23,11 @@ import yaml
 
 from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
-from workflow.closure import ROOT
 from workflow.configuration import read_study
+from workflow.planning.closure import ROOT
+from workflow.planning.snakefile import plan_of
 from workflow.results.files import RESULT
-from workflow.snakefile import plan_of
-from workflow.times import read_times
+from workflow.run.job import read_times
 
 REPEATS = 5
 UNGUIDED = "unguided"  # the study's variant
@@ -207,7 +207,7 @@ def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
             plan = results / "plan.json"
             plan.parent.mkdir(parents=True, exist_ok=True)
             plan.write_text(json.dumps(job.plan(job.digest(), results)))
-            used([sys.executable, "-m", "workflow.job", str(plan)], ROOT)
+            used([sys.executable, "-m", "workflow.run.job", str(plan)], ROOT)
             times = json.loads((results / f".times/{job.name}.json").read_text())
             seconds.append(times["own_cpu_s"])
     return seconds

@@ -16,8 +16,8 @@ import pandas as pd
 import yaml
 
 from benchmarks.bench import used
-from workflow.closure import ROOT
-from workflow.times import read_times
+from workflow.planning.closure import ROOT
+from workflow.run.job import read_times
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}

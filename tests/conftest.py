@@ -35,11 +35,11 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
-from workflow.job import paths
+from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord
+from workflow.run.job import paths
 from workflow.schema import Study
-from workflow.snakefile import plan_of
 from workflow.steps import engine as engine_step
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.

@@ -11,7 +11,7 @@ import yaml
 from campaigns.faults import AS_ANYBODY, not_writable
 from conftest import ROOT
 
-from workflow.caches import FOLDERS
+from workflow.run.results_folder import CACHES
 
 STUDY = {
     "samples": {"n3": {"locks": 3}},
@@ -37,7 +37,7 @@ def checkout(tmp_path: Path) -> Path:
 def run(checkout: Path, place: Path, **more: str) -> subprocess.CompletedProcess[str]:
     """One case of a study of that checkout, in the working directory ``place``."""
     folder = checkout.parent
-    own = {name: value for name, value in os.environ.items() if name not in FOLDERS}
+    own = {name: value for name, value in os.environ.items() if name not in CACHES}
     told = (str(folder / "study.yaml"), f"--results={folder / 'results'}")
     command = (sys.executable, "-m", "workflow", "case", *told, "--case=n3-mesh0.03-e0a")
     return subprocess.run(

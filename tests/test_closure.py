@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from workflow import closure as module
-from workflow.closure import closure, code_digest
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
-from workflow.snakefile import plan_of
+from workflow.planning import closure as module
+from workflow.planning.closure import closure, code_digest
+from workflow.planning.snakefile import plan_of
 
 TRACE = """
 import sys
@@ -21,7 +21,7 @@ opened = set()
 sys.addaudithook(
     lambda event, args: opened.add(str(args[0])) if event == "open" and args[0] else None
 )
-from workflow.job import run_job
+from workflow.run.job import run_job
 import json, pathlib
 run_job(json.loads(pathlib.Path(sys.argv[1]).read_text()))
 print("\\n".join(sorted(
@@ -149,7 +149,7 @@ def _assert_covered(job, results: Path) -> None:
         timeout=300,
     ).stdout
     modules, _, files = found.partition("--")
-    known = closure("workflow.job") | closure(job.step)
+    known = closure("workflow.run.job") | closure(job.step)
     known = known.union(*map(closure, job.modules))
     run = {name for name in modules.split() if name.split(".")[0] in module.PACKAGES}
     assert run <= known

@@ -19,15 +19,24 @@ from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from workflow.__main__ import profile_named
 from workflow.case import Case
-from workflow.closure import described
 from workflow.configuration import ConfigError, read_study
 from workflow.engines.engine import FOREIGN, own_environment
 from workflow.engines.execute import EngineKilledError
-from workflow.kills import LAST_TRY, RETRIES, KilledError, begin, end, forget, last_try, was_killed
-from workflow.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
-from workflow.plan import planned, prepared
+from workflow.planning.closure import described
+from workflow.planning.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
+from workflow.planning.plan import planned, prepared
+from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, RESULT
-from workflow.snakefile import plan_of
+from workflow.run.attempts import (
+    LAST_TRY,
+    RETRIES,
+    KilledError,
+    begin,
+    end,
+    forget,
+    last_try,
+    was_killed,
+)
 from workflow.steps import engine as engine_step
 
 
@@ -152,7 +161,7 @@ def sleeping(tmp_path: Path, **more: Any) -> subprocess.Popen[str]:
         **more,
     }
     path = tmp_path / "plan.json"
-    code = "import workflow.job as j; j.main()"
+    code = "import workflow.run.job as j; j.main()"
     plan["code"] = described([])
     path.write_text(json.dumps(plan))
     process = subprocess.Popen(

@@ -20,10 +20,10 @@ from sidmacib.yaml_text import parsed
 from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
+from workflow.planning.snakefile import plan_of
 from workflow.results.files import CASE, OUTPUTS, RECORD
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
-from workflow.snakefile import plan_of
 
 MADE = {"configuration.md"}  # by the site, from the schema
 PAGES = [

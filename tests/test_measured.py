@@ -9,9 +9,9 @@ import pytest
 from analysis.measured import measured_table
 from workflow.case import case_name
 from workflow.configuration import ConfigError, read_study
+from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
 from workflow.schema.measured import MeasuredLoad
-from workflow.snakefile import plan_of
 
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
 

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from workflow.batches import BATCH, BATCH_TIME, batches
 from workflow.case import Case
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
 from workflow.engines.execute import EngineError, EngineNoAnswerError
-from workflow.job import run_job
-from workflow.lock import LockedError, lock
-from workflow.needs import solved_needs
-from workflow.plan import Job, prepared
-from workflow.receipts import STALE, fault, read_receipt, write_receipt
+from workflow.planning.batches import BATCH, BATCH_TIME, batches
+from workflow.planning.needs import solved_needs
+from workflow.planning.plan import Job, prepared
+from workflow.planning.receipts import STALE, fault, read_receipt, write_receipt
+from workflow.planning.snakefile import plan_of
+from workflow.run.job import run_job
+from workflow.run.results_folder import LockedError, lock
 from workflow.schema import Study
-from workflow.snakefile import plan_of
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},
@@ -303,7 +303,7 @@ def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineErr
         raise error
 
     monkeypatch.setattr("workflow.steps.engine.run_engine", ends)
-    monkeypatch.setattr("workflow.job.edited", lambda _: False)
+    monkeypatch.setattr("workflow.run.job.edited", lambda _: False)
     monkeypatch.setattr("workflow.engines.engine.Engine.version", lambda _: "1")
     own = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
     job = plan_of(read_study(own)).jobs["yade/n3-mesh0.03-e0a"]

@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from workflow import waiting
-from workflow.progress import LogHandler, Run, when_planned
+from workflow.run import waiting
+from workflow.run.progress import LogHandler, Run, when_planned
 
 
 def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **own: Any) -> Any:

@@ -20,8 +20,8 @@ from analysis.report.parts import FILES, REPORT
 from analysis.report.paths import paths_of, shown_cases
 from sidmacib.joint import Joint
 from workflow.cases import cases_of
+from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
-from workflow.snakefile import plan_of
 
 pytestmark = pytest.mark.study
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-from workflow import early
 from workflow.configuration import ConfigError
+from workflow.run import before_install
 from workflow.schema import Study
 
 SMALL = (
@@ -81,7 +81,7 @@ def test_a_faulty_configuration_is_seen_before_anything_is_installed(
 ) -> None:
     path = tmp_path / "study.yaml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    told = early.fault(path)
+    told = before_install.fault(path)
     assert told is not None
     assert told.startswith(f"{path}: {words}")
 
@@ -91,20 +91,22 @@ def test_a_faulty_configuration_is_seen_before_anything_is_installed(
     [("/none.yaml", "No such file or directory"), ("/dev/zero", "not a file"), ("/", "not a file")],
 )
 def test_what_is_no_file_is_seen_before_anything_is_installed(path: str, words: str) -> None:
-    assert early.fault(Path(path)) == f"{path}: {words}"
+    assert before_install.fault(Path(path)) == f"{path}: {words}"
 
 
 def test_every_study_of_this_checkout_passes_the_first_look() -> None:
     for path in ROOT.glob("[a-z]*.yaml"):
-        assert early.fault(path) is None
-    assert early.keys() == list(Study.model_fields)
+        assert before_install.fault(path) is None
+    assert before_install.keys() == list(Study.model_fields)
 
 
 def test_make_looks_at_the_configuration_first() -> None:
     command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
     told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    lines = [line for line in told.splitlines() if re.search(r"early\.py|environment\.sh", line)]
-    assert "early.py" in lines[0] and "environment.sh" in lines[1]
+    lines = [
+        line for line in told.splitlines() if re.search(r"before_install\.py|environment\.sh", line)
+    ]
+    assert "before_install.py" in lines[0] and "environment.sh" in lines[1]
 
 
 def test_a_fault_is_told_with_the_files_name_once() -> None:

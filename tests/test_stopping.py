@@ -13,7 +13,7 @@ from campaigns.faults import processes_in
 from conftest import ROOT
 from test_execute import becomes_true
 
-from workflow.stopping import STOPPED
+from workflow.run.process import STOPPED
 
 LONG = {  # a case of an engine that takes minutes
     "samples": {"n5": {"locks": 5}},

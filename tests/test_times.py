@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from workflow.times import KEYS, read_times
+from workflow.run.job import KEYS, read_times
 
 
 def test_times_that_are_not_whole_are_left_out(tmp_path: Path) -> None:

@@ -1,7 +1,13 @@
 """What `make` calls: a whole study, one case, the decks or the calibration."""
 
-from workflow.stopping import STOPPED, end_when_told, end_with_make, stop, told_to_stop
-from workflow.utf8 import read_utf8
+from workflow.run.process import (
+    STOPPED,
+    end_when_told,
+    end_with_make,
+    read_utf8,
+    stop,
+    told_to_stop,
+)
 
 if __name__ == "__main__":  # before the other imports, which take half a second
     end_when_told()
@@ -15,15 +21,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.parts import REPORT
-from workflow.caches import use_writable_caches
 from workflow.cases import case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
-from workflow.job import end_with_parent
 from workflow.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.results.files import RECORD
+from workflow.run.job import end_with_parent
+from workflow.run.results_folder import use_writable_caches
+from workflow.run.waiting import waiting
 from workflow.schema import Study
-from workflow.waiting import waiting
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
@@ -44,7 +50,7 @@ def snakemake(
 
     ``profile``: a folder with Snakemake's options for a cluster.
     """
-    from workflow import progress
+    from workflow.run import progress
 
     use_writable_caches(Path(results))
     os.environ.pop("SNAKEMAKE_PROFILE", None)  # of other workflows
@@ -100,7 +106,7 @@ def profile_named(name: str | None) -> Path | None:
 
 def study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
-    from workflow import progress
+    from workflow.run import progress
 
     with waiting(f"Reading {config}"):
         own = read_study_file(config, results)
@@ -125,7 +131,7 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
 
 def _because() -> str:
     """Why the last run of Snakemake did not end well, for the end of a line."""
-    from workflow import progress
+    from workflow.run import progress
 
     reasons = progress.last_run().reasons
     if not reasons:

@@ -20,8 +20,8 @@ from workflow.case import REFERENCE
 from workflow.cases import cases_of
 from workflow.engines import ENGINES
 from workflow.models import MODELS, REFERENCE_MODEL
+from workflow.run.job import read_times
 from workflow.schema import Study
-from workflow.times import read_times
 
 PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number

@@ -195,7 +195,7 @@ def cases(config: Path, results: str | None, form: str) -> None:
         raise click.ClickException("no workflow here; run this in the folder of the project")
     sys.path.insert(0, str(Path.cwd()))
     try:
-        state = importlib.import_module("workflow.state")
+        state = importlib.import_module("workflow.run.case_states")
     except ModuleNotFoundError as error:
         words = f"{error.name} is not installed; make .venv/study.ready has what a study needs"
         raise click.ClickException(words) from None

@@ -4,7 +4,7 @@ from snakemake.io import strip_wildcard_constraints
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
-from workflow.needs import engine_needs, solved_needs
+from workflow.planning.needs import engine_needs, solved_needs
 from workflow.results.files import OUTPUTS
 
 WILDCARDS |= {

@@ -4,9 +4,9 @@ import os
 import re
 import shlex
 
-from workflow.kills import LAST_TRY, RETRIES, forget, was_killed
-from workflow.lock import LockedError, lock
-from workflow.plan import compared, planned, prepared
+from workflow.run.attempts import LAST_TRY, RETRIES, forget, was_killed
+from workflow.run.results_folder import LockedError, lock
+from workflow.planning.plan import compared, planned, prepared
 
 CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
     ".csv": ("Tables", "table.rst"),
@@ -94,5 +94,5 @@ def asks(name):
 PYTHON = f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)}"
 STEP = (
     f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONUTF8=1 {PYTHON}"
-    " -m workflow.job {input.plan:q} > {log:q} 2>&1"
+    " -m workflow.run.job {input.plan:q} > {log:q} 2>&1"
 )

@@ -1,7 +1,7 @@
 # Of a study with samplings: batches of their joints, and a table of all that the batches hold.
 from dataclasses import asdict
 
-from workflow.needs import sampling_needs
+from workflow.planning.needs import sampling_needs
 
 JOINTS = 64  # of a sampling in a batch
 STARTS = {  # the first joint of each batch, by sampling and number of the batch

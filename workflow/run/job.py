@@ -13,17 +13,19 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from workflow.closure import edited
-from workflow.kills import STOPPED, KilledError, Settled, begin, end
-from workflow.receipts import write_receipt
+from workflow.planning.closure import edited
+from workflow.planning.receipts import write_receipt
+from workflow.run.attempts import STOPPED, KilledError, Settled, begin, end
 
 PR_SET_PDEATHSIG = 1
 SIGNALS = (signal.SIGTERM, signal.SIGHUP, signal.SIGINT)
 SELF, CHILDREN = resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN
+KEYS = ("wall_s", "own_cpu_s", "programs_cpu_s")
+TIMES = ".times"  # below the results folder: what jobs took, and nothing depends on it
 
 
 def end_with_parent() -> None:
@@ -70,6 +72,9 @@ def _listed(files: Path | list[Path]) -> list[Path]:
     return [files] if isinstance(files, Path) else files
 
 
+# Snakemake's `benchmark:` looks at processes from time to time instead: it has no CPU time of a job
+# that ends before the first look, loses that of programs which begin and end between two looks, and
+# does not keep a job and its programs apart.
 def write_times(path: Path, start: float) -> None:
     """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs.
 
@@ -85,6 +90,20 @@ def write_times(path: Path, start: float) -> None:
     }
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(times) + "\n")
+
+
+def read_times(results: Path) -> Iterator[tuple[str, dict[str, float]]]:
+    """Kind of each job, and its s on the clock, of its own processor and of its programs.
+
+    What is not whole is left out.
+    """
+    for path in sorted((results / TIMES).rglob("*.json")):
+        try:
+            found: Any = json.loads(path.read_text())
+            times = {key: float(found[key]) for key in KEYS}
+        except (OSError, ValueError, TypeError, KeyError, RecursionError):
+            continue
+        yield path.relative_to(results / TIMES).parts[0].removesuffix(".json"), times
 
 
 def main() -> None:
@@ -106,7 +125,7 @@ def main() -> None:
         end(results, name)
         raise
     end(results, name)
-    write_times(results / ".times" / f"{name}.json", start)
+    write_times(results / TIMES / f"{name}.json", start)
 
 
 def _limit(name: str, seconds: float | None) -> None:

@@ -12,10 +12,10 @@ from snakemake import api
 from snakemake.io import strip_wildcard_constraints
 from snakemake.iocontainers import Wildcards
 
-from workflow.batches import Batch, CaseJobs
 from workflow.case import Case
-from workflow.closure import ROOT
-from workflow.plan import Files, Job, Plan, flat
+from workflow.planning.batches import Batch, CaseJobs
+from workflow.planning.closure import ROOT
+from workflow.planning.plan import Files, Job, Plan, flat
 from workflow.schema import Study
 
 PARTS = ("step", "modules", "files", "versions", "settings", "needs")  # no arguments of a step

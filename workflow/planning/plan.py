@@ -15,15 +15,15 @@ from pathlib import Path
 from typing import Any
 
 from workflow.case import Case, CaseId
-from workflow.closure import code_digest, described
-from workflow.mending import mended
-from workflow.needs import Needs
-from workflow.receipts import STALE, digest_of, fault, read_receipt, write_whole
+from workflow.planning.closure import code_digest, described
+from workflow.planning.needs import Needs
+from workflow.planning.receipts import STALE, digest_of, fault, read_receipt, write_whole
 from workflow.results.files import read_records
 from workflow.results.record import ResultError
+from workflow.run.results_folder import mended
 from workflow.schema import Study
 
-RUNNER = "workflow.job"
+RUNNER = "workflow.run.job"
 INDEX = ".plan/index.json"
 CLOCKS_APART = 5.0  # s, at most, of the machines of a cluster
 LEAST_LIMIT, STUCK = 3600.0, 30.0  # s, and over the time it should take: more is no job's
@@ -95,7 +95,7 @@ class Job:
         return digest_of([self.name, code, inputs, dict(self.arguments), versions])
 
     def plan(self, digest: str, results: Path) -> dict[str, Any]:
-        """Everything that `workflow.job` needs to know, as plain data."""
+        """Everything that `workflow.run.job` needs to know, as plain data."""
         return {
             "name": self.name,
             "digest": digest,

@@ -8,7 +8,7 @@ import ast
 import sys
 from pathlib import Path
 
-CHECKOUT = Path(__file__).parents[1]
+CHECKOUT = Path(__file__).parents[2]
 
 
 def fault(path: Path) -> str | None:

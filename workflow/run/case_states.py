@@ -5,10 +5,10 @@ from typing import Any
 
 from workflow.case import CaseId
 from workflow.configuration import ConfigError, read_study_file
-from workflow.plan import Job, why
+from workflow.planning.plan import Job, why
+from workflow.planning.snakefile import plan_of
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord, ResultError
-from workflow.snakefile import plan_of
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
 

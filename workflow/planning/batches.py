@@ -10,7 +10,7 @@ from workflow.cases import cases_of, second_mesh
 from workflow.engines import ENGINES
 from workflow.model import Ability
 from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
-from workflow.needs import solved_needs
+from workflow.planning.needs import solved_needs
 from workflow.schema import Study
 from workflow.threedec import RETURNED as PRINTED
 from workflow.threedec import deck_folder, decks

@@ -1,8 +1,10 @@
-"""Ending a run that is told to end: its jobs, then itself, with one line and no traceback.
+"""The process of a run: how it ends when it is told to, and its text, which is UTF-8.
 
-Light to import, so that this holds from the first moment on.
+It ends its jobs, then itself, with one line and no traceback. Light to import, so that this holds
+from the first moment on.
 """
 
+import locale
 import os
 import signal
 import sys
@@ -15,6 +17,7 @@ from typing import Any
 STOPPED = "Stopped. The next run goes on from here."
 SHOW_CURSOR = "\x1b[?25h"  # which a bar on a terminal hides
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+UTF8 = {"PYTHONUTF8": "1"}
 LOOK = 0.5  # s, between looks at the process that started this one
 
 _told: list[int] = []
@@ -77,7 +80,7 @@ def _end_at_once() -> None:
     _end_children()
     end = SHOW_CURSOR if sys.stderr.isatty() else ""
     os.write(2, f"{end}{STOPPED}\n".encode())
-    os._exit(1)  # the jobs end with this process, see `workflow.job`
+    os._exit(1)  # the jobs end with this process, see `workflow.run.job`
 
 
 def _end_children() -> None:
@@ -87,3 +90,11 @@ def _end_children() -> None:
             for pid in children.read_text().split():
                 with suppress(ProcessLookupError, PermissionError):
                     os.kill(int(pid), signal.SIGTERM)
+
+
+def read_utf8() -> None:
+    """Begin this program again in UTF-8 mode if the locale is another, also for what it starts."""
+    asked = os.environ.get("PYTHONUTF8") == UTF8["PYTHONUTF8"]
+    if locale.getpreferredencoding(False).lower() != "utf-8" and not asked:
+        os.environ.update(UTF8)
+        os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:]])

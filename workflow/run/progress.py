@@ -21,8 +21,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
 
-from workflow.kills import STOPPED
 from workflow.results.files import RECORD
+from workflow.run.attempts import STOPPED
 
 NAME = "snakemake_logger_plugin_multilock"
 SPARSE = 10  # lines of a run in a file, about,

@@ -1,0 +1,1 @@
+"""What a run has to do: the jobs of a study, and which of them are up to date."""
