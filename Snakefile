@@ -14,7 +14,7 @@ from workflow.models import detailed
 from workflow.planning.snakefile import plan_from
 
 # Snakemake has read the configuration too, and merges it with defaults; this reader checks every key,
-# and does not mix two studies. `workflow.planning.snakefile.plan_of` hands over a study that has been read.
+# and does not mix two studies. `workflow.planning.snakefile.plan_of` hands over a study that it has.
 CONFIG = workflow.config_settings.config or {}
 FILES = [Path(path) for path in workflow.config_settings.configfiles]
 FILES = FILES or [Path(CHECKOUT, "config.yaml")]

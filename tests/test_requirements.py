@@ -16,7 +16,7 @@ EXTRAS = dict(PROJECT["optional-dependencies"])
 STUDY = [*PROJECT["dependencies"], *EXTRAS.pop("study")]
 LOCKS = {
     "requirements.txt": STUDY,
-    **{f"requirements-{extra}.txt": [*STUDY, *more] for extra, more in EXTRAS.items()},
+    **{f"requirements-{extra}.txt": more for extra, more in EXTRAS.items()},
 }
 PIN = re.compile(
     r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
@@ -48,13 +48,13 @@ def pins(name: str) -> dict[str, str]:
 def test_a_lock_file_has_digests_of_all_it_names(name: str) -> None:
     text = (ROOT / name).read_text()
     named = re.findall(r"^[A-Za-z0-9._-]+==", text, re.MULTILINE)
-    assert len(named) == len(PIN.findall(text)) > 50
+    assert len(named) == len(PIN.findall(text)) > 0
 
 
 @pytest.mark.parametrize("name", LOCKS)
 def test_a_lock_file_is_current(name: str) -> None:
     """It has all that the project asks for, in versions that it allows."""
-    found = pins(name)
+    found = pins("requirements.txt") | pins(name)  # which it adds to
     for text in LOCKS[name]:
         wanted = Requirement(text)
         assert canonicalize_name(wanted.name) in found, f"{wanted.name}: run make lock"
@@ -62,9 +62,9 @@ def test_a_lock_file_is_current(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", set(LOCKS) - {"requirements.txt"})
-def test_lock_files_agree(name: str) -> None:
-    base, own = pins("requirements.txt"), pins(name)
-    assert {package: own.get(package) for package in base} == base
+def test_an_extra_adds_to_what_a_study_needs(name: str) -> None:
+    assert "--requirement requirements.txt\n" in (ROOT / name).read_text()
+    assert not pins("requirements.txt").keys() & pins(name).keys()
 
 
 def _imported(*folders: str) -> set[str]:

@@ -65,14 +65,8 @@ MODELS = Table(
     "models",
     (
         *("model", "sample", "locks", "mesh_m", "eccentricity_m", "eccentricity_over_a"),
-        *(
-            "load_N",
-            "mesh_error",
-            "first_failure_load_N",
-            "peak_spread",
-            "friction_share",
-            "given_load_N",
-        ),
+        *("load_N", "mesh_error", "first_failure_load_N", "peak_spread"),
+        *("friction_share", "given_load_N"),
     ),
     ("model", "case"),
     more=True,  # displacements at given loads, and a weight for each lock
@@ -93,16 +87,8 @@ VARIANTS = Table(
     (
         *("model", "variant", "sample", "locks", "mesh_m", "case", "failure", "upper_body"),
         *("young_Pa", "stiffness_ratio", "fracture_energy_J_m2", "eccentricity_m"),
-        *(
-            "eccentricity_over_a",
-            "load_N",
-            "load_over_T0",
-            "lower_weight_sum",
-            "mesh_error",
-            "directions",
-            "option",
-            *_ERRORS,
-        ),
+        *("eccentricity_over_a", "load_N", "load_over_T0", "lower_weight_sum", "mesh_error"),
+        *("directions", "option", *_ERRORS),
     ),
     ("model", "variant", "case"),
 )
