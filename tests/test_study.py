@@ -427,3 +427,8 @@ def test_a_part_does_not_change_with_what_it_leaves_out() -> None:
     assert read_study(merged(figures={"eccentricity": 1})).calibration_json() == (
         study.calibration_json()
     )
+
+
+def test_a_campaign_that_lacks_a_section_it_requires_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"^campaign: locks needs samplings$"):
+        read_study(merged(campaign="locks"))

@@ -5,9 +5,7 @@ from analysis.report.parts import REPORT
 
 FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
 STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
-    name: RECORDS[figure.case.id]
-    for name, figure in FIGURES.items()
-    if figure.case is not None
+    name: RECORDS[figure.case.id] for name, figure in FIGURES.items() if figure.case is not None
 }
 
 
