@@ -44,7 +44,7 @@ completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
 """
 
 
-WORKFLOW = Path("workflow", "state.py")  # in the project's folder only
+WORKFLOW = Path("workflow", "run", "case_states.py")  # in the project's folder only
 
 
 class Once(click.Command):
