@@ -8,9 +8,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.beside import name_of
-from analysis.capacity import capacity_table, envelope_rows, sidmacib_rows
-from analysis.collect import (
+from analysis.published import read_published
+from analysis.summary.summary import summary
+from analysis.tables.capacity import capacity_table, envelope_rows, sidmacib_rows
+from analysis.tables.collect import (
     cases_table,
     displacements_at,
     friction_share,
@@ -18,12 +19,9 @@ from analysis.collect import (
     weight_sums,
     weights_table,
 )
-from analysis.fit import fit_table, misfit, winner
-from analysis.free_fit import best_pair, best_table
-from analysis.published import read_published
-from analysis.pure_shear import pure_shear_weights
-from analysis.summary import summary
-from analysis.validation import validation_table
+from analysis.tables.fit import best_pair, best_table, fit_table, misfit, winner
+from analysis.tables.study_points import pure_shear_weights
+from analysis.tables.validation import quantity_label, validation_table
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active
@@ -403,4 +401,4 @@ def test_only_a_model_that_promises_more_is_unsafe(factor: float) -> None:
     ],
 )
 def test_quantities_have_names_that_people_use(quantity: str, words: str) -> None:
-    assert name_of(quantity) == words
+    assert quantity_label(quantity) == words

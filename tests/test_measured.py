@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.measured import measured_table
+from analysis.tables.measured import measured_table
 from workflow.case import case_name
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.collect import held_against
 from analysis.report.content import verdict_of_spread
-from analysis.summary import spread_lines
+from analysis.summary.summary import spread_lines
+from analysis.tables.collect import held_against
 from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout

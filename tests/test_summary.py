@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 from test_analysis import record_with, tables_of
 
-from analysis.capacity import capacity_table
-from analysis.collect import cases_table, weights_table
-from analysis.fit import fit_table
-from analysis.summary import summary
+from analysis.summary.summary import summary
+from analysis.tables.capacity import capacity_table
+from analysis.tables.collect import cases_table, weights_table
+from analysis.tables.fit import fit_table
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint import Direction

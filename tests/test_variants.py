@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 from test_analysis import record_with
 
-from analysis.capacity import capacity_table
-from analysis.collect import cases_table, weight_sums, weights_table
 from analysis.figures.catalogue import FigureSpec
 from analysis.figures.material import Material
 from analysis.figures.variants import fracture_energy, stiffness
-from analysis.variants import variants_table
+from analysis.tables.capacity import capacity_table
+from analysis.tables.collect import cases_table, weight_sums, weights_table
+from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case
 from workflow.cases import cases_of

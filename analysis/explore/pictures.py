@@ -5,9 +5,10 @@ from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
 
+from analysis.drawing.boxes import outlines
+from analysis.drawing.labels import label_of
 from analysis.explore.state import Settings
-from analysis.looks import look_of
-from analysis.outlines import outlines
+from sidmacib.drawing import BLUE, GREY
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
@@ -17,7 +18,6 @@ from sidmacib.problem import posed
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights
-from workflow.colours import BLUE, GREY
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
@@ -144,15 +144,15 @@ def pictures(state: Settings, told: Answers) -> dict[str, Any]:
     what = "peak" if state.joint.elastic is None else "first failure"
     return {
         "curve": {
-            "name": f"{what}, {look_of(own).name}",
-            "colour": look_of(own).colour,
+            "name": f"{what}, {label_of(own).name}",
+            "colour": label_of(own).colour,
             "shear": [told.peak.shear] if told.peak else [],
             "torque": [told.peak.torque] if told.peak else [],
         },
         "marks": [
             {
-                "name": "first failure, law" if name == "law" else look_of(name).name,
-                "colour": look_of(name).colour,
+                "name": "first failure, law" if name == "law" else label_of(name).name,
+                "colour": label_of(name).colour,
                 "symbol": SYMBOLS[name],
                 "shear": rule.shear,
                 "torque": rule.torque,

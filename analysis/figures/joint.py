@@ -4,12 +4,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from analysis.drawing.boxes import MM, outlines
 from analysis.figures import style
 from analysis.figures.material import Material
-from analysis.outlines import MM, outlines
+from sidmacib.drawing import BLACK, BLUE, GREY
 from sidmacib.joint import Joint
 from sidmacib.loading import Push
-from workflow.colours import BLACK, BLUE, GREY
 
 X, Y, Z = range(3)
 

@@ -8,9 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.looks import SERIES, look_of, option_colour, option_name, rule_name
+from analysis.drawing.labels import SERIES, label_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.summary import AGREEMENT, leading_models
+from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.solution import SPREAD_LIMIT
@@ -46,7 +46,7 @@ def _plain(value: Any) -> Any:
 
 def looks() -> dict[str, dict[str, Any]]:
     """Name and colour of each model, and whether it is an engine, which is drawn by marks."""
-    return {name: {**asdict(look_of(name)), "engine": name in ENGINES} for name in MODELS}
+    return {name: {**asdict(label_of(name)), "engine": name in ENGINES} for name in MODELS}
 
 
 def law_of(joint: Joint) -> dict[str, list[Any]]:
@@ -116,7 +116,7 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
         found.append(
             {
                 "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                "text": f"Largest deviation {100 * size:.1f} %: {look_of(worst['model']).name} "
+                "text": f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
                 f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
                 f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
                 "kind": "good" if size < NEAR else "note",
@@ -155,7 +155,7 @@ def _safe_rule(capacity: pd.DataFrame, leading: Mapping[str, str]) -> list[dict[
         worst = part.loc[part["over"].idxmax()]
         words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
         told.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
-    models = ", ".join(look_of(name).name for name in dict.fromkeys(leading.values()))
+    models = ", ".join(label_of(name).name for name in dict.fromkeys(leading.values()))
     return [
         {
             "title": "Which rule is safe",

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from analysis.looks import look_of
+from analysis.drawing.labels import label_of
 from studies.locks.bonds import BONDS
 from studies.locks.errors import LAW, RULE_ERRORS
 from studies.locks.freedoms import FREEDOMS
@@ -193,7 +193,7 @@ def engines(results: Path) -> str:
         if model in loads and REFERENCE_MODEL in loads:
             error = (loads[model] / loads[REFERENCE_MODEL] - 1.0).dropna()
             cells = [f"{len(error)}", size(error.abs().mean()), span(error.min(), error.max())]
-            rows.append([look_of(model).name, *cells])
+            rows.append([label_of(model).name, *cells])
     return markdown(["against the static peak", "cases", "mean size", "extremes"], rows)
 
 

@@ -56,7 +56,7 @@ rule summary:
     resources:
         **asks("summary"),
     params:
-        step="analysis.summary",
+        step="analysis.summary.summary",
         results=lambda wildcards: STUDY.results,
         meshes=STUDY.meshes,
         ductile=[
@@ -113,7 +113,7 @@ rule complete:
     resources:
         **asks("complete"),
     params:
-        step="analysis.complete",
+        step="analysis.summary.complete",
     message:
         "Check that every case has a result"
     shell:

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from analysis.fit import winner
-from analysis.looks import look_of, option_name
+from analysis.drawing.labels import label_of, option_name
+from analysis.tables.fit import winner
 from workflow.case import REFERENCE
 from workflow.engines import ENGINES
 
@@ -174,7 +174,7 @@ def _engines(cases: pd.DataFrame) -> Iterator[str]:
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
-        names = ", ".join(look_of(model).name for model in engines["model"].unique())
+        names = ", ".join(label_of(model).name for model in engines["model"].unique())
         yield (
             f"Do models of the same pieces agree? {names} and the static model within "
             f"{100 * size.max():.2g} % in {len(size)} cases"

@@ -5,14 +5,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.calibration import (
+from analysis.calibration.candidates import (
     PEAK_AIM,
     PEAK_SCALE,
     WEIGHT_SCALE,
     friction_table,
     read_as_degrees,
 )
-from analysis.curve_shape import length_along
+from analysis.calibration.curve_shape import length_along
 from analysis.figures import style
 from analysis.published import Published
 

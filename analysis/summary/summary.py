@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.answers import (
+from analysis.drawing.labels import label_of
+from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
     PEAK_ACCURACY,
@@ -16,9 +17,8 @@ from analysis.answers import (
     percent,
     ratios,
 )
-from analysis.beside import beside, difference, name_of
-from analysis.fit import winner
-from analysis.looks import look_of
+from analysis.tables.fit import winner
+from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from workflow.case import REFERENCE
@@ -138,19 +138,19 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
         yield "The paper has no numbers for the samples of this study."
         return
     yield "Published against computed (e = 0)"
-    for own in beside(table, leading):
+    for own in comparisons(table, leading):
         for sample, words in own.samples.items():
             yield f"  {own.locks} locks, {sample}: {words}"
         heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in own.samples)
         yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
         for line in own.lines:
             cells = "".join(
-                f"{line.rows[s].computed:>12.5g}{difference(line.rows[s]):>9}"
+                f"{line.rows[s].computed:>12.5g}{difference_text(line.rows[s]):>9}"
                 if s in line.rows
                 else " " * 21
                 for s in own.samples
             )
-            name = name_of(line.quantity)
+            name = quantity_label(line.quantity)
             yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
@@ -167,7 +167,7 @@ def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> 
         first = " (first failure)" * (first_failure_only(model) or model == "law")
         at = "" if model in LAWS else f", mesh {mesh:g} m"
         yield ""
-        name = look_of(model).name
+        name = label_of(model).name
         yield f"{name[0].upper()}{name[1:]}{first}{at}: V (N) and M (N m)"
         for start in range(0, min(len(samples), MOST_SAMPLES), BESIDE):
             yield from _loads(rows, ratio, samples[start : start + BESIDE])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.mesh_error import MeshErrors, errors_of
+from analysis.tables.mesh_error import MeshErrors, errors_of
 from workflow.case import REFERENCE
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.files import read_records

@@ -1,16 +1,18 @@
-"""Computed values beside the published ones."""
+"""The table of published and computed values, and its rows side by side for readers."""
 
 import math
+import re
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from analysis.fit import winner
 from analysis.published import Published, read_published
-from analysis.pure_shear import pure_shear_weights
-from workflow.case import REFERENCE, case_name
+from analysis.tables.fit import winner
+from analysis.tables.study_points import pure_shear_weights, study_points
+from workflow.case import REFERENCE
 from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
 from workflow.schema import Study
@@ -29,12 +31,12 @@ def validation_table(
     # Published are peaks of the pieces.
     short = [name for name in study.model_names if first_failure_only(name)]
     short += LAWS
+    points = study_points(study, capacity.dropna(subset=["load_N"]))
+    pure_shear = points[points["eccentricity_over_a"] == 0.0]
     rows: list[dict[str, Any]] = []
     for sample in published.samples(study):
         joint = study.joint(sample)
-        pure_shear = [case_name(sample, mesh, 0.0) for mesh in study.meshes]
-        own = capacity[capacity["case"].isin(pure_shear) & capacity["load_N"].notna()]
-        own = own[~own["model"].isin(short)]
+        own = pure_shear[(pure_shear["sample"] == sample) & ~pure_shear["model"].isin(short)]
         read = pure_shear_weights(study, weights, sample)
         read = {source: each for source, each in read.items() if source[0] not in short}
         found = [
@@ -124,6 +126,77 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
                 "computed": int(number),
                 "note": "revised by (n - 1) / 2, no friction",
             }
+
+
+@dataclass(frozen=True)
+class Line:
+    """A published number and the rows of the validation table that belong to it, by sample."""
+
+    quantity: str
+    mesh: str
+    published: float
+    rows: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
+
+    locks: int
+    samples: Mapping[str, str]
+    lines: tuple[Line, ...]
+
+
+def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Comparison]:
+    """The validation table by number of locks; ``leading``: the model that is shown, by sample.
+
+    SiDMACIB's numbers are those without friction along the locks; with it they are the same.
+    """
+    shown = (table["model"] == "sidmacib") | (table["model"] == table["sample"].map(leading))
+    table = table[shown & ~table["quantity"].str.contains("_friction_N")]
+    for locks, rows in table.groupby("locks"):
+        by_line: dict[tuple[str, str], dict[str, Any]] = {}
+        for row in rows.itertuples():
+            mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
+            by_line.setdefault((str(row.quantity), mesh), {})[str(row.sample)] = row
+        samples = {
+            str(row.sample): f"friction {row.friction:.4g}, {row.setting}; "
+            f"{leading.get(str(row.sample), 'no model')}"
+            for row in rows.drop_duplicates("sample").itertuples()
+        }
+        lines = tuple(
+            Line(quantity, mesh, next(iter(line.values())).published, line)
+            for (quantity, mesh), line in by_line.items()
+        )
+        yield Comparison(int(str(locks)), samples, lines)
+
+
+QUANTITIES = (  # of the validation table: pattern and label
+    (r"sidmacib_pure_shear_option(\w+?)_(frictionless|friction)_N", r"SiDMACIB, Option \1, V (N)"),
+    (r"dem_pure_shear_N", r"peak V of the pieces (N)"),
+    (r"weight_lock(\d+)", r"weight of lock \1"),
+    (r"weight_lock(\d+)_swapped", r"weight of lock \1, first two swapped"),
+    (r"weight_sum", r"sum of weights"),
+    (r"weight_sum_rounded_down", r"sum of weights, rounded down"),
+    (r"best_option", r"option that fits best"),
+)
+
+
+def quantity_label(quantity: str) -> str:
+    """A quantity of the validation table in words; an unknown one keeps its name."""
+    for pattern, label in QUANTITIES:
+        if match := re.fullmatch(pattern, quantity):
+            return match.expand(label)
+    return quantity
+
+
+def difference_text(row: Any) -> str:
+    """How a row's computed value differs from the published one, in words."""
+    if pd.isna(row.absolute_difference):
+        return "same" if row.computed == row.published else "other"
+    if pd.isna(row.relative_difference):
+        return f"{row.absolute_difference:+.3f}"
+    return f"{100 * row.relative_difference:+.2f} %"
 
 
 def run(
