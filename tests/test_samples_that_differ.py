@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pandas as pd
 import pytest
-from test_analysis import record_with
+from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.curves import mesh_error_words, meshes
@@ -13,10 +13,9 @@ from analysis.figures.material import Material
 from analysis.figures.side_by_side import side_by_side
 from analysis.published import read_published
 from analysis.summary.summary import leading_models, summary
-from analysis.tables.capacity import capacity_table, sidmacib_rows
-from analysis.tables.collect import cases_table, weights_table
-from analysis.tables.fit import best_table, fit_table
-from analysis.tables.validation import comparisons, difference_text, validation_table
+from analysis.tables.capacity import sidmacib_rows
+from analysis.tables.collect import weights_table
+from analysis.tables.validation import comparisons, difference_text
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.models import detailed
@@ -55,16 +54,7 @@ def results(study: Study) -> list[CaseRecord]:
 
 @pytest.fixture
 def tables(study: Study, results: list[CaseRecord]) -> dict[str, pd.DataFrame]:
-    cases, weights = cases_table(results, results), weights_table(results)
-    capacity = capacity_table(study, cases, weights)
-    fit = fit_table(capacity)
-    return {
-        "validation": validation_table(study, capacity, weights, fit, PUBLISHED),
-        "fit": fit,
-        "best_fit": best_table(study, capacity),
-        "capacity": capacity,
-        "cases": cases,
-    }
+    return tables_of(study, results)
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from analysis.report.parts import REPORT
+from analysis.report.files import REPORT
 from workflow.caches import use_writable_caches
 from workflow.cases import case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file

@@ -45,15 +45,15 @@ class Material:
         rows = self.table
         if self.spec.sample is not None:
             rows = rows[rows["sample"] == self.spec.sample]
-        own = rows["model"].unique()
-        ordered = [m for m in (*self.detailed, *self.study.models) if m in own]
-        return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
+        names = rows["model"].unique()
+        ordered = [m for m in (*self.detailed, *self.study.models) if m in names]
+        return *dict.fromkeys(ordered), *(model for model in names if model not in ordered)
 
     def detailed_of(self, sample: str) -> tuple[str, ...]:
         """The detailed models that run on the whole of a sample, the leading one first."""
-        own = self.study.models_of(sample)
+        names = self.study.models_of(sample)
         whole = (model for model in self.detailed if self.study.whole_curve(sample, model))
-        return tuple(model for model in whole if model in own)
+        return tuple(model for model in whole if model in names)
 
     @property
     def leading(self) -> str:

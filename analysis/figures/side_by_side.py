@@ -32,11 +32,11 @@ def side_by_side(material: Material) -> Figure:
         len(samples) + 1, 2, height_ratios=[2.4] * len(samples) + [0.15 * lines]
     )
     for row, sample in enumerate(samples):
-        own = table[table["sample"] == sample]
-        first = own.iloc[0]
+        selected = table[table["sample"] == sample]
+        first = selected.iloc[0]
         words = f"{sample}: {first['locks']} locks, friction {first['friction']:.4g}"
-        _peaks(figure.add_subplot(grid[row, 0]), own, f"{words}, peak V at e = 0 (N)")
-        _weights(figure.add_subplot(grid[row, 1]), own, f"{words}, weights at e = 0")
+        _peaks(figure.add_subplot(grid[row, 0]), selected, f"{words}, peak V at e = 0 (N)")
+        _weights(figure.add_subplot(grid[row, 1]), selected, f"{words}, weights at e = 0")
     _table(figure.add_subplot(grid[len(samples), :]), parts)
     style.caption(
         figure,
@@ -49,8 +49,8 @@ def side_by_side(material: Material) -> Figure:
     return figure
 
 
-def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
-    rows = own[own["quantity"] == "dem_pure_shear_N"]
+def _peaks(axes: Axes, selected: pd.DataFrame, title: str) -> None:
+    rows = selected[selected["quantity"] == "dem_pure_shear_N"]
     meshes = list(rows["mesh_m"].unique())
     models = list(rows["model"].unique())
     bars = {PUBLISHED: rows.drop_duplicates("mesh_m")["published"].to_list()}
@@ -70,8 +70,8 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
-    finest = own[own["mesh_m"] == own["mesh_m"].min()]
+def _weights(axes: Axes, selected: pd.DataFrame, title: str) -> None:
+    finest = selected[selected["mesh_m"] == selected["mesh_m"].min()]
     finest = finest[finest["model"] == finest["model"].iloc[0]]
     computed = label_of(finest["model"].iloc[0])
     printed = finest[finest["quantity"].str.fullmatch(r"weight_lock\d+")]

@@ -80,9 +80,9 @@ def _without_result(material: Material) -> Figure:
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     joint = shown.case.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
-    own = lock_faces(joint)
-    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in own}
-    inner = shown.nodes[shown.nodes["face"].isin(own)]
+    numbers = lock_faces(joint)
+    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in numbers}
+    inner = shown.nodes[shown.nodes["face"].isin(numbers)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(
         [

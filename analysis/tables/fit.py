@@ -53,21 +53,21 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
     rows = []
     detailed = dict(detailed_curves(capacity))
     for model, curves in detailed.items():
-        own = limit[limit["weights_from"] == model]
-        both = own.merge(
+        promised = limit[limit["weights_from"] == model]
+        both = promised.merge(
             curves[["case", "load_N", "mesh_error"]], on="case", suffixes=("", "_carried")
         )
-        if len(both) != len(own):
+        if len(both) != len(promised):
             raise ValueError(
-                f"{model}: {len(own)} loads of SiDMACIB, but {len(both)} to compare them with"
+                f"{model}: {len(promised)} loads of SiDMACIB, but {len(both)} to compare with"
             )
         both = both.dropna(subset=["load_N_carried"])  # a case without a result
         names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
         for values, curve in both.groupby(names, sort=False):
-            found = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
+            result = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
             named = dict(zip(names, values, strict=True))
-            told = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
-            rows.append({"model": model, **named, **vars(found), **told})
+            extent = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
+            rows.append({"model": model, **named, **vars(result), **extent})
     if not rows:
         return pd.DataFrame(columns=list(FIT.columns))
     table = pd.DataFrame(rows)
@@ -81,8 +81,8 @@ def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
 def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     """The models that SiDMACIB's weights were read from, with their capacities."""
     used = capacity["weights_from"].dropna().unique()
-    own = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
-    for model, rows in own.groupby("model", sort=False):
+    carried = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
+    for model, rows in carried.groupby("model", sort=False):
         yield str(model), rows
 
 
@@ -112,7 +112,7 @@ def best_pair(
         return np.array([point.load for point in capacities(model, directions)])
 
     start = [0.25, min(1.0, float(carried.max()) / math.fsum(joint.strengths))]
-    found = least_squares(
+    result = least_squares(
         lambda unknowns: loads(unknowns) / carried - 1.0,
         start,
         bounds=([0.0, 0.0], [0.5, 1.0]),
@@ -120,7 +120,7 @@ def best_pair(
         xtol=1e-6,
     )
     # What the search leaves below that differs from one processor to another.
-    distance, factor = (round(float(value), 5) for value in found.x)
+    distance, factor = (round(float(value), 5) for value in result.x)
     return {
         "distance_over_a": distance,
         "distance_m": distance * joint.a,

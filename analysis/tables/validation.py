@@ -29,25 +29,27 @@ def validation_table(
 ) -> pd.DataFrame:
     """One row for each published number that the study can be compared with."""
     # Published are peaks of the pieces.
-    short = [name for name in study.model_names if first_failure_only(name)]
-    short += LAWS
+    no_peaks = [name for name in study.model_names if first_failure_only(name)]
+    no_peaks += LAWS
     points = study_points(study, capacity.dropna(subset=["load_N"]))
     pure_shear = points[points["eccentricity_over_a"] == 0.0]
     rows: list[dict[str, Any]] = []
     for sample in published.samples(study):
         joint = study.joint(sample)
-        own = pure_shear[(pure_shear["sample"] == sample) & ~pure_shear["model"].isin(short)]
-        read = pure_shear_weights(study, weights, sample)
-        read = {source: each for source, each in read.items() if source[0] not in short}
-        found = [
-            *_limit_rows(own, published.numbers["limit_pure_shear"][joint.locks]),
-            *_peak_rows(own, joint.locks, published),
-            *_weight_rows(read, joint.locks, published),
+        selected = pure_shear[
+            (pure_shear["sample"] == sample) & ~pure_shear["model"].isin(no_peaks)
+        ]
+        sources = pure_shear_weights(study, weights, sample)
+        sources = {source: each for source, each in sources.items() if source[0] not in no_peaks}
+        compared = [
+            *_limit_rows(selected, published.numbers["limit_pure_shear"][joint.locks]),
+            *_peak_rows(selected, joint.locks, published),
+            *_weight_rows(sources, joint.locks, published),
             *_option_rows(fit, sample, published.numbers["best_option"]),
         ]
         setting = "as printed" if published.as_printed(study, sample) else "not as printed"
         same = {"sample": sample, "locks": joint.locks, "friction": joint.dry.friction}
-        rows += [{**same, "setting": setting, **row} for row in found]
+        rows += [{**same, "setting": setting, **row} for row in compared]
     table = pd.DataFrame(rows, columns=list(VALIDATION.columns))
     # The number of an option is a name: no difference.
     quantities = table["quantity"] != "best_option"
@@ -58,8 +60,8 @@ def validation_table(
     return table
 
 
-def _limit_rows(own: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
-    rows = own[(own["model"] == "sidmacib") & (own["reduction"] == "none")]
+def _limit_rows(pure_shear: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
+    rows = pure_shear[(pure_shear["model"] == "sidmacib") & (pure_shear["reduction"] == "none")]
     for row in rows.drop_duplicates("variant").itertuples():
         name = (
             f"sidmacib_pure_shear_{row.option}_{'friction' if row.friction else 'frictionless'}_N"
@@ -72,8 +74,10 @@ def _limit_rows(own: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
         }
 
 
-def _peak_rows(own: pd.DataFrame, locks: int, published: Published) -> Iterator[dict[str, Any]]:
-    peaks = own[(own["variant"] == REFERENCE)]
+def _peak_rows(
+    pure_shear: pd.DataFrame, locks: int, published: Published
+) -> Iterator[dict[str, Any]]:
+    peaks = pure_shear[(pure_shear["variant"] == REFERENCE)]
     for row in peaks.itertuples():
         value = published.dem_pure_shear(locks, float(row.mesh_m))
         if value is not None:
@@ -88,11 +92,11 @@ def _peak_rows(own: pd.DataFrame, locks: int, published: Published) -> Iterator[
 
 
 def _weight_rows(
-    read: dict[tuple[str, float], list[float]], locks: int, published: Published
+    sources: dict[tuple[str, float], list[float]], locks: int, published: Published
 ) -> Iterator[dict[str, Any]]:
     printed = published.numbers["weights"][locks]
     swapped = [printed[1], printed[0], *printed[2:]]
-    for (model, mesh), weights in read.items():
+    for (model, mesh), weights in sources.items():
         same = {"model": model, "mesh_m": mesh}
         for lock, (weight, value) in enumerate(zip(weights, printed, strict=True), start=1):
             row = {"quantity": f"weight_lock{lock}", "published": value, "computed": weight}
@@ -113,9 +117,9 @@ def _weight_rows(
 
 def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[str, Any]]:
     """The best option of the paper's revised model, frictionless with (n - 1) / 2 locks."""
-    own = fit[(fit["sample"] == sample) & (fit["reduction"] == "half")]
-    for model, mesh in own[["model", "mesh_m"]].drop_duplicates().itertuples(index=False):
-        best = winner(own[own["model"] == model], sample, mesh, friction=False)
+    selected = fit[(fit["sample"] == sample) & (fit["reduction"] == "half")]
+    for model, mesh in selected[["model", "mesh_m"]].drop_duplicates().itertuples(index=False):
+        best = winner(selected[selected["model"] == model], sample, mesh, friction=False)
         number = str(best["option"]).removeprefix("option")
         if number.isdigit():
             yield {

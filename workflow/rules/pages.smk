@@ -1,7 +1,7 @@
 # From the tables to figures, summary and report, and whether every case has a result.
 from analysis.figures.catalogue import drawn_files, figures_of
-from analysis.report.parts import FILES as PAGE_FILES
-from analysis.report.parts import REPORT
+from analysis.report.files import FILES as PAGE_FILES
+from analysis.report.files import REPORT
 
 FIGURES = figures_of(STUDY, DETAILED)
 STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
