@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.calibration import (
+from analysis.calibration.candidates import (
     Candidate,
     CandidateMisfit,
     best_rows,
@@ -22,10 +22,10 @@ from analysis.calibration import (
     read_as_degrees,
     study_candidates,
 )
-from analysis.collect import cases_table, weights_table
-from analysis.curve_shape import TwoParts
-from analysis.figures.calibration import calibration
+from analysis.calibration.curve_shape import TwoParts
+from analysis.calibration.figure import calibration
 from analysis.published import read_published
+from analysis.tables.collect import cases_table, weights_table
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study

@@ -10,7 +10,7 @@ import pytest
 from command_runner import answers, run
 from conftest import ROOT
 
-from analysis.looks import look_of
+from analysis.drawing.labels import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
@@ -280,7 +280,7 @@ def test_help_is_there_for_every_command(command: str) -> None:
 
 
 def test_pictures_have_the_colours_of_the_figures() -> None:
-    assert {name: look_of(name).colour for name in NAMES} == COLOURS
+    assert {name: label_of(name).colour for name in NAMES} == COLOURS
 
 
 def test_an_envelope_that_no_model_gives_ends_with_an_error() -> None:

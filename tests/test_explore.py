@@ -129,5 +129,5 @@ def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_to
 
     assert legend(Settings(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
     far = legend(Settings(locks=13, eccentricity=1.0))
-    assert "peaks spread by 5 % or more: count on the first failure, V = 101" in far
+    assert "peaks spread by 5 % or more: use the first failure, V = 101" in far
     assert legend(Settings(young=10.0)) == ""

@@ -31,7 +31,7 @@ function look() {
   const of = (id) => document.getElementById(id);
   if (of('yaml')?.textContent) window.frames_seen.push({
     slider: of('locks').valueAsNumber,
-    told: parseInt(of('locks-told').textContent),
+    label: parseInt(of('locks-value').textContent),
     words: parseInt(of('words').textContent),
     drawn: of('drawing').querySelectorAll('rect.lock').length,
     weights: of('drawing').querySelectorAll('rect.weight').length,
@@ -110,7 +110,7 @@ def require_true(frames: list[dict[str, Any]]) -> None:
     """What is painted is of one joint, and of the sliders' joint or grey."""
     assert frames
     for frame in frames:
-        assert frame["told"] == frame["slider"], frame
+        assert frame["label"] == frame["slider"], frame
         own = {frame[name] for name in ("words", "drawn", "weights", "yaml")}
         assert len(own) == 1, frame
         if own != {frame["slider"]}:
@@ -219,12 +219,12 @@ def test_a_link_beyond_the_sliders_shows_the_joint_and_says_so(
 ) -> None:
     opened = Opened(browser, served, "?locks=999")
     page = opened.page
-    assert "locks: 999 is outside 2 to 31; 31 is shown." in (page.text_content("#told") or "")
+    assert "locks: 999 is outside 2 to 31; 31 is shown." in (page.text_content("#notes") or "")
     assert (page.text_content("#words") or "").startswith("31 locks, ")
     assert page.text_content("#link") == f"{served.url}/?locks=31"
     page.focus("#locks")
     page.keyboard.press("ArrowLeft")
-    expect(page.locator("#told")).to_be_empty()
+    expect(page.locator("#notes")).to_be_empty()
     opened.context.close()
 
 

@@ -6,8 +6,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from analysis.measured import measured_table
-from workflow.case import case_name
+from analysis.tables.measured import measured_table
 from workflow.configuration import ConfigError, read_study
 from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
@@ -72,16 +71,11 @@ def test_a_campaign_without_a_source_is_refused() -> None:
 
 def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> None:
     study = study_with({"sample": "n3", "eccentricity": 0.5, "torque": 3.0, "specimen": "A1"})
-    case = case_name("n3", min(study.meshes), 0.5)
-    other = case_name("n3", max(study.meshes), 0.5)
+    fine, coarse = min(study.meshes), max(study.meshes)
     capacity = pd.DataFrame(
-        [
-            ("law", "reference", case, 115.0),
-            ("static", "reference", case, None),
-            ("static", "reference", other, 1.0),
-        ],
-        columns=["model", "variant", "case", "load_N"],
-    )
+        [("law", fine, 115.0), ("static", fine, None), ("static", coarse, 1.0)],
+        columns=["model", "mesh_m", "load_N"],
+    ).assign(variant="reference", sample="n3", eccentricity_m=0.5 * 0.06)
     table = measured_table(study, capacity).set_index("model")
     assert table.loc["law", "measured_load_N"] == pytest.approx(math.hypot(100.0, 3.0 / 0.06))
     assert table.loc["law", "difference"] == pytest.approx(115.0 / math.hypot(100.0, 50.0) - 1.0)

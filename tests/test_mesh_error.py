@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.mesh_error import MeshErrors, errors_of
+from analysis.tables.mesh_error import MeshErrors, errors_of
 from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading

@@ -7,9 +7,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.collect import held_against
 from analysis.report.content import verdict_of_spread
-from analysis.summary import spread_lines
+from analysis.summary.summary import spread_lines
+from analysis.tables.collect import compared_loads
 from sidmacib.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
@@ -129,9 +129,9 @@ def test_samplings_leave_the_spread_out() -> None:
 def test_first_failures_are_held_against_each_other_where_peaks_spread() -> None:
     static = record(13, 1.0, FINE)
     other = replace(static, model="yade", load_N=200.0, first_failure_load_N=143.0)
-    assert held_against(other, static) == (static.first_failure_load_N, 143.0)
+    assert compared_loads(other, static) == (static.first_failure_load_N, 143.0)
     steady = replace(static, peak_spread=0.01)
-    assert held_against(other, steady) == (static.load_N, 200.0)
+    assert compared_loads(other, steady) == (static.load_N, 200.0)
 
 
 def rows(*spreads: float) -> pd.DataFrame:
@@ -142,7 +142,7 @@ def rows(*spreads: float) -> pd.DataFrame:
 def test_the_summary_names_the_capacities_that_are_first_failures() -> None:
     text = "\n".join(spread_lines(rows(0.004, 0.2, math.nan)))
     assert "1 of 2 above 2 %, the others at most 0.40 %" in text
-    assert "n1-mesh0.02-e1a: peaks spread by 20.0 % or more; the first failure is told" in text
+    assert "n1-mesh0.02-e1a: peaks spread by 20.0 % or more; the capacity is the first" in text
     assert "n0-mesh" not in text
     assert not list(spread_lines(rows(math.nan)))
 
@@ -151,4 +151,4 @@ def test_the_report_says_whether_peaks_spread() -> None:
     (good,), (bad,) = verdict_of_spread(rows(0.004)), verdict_of_spread(rows(0.004, 0.2))
     assert (good["kind"], bad["kind"]) == ("good", "bad")
     assert "At most 0.40 %" in good["text"]
-    assert "in 1 of 2 capacities" in bad["text"] and "is no peak" in bad["text"]
+    assert "in 1 of 2 capacities" in bad["text"] and "are first failures" in bad["text"]

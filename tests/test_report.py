@@ -15,8 +15,8 @@ from playwright.sync_api import Page, sync_playwright
 
 from analysis.report import paths
 from analysis.report.content import law_of, plain
+from analysis.report.files import FILES, REPORT
 from analysis.report.page import page
-from analysis.report.parts import FILES, REPORT
 from analysis.report.paths import paths_of, shown_cases
 from sidmacib.joint import Joint
 from workflow.cases import cases_of

@@ -5,11 +5,10 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from test_analysis import record_with
+from made_up_results import capacity_of, record_with
 
-from analysis.capacity import capacity_table, law_rows
-from analysis.collect import cases_table, weights_table
-from analysis.rule import describe
+from analysis.summary.one_case import describe_rule
+from analysis.tables.capacity import law_rows
 from sidmacib.joint import Direction
 from sidmacib.rule.law import law, safe
 from workflow.__main__ import case
@@ -53,7 +52,7 @@ def test_a_joint_that_the_law_refuses_has_the_reason_in_the_table(
 ) -> None:
     study = study_of(**change, sidmacib={"reductions": ["none"]})
     results = [record_with(each, 0.5) for each in cases_of(study).values()]
-    table = capacity_table(study, cases_table(results, results), weights_table(results))
+    table = capacity_of(study, results)
     (own,) = table[table["model"] == "law"]["error"].unique()
     assert own.startswith(reason)
     assert table[table["model"] == "law"]["load_N"].isna().all()
@@ -76,7 +75,7 @@ def test_a_case_of_a_rule_is_told_without_running_anything(
 
 def test_sidmacib_is_told_by_the_rules_that_need_no_weights() -> None:
     study = study_of()
-    told = describe(study, "sidmacib", find_place(study, "n3-mesh0.02-e0a")).splitlines()
+    told = describe_rule(study, "sidmacib", find_place(study, "n3-mesh0.02-e0a")).splitlines()
     assert len(told) == 1 + 2 * 4 * 2
     assert "  Option 4, no friction, every lock counts: V = 720.00 N, M = 0.0000 N m" in told
     assert "  Option 4, no friction, (n - 1) / 2 locks count: V = 240.00 N, M = 0.0000 N m" in told

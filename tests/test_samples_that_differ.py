@@ -5,20 +5,17 @@ from collections.abc import Callable
 
 import pandas as pd
 import pytest
-from test_analysis import record_with
+from made_up_results import record_with, tables_of
 
-from analysis.beside import beside, difference
-from analysis.capacity import capacity_table, sidmacib_rows
-from analysis.collect import cases_table, weights_table
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.curves import mesh_error_words, meshes
 from analysis.figures.material import Material
 from analysis.figures.side_by_side import side_by_side
-from analysis.fit import fit_table
-from analysis.free_fit import best_table
 from analysis.published import read_published
-from analysis.summary import leading_models, summary
-from analysis.validation import validation_table
+from analysis.summary.summary import leading_models, summary
+from analysis.tables.capacity import sidmacib_rows
+from analysis.tables.collect import weights_table
+from analysis.tables.validation import comparisons, difference_text
 from workflow.cases import cases_of
 from workflow.configuration import read_study
 from workflow.models import detailed
@@ -57,16 +54,7 @@ def results(study: Study) -> list[CaseRecord]:
 
 @pytest.fixture
 def tables(study: Study, results: list[CaseRecord]) -> dict[str, pd.DataFrame]:
-    cases, weights = cases_table(results, results), weights_table(results)
-    capacity = capacity_table(study, cases, weights)
-    fit = fit_table(capacity)
-    return {
-        "validation": validation_table(study, capacity, weights, fit, PUBLISHED),
-        "fit": fit,
-        "best_fit": best_table(study, capacity),
-        "capacity": capacity,
-        "cases": cases,
-    }
+    return tables_of(study, results)
 
 
 @pytest.fixture
@@ -147,7 +135,7 @@ def test_published_numbers_have_no_mesh_error_and_sidmacibs_neither(
 def test_samples_with_the_same_locks_stand_beside_each_other(
     tables: dict[str, pd.DataFrame],
 ) -> None:
-    (found,) = beside(tables["validation"], leading_models(tables["fit"]))
+    (found,) = comparisons(tables["validation"], leading_models(tables["fit"]))
     assert found.samples == {
         "n3": "friction 0.3, as printed; yade",
         "n3_fits": "friction 0.005236, not as printed; static",
@@ -158,11 +146,11 @@ def test_samples_with_the_same_locks_stand_beside_each_other(
         "n3": 264.0,
         "n3_fits": 254.0,
     }
-    assert difference(peak.rows["n3"]) == "+9.65 %"
+    assert difference_text(peak.rows["n3"]) == "+9.65 %"
 
 
 def test_no_line_holds_numbers_of_another_model(tables: dict[str, pd.DataFrame]) -> None:
-    (found,) = beside(tables["validation"], {"n3": "yade", "n3_fits": "static"})
+    (found,) = comparisons(tables["validation"], {"n3": "yade", "n3_fits": "static"})
     names = {"n3": {"yade", "sidmacib"}, "n3_fits": {"static", "sidmacib"}}
     for line in found.lines:
         assert all(row.model in names[sample] for sample, row in line.rows.items())
@@ -237,7 +225,7 @@ def test_the_figure_of_meshes_has_a_panel_for_each_sample_and_tells_the_error(ma
     own = material(FigureSpec("meshes", "meshes"))
     titles = [axes.get_title(loc="left") for axes in meshes(own).axes]
     assert titles == ["n3: 3 locks", "n3_fits: 3 locks"]
-    assert mesh_error_words(own) == "Mesh error, told from two meshes: up to 11.3 % at 0.02 m. "
+    assert mesh_error_words(own) == "Mesh error, estimated from two meshes: up to 11.3 % at 0.02 m. "
 
 
 def test_the_page_that_puts_all_side_by_side_has_a_row_for_each_sample(material) -> None:

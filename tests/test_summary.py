@@ -6,12 +6,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from test_analysis import record_with, tables_of
+from made_up_results import record_with, tables_of
 
-from analysis.capacity import capacity_table
-from analysis.collect import cases_table, weights_table
-from analysis.fit import fit_table
-from analysis.summary import summary
+from analysis.summary.summary import summary
+from analysis.tables.fit import fit_table
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint import Direction
@@ -42,8 +40,7 @@ def tables_for(study: Study) -> dict[str, pd.DataFrame]:
         model = Sidmacib(case.joint, ContactOption.pair(0.25), strength, friction=False)
         (point,) = capacities(model, [case.direction])
         records.append(record_with(case, 0.5, point.load))
-    cases, weights = cases_table(records, records), weights_table(records)
-    return tables_of(study, capacity_table(study, cases, weights), weights, cases)
+    return tables_of(study, records)
 
 
 @pytest.fixture(scope="module")

@@ -6,14 +6,13 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from test_analysis import record_with
+from made_up_results import capacity_of, record_with
 
-from analysis.capacity import capacity_table
-from analysis.collect import cases_table, weight_sums, weights_table
 from analysis.figures.catalogue import FigureSpec
 from analysis.figures.material import Material
 from analysis.figures.variants import fracture_energy, stiffness
-from analysis.variants import variants_table
+from analysis.tables.collect import weight_sums, weights_table
+from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from workflow.case import Case
 from workflow.cases import cases_of
@@ -51,9 +50,8 @@ def elastic_study() -> Study:
 def tables_of(study: Study, load: Callable[[Case], float]) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Capacities, and what variants change, of results with made-up loads."""
     results = [record_with(case, 0.5, load(case)) for case in cases_of(study).values()]
-    weights = weights_table(results)
-    capacity = capacity_table(study, cases_table(results, results), weights)
-    return capacity, variants_table(study, capacity, weight_sums(weights))
+    capacity = capacity_of(study, results)
+    return capacity, variants_table(study, capacity, weight_sums(weights_table(results)))
 
 
 def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:

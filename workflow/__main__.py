@@ -20,7 +20,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from analysis.report.parts import REPORT
+from analysis.report.files import REPORT
 from workflow.cases import case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
@@ -156,7 +156,7 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
 
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
-    from analysis.case import describe
+    from analysis.summary.one_case import describe_record
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
@@ -168,7 +168,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
         return f"{name}: no result{_because()}"
     (record,) = read_records([folder / RECORD])
-    print(f"{describe(record)}\n  files: {folder}")
+    print(f"{describe_record(record)}\n  files: {folder}")
     if record.error is not None:
         return f"{name}: no result"
     if chosen.model == REFERENCE_MODEL:
@@ -181,13 +181,14 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
 
 def _rule(own: Study, name: str, model: str) -> str | None:
     """Print what a rule in closed form says of a case; returns why it says nothing."""
-    from analysis.rule import ERRORS, describe
+    from analysis.summary.one_case import describe_rule
+    from analysis.tables.capacity import NO_ANSWER
 
     try:
-        print(f"{name}, {describe(own, model, find_place(own, name))}")
+        print(f"{name}, {describe_rule(own, model, find_place(own, name))}")
     except ConfigError:
         raise
-    except ERRORS as error:
+    except NO_ANSWER as error:
         return f"{name} ({model}): no result: {error}"
     return None
 
@@ -242,7 +243,7 @@ def main() -> None:
         elif arguments.what == "report":
             fault = report(arguments.config, results, not arguments.without_engines)
         elif arguments.what == "calibrate":
-            from analysis.calibrate import calibrate
+            from analysis.calibration.calibrate import calibrate
 
             fault = calibrate(arguments.config, results, snakemake)
         elif arguments.what == "decks":

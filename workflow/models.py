@@ -5,7 +5,7 @@ Light to import: a model's code is loaded when it is used.
 
 from collections.abc import Iterable
 
-from workflow import colours
+from sidmacib.drawing import BLACK, BLUE, GREEN, OCHRE, PURPLE, SKY
 from workflow.engines import ENGINES
 from workflow.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
 
@@ -23,7 +23,7 @@ _ALL: tuple[Model, ...] = (
     SolvedModel(
         name="static",
         label="static model",
-        colour=colours.BLUE,
+        colour=BLUE,
         abilities=frozenset(
             {
                 *(*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE),
@@ -36,29 +36,27 @@ _ALL: tuple[Model, ...] = (
     SolvedModel(
         name="limit",
         label="limit analysis",
-        colour=colours.SKY,
+        colour=SKY,
         abilities=frozenset({*_OF_THE_PIECES, Ability.DUCTILE}),
         module="workflow.solvers.limit",
     ),
     ReturnedModel(
         name="3dec",
         label="3DEC",
-        colour=colours.BLACK,
+        colour=BLACK,
         abilities=frozenset({*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE}),
     ),
-    FirstFailureLaw(
-        name="law", label="law", colour=colours.OCHRE, abilities=frozenset(_OF_ANY_FAILURE)
-    ),
+    FirstFailureLaw(name="law", label="law", colour=OCHRE, abilities=frozenset(_OF_ANY_FAILURE)),
     FirstFailureLaw(
         name="safe",
         label="safe rule",
-        colour=colours.GREEN,
+        colour=GREEN,
         abilities=frozenset(_OF_ANY_FAILURE),
     ),
     ClosedForm(
         name="sidmacib",
         label="SiDMACIB",
-        colour=colours.PURPLE,
+        colour=PURPLE,
         abilities=frozenset({*_OF_ANY_FAILURE, Ability.SHARED, Ability.JOINED}),
     ),
 )

@@ -1,4 +1,4 @@
-"""The page, served to this machine only: sliders on one side, what follows on the other."""
+"""The explorer: a page with sliders and the joint's capacity, served to this machine only."""
 
 import argparse
 import json
@@ -34,6 +34,11 @@ HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
+FILES = (
+    (HERE / "explore.js", SCRIPT),
+    (HERE / "explore.css", STYLE),
+    (HERE.parent / "drawing" / "chart.js", SCRIPT),
+)
 LONGEST_ID = 40  # letters, of a page
 SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
@@ -56,7 +61,7 @@ class Explorer:
         }
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
-        """Answer a request; a fault of the request, or of a model, is told in a line."""
+        """Answer a request; a fault of the request, or of a model, is described in one line."""
         request = Request(environ)
         try:
             require_own(request, int(environ["SERVER_PORT"]))
@@ -70,7 +75,7 @@ class Explorer:
         return response(environ, start_response)
 
     def warm_up(self) -> None:
-        """Have the static model compiled before somebody waits for it."""
+        """Compile the static model before the first request needs it."""
         with self._desk.turn("", 0):
             answers(Settings())
 
@@ -88,9 +93,9 @@ class Explorer:
         if request.path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
             return Response(_plotly(), mimetype=SCRIPT, headers=kept)
-        for name, kind in (("explore.js", SCRIPT), ("explore.css", STYLE)):
-            if request.path == f"/{name}":
-                return Response((HERE / name).read_bytes(), mimetype=kind)
+        for file, kind in FILES:
+            if request.path == f"/{file.name}":
+                return Response(file.read_bytes(), mimetype=kind)
         raise NotFound("There is one page only, /.")
 
     def _answer(self, request: Request) -> dict[str, Any]:
@@ -98,11 +103,11 @@ class Explorer:
         asked = _asked(request)
         state = asked.joint.state
         with self._desk.turn(*asked.turn):
-            told = answers(state)
+            results = answers(state)
         return {
             **asked.echo,
-            "words": told.words,
-            **pictures(state, told),
+            "words": results.words,
+            **pictures(state, results),
             "yaml": as_configuration(state),
             "python": as_python(state),
             "link": f"{request.host_url}?{as_query(state)}".rstrip("?"),
@@ -152,12 +157,12 @@ class _Asked:
 def _asked(request: Request) -> _Asked:
     """The request's JSON; `BadRequest` for any other."""
     try:
-        told = json.loads(request.get_data(cache=False))
+        sent = json.loads(request.get_data(cache=False))
     except (ValueError, RecursionError):
         raise BadRequest("The post is not JSON that this page would send.") from None
-    if not isinstance(told, dict):
+    if not isinstance(sent, dict):
         raise BadRequest("The post must be an object with page, number and values.")
-    page, number, values = (told.get(name) for name in ("page", "number", "values"))
+    page, number, values = (sent.get(name) for name in ("page", "number", "values"))
     if not isinstance(page, str) or not 0 < len(page) <= LONGEST_ID:
         raise BadRequest(f"page must be a text of 1 to {LONGEST_ID} letters.")
     if not isinstance(number, int) or isinstance(number, bool) or number < 0:

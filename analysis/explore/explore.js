@@ -1,12 +1,9 @@
 "use strict";
-// The sliders' wishes go to the server, one at a time; the latest wins. What is shown of a joint
-// is all of one answer, and grey while the sliders say something else.
-// By default every plot offers to upload itself to a cloud.
-const CONFIG = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "" };
+// The sliders' values go to the server, one request at a time; the latest wins. Everything shown is
+// from one answer, and grey while the sliders have other values.
 const BROKEN = "The server does not answer. Start it again with make explore.";
 const SUPERSEDED = 204;
 const PAGE = crypto.randomUUID();
-const at = (id) => document.getElementById(id);
 const sliders = [...at("sliders").querySelectorAll("input")];
 const inFlight = new Set();
 const waiting = []; // what is done as soon as the answer is that of the sliders
@@ -20,7 +17,7 @@ const isJointOf = (one, other) => Object.keys(one).every((name) => name === "ecc
 function changed() {
   latest += 1;
   at("answer").ariaBusy = at("curve").ariaBusy = "true";
-  for (const slider of sliders) at(`${slider.id}-told`).textContent = slider.valueAsNumber;
+  for (const slider of sliders) at(`${slider.id}-value`).textContent = slider.valueAsNumber;
   ask("answer");
 }
 
@@ -70,21 +67,15 @@ function showCurve(curve) {
   at("curve").ariaBusy = String(curve.number !== latest);
 }
 
-// --- pictures --------------------------------------------------------------------------------
-const axis = (text, more) => ({ title: { text }, gridcolor: "#dddddd", rangemode: "tozero", ...more });
-
-function plot(id, traces, xaxis, yaxis) {
-  Plotly.react(id, traces, { xaxis, yaxis, margin: { l: 60, r: 15, t: 15, b: 80 }, font: { size: 13 }, plot_bgcolor: "white", legend: { orientation: "h", y: -0.26 }, showlegend: true, uirevision: "same" }, CONFIG);
-}
-
+// --- charts ----------------------------------------------------------------------------------
 function drawCurve() {
   const { name, colour, shear, torque } = shown.curve;
-  const own = line && isJointOf(line.values, shown.values);
+  const current = line && isJointOf(line.values, shown.values);
   const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
-  const traces = line && !own ? [{ x: line.shear, y: line.torque, name: "curve of another joint", ...style("#c9ced8") }] : [];
-  traces.push({ x: own ? line.shear : shear, y: own ? line.torque : torque, name: own ? name + line.spread : name, ...style(colour) });
-  for (const mark of shown.marks) traces.push({ x: [mark.shear], y: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } });
-  plot("curve", traces, axis("shear V (N)"), axis("torque M (N m)"));
+  const traces = line && !current ? [vmTrace({ shear: line.shear, torque: line.torque, name: "curve of another joint", ...style("#c9ced8") })] : [];
+  traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread : name, ...style(colour) }));
+  for (const mark of shown.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } }));
+  vmChart("curve", traces, { margin: { l: 60, r: 15, t: 15, b: 80 }, legend: { orientation: "h", y: -0.26 }, uirevision: "same" });
 }
 
 function part(name, attributes, text = "") {
@@ -94,10 +85,10 @@ function part(name, attributes, text = "") {
   return element;
 }
 
-function bar(share, left, width, foot, height, told) {
+function bar(share, left, width, foot, height, numbered) {
   const [middle, top] = [left + width / 2, foot - height * share.weight];
   const parts = [part("rect", { x: left + 0.15 * width, y: top, width: 0.7 * width, height: foot - top, fill: shown.colours[share.block], class: "weight" })];
-  if (told) parts.push(part("text", { x: middle, y: foot + 14, "text-anchor": "middle" }, share.lock));
+  if (numbered) parts.push(part("text", { x: middle, y: foot + 14, "text-anchor": "middle" }, share.lock));
   if (width > 28) parts.push(part("text", { x: middle, y: top - 4, "text-anchor": "middle" }, share.weight.toFixed(2)));
   return parts;
 }
@@ -128,8 +119,8 @@ function drawJoint() {
   parts.push(part("text", { x: left - 60, y: middle, "dominant-baseline": "central" }, "V"));
   parts.push(part("text", { x: left, y: y(-H) + 20 }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
   at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 30}`);
-  const told = shown.shares.map((share) => `${share.lock}: ${share.weight.toFixed(2)}`).join(", ");
-  at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${told || "unknown"}`;
+  const weights = shown.shares.map((share) => `${share.lock}: ${share.weight.toFixed(2)}`).join(", ");
+  at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${weights || "unknown"}`;
   at("drawing").replaceChildren(...parts);
 }
 
@@ -148,7 +139,7 @@ for (const button of document.querySelectorAll("[data-copy]")) {
 }
 for (const slider of sliders) {
   slider.addEventListener("input", () => {
-    at("told").textContent = "";
+    at("notes").textContent = "";
     changed();
   });
 }

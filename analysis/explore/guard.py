@@ -1,4 +1,4 @@
-"""Who is answered: the page itself, on this machine, and nobody else's page."""
+"""Requests are accepted only from the explorer's own page on this machine."""
 
 from werkzeug.datastructures import Headers
 from werkzeug.exceptions import (
@@ -34,8 +34,8 @@ HEADERS = {
 def require_own(request: Request, port: int) -> None:
     """An `HTTPException` for what is not of the page on ``port``, or not a request that it makes.
 
-    A name that somebody points at this machine is as foreign as another page's address: through
-    either, a page of the web could use this one.
+    Host names that resolve to this machine are refused like foreign origins: through either, a web
+    page could use this server.
     """
     allowed = [f"{name}:{port}" for name in NAMES]
     host = request.headers.get("Host", "")
@@ -59,7 +59,7 @@ def _is_from_page(headers: Headers) -> bool:
 
 
 def _is_visit(request: Request) -> bool:
-    """Whether somebody opens the page from a link, as a page of its own."""
+    """Whether a browser opens the page itself, from a link for example."""
     return (
         request.method == "GET"
         and request.path == "/"
@@ -72,7 +72,7 @@ def _require_small(request: Request) -> None:
     if request.mimetype != "application/json":
         raise UnsupportedMediaType("A post must be application/json.")
     if request.content_length is None:
-        raise LengthRequired("A post must tell its length.")
+        raise LengthRequired("A post must have a Content-Length.")
     if request.content_length > MOST_BYTES:
         raise RequestEntityTooLarge(f"A post must have at most {MOST_BYTES} bytes.")
 

@@ -1,13 +1,14 @@
-"""What the page shows of a joint: its V-M curve, its locks' weights, and a drawing, as data."""
+"""The explorer's data for a joint: V-M curve, weights of the locks, and a drawing."""
 
 import math
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
 
+from analysis.drawing.boxes import boxes
+from analysis.drawing.labels import label_of
 from analysis.explore.state import Settings
-from analysis.looks import look_of
-from analysis.outlines import outlines
+from sidmacib.drawing import BLUE, GREY
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.load_path import load_path
@@ -17,7 +18,6 @@ from sidmacib.problem import posed
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 from sidmacib.weights import lock_weights
-from workflow.colours import BLUE, GREY
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
@@ -63,7 +63,7 @@ def peak(joint: Joint, ratio: float) -> Peak | None:
 
 def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     try:
-        law(joint, direction)  # refuses what nobody has looked at
+        law(joint, direction)  # refuses joints outside its tested ranges
         state = first_failure(joint, Loading(direction))
     except (CapacityError, ValueError):
         return None
@@ -92,7 +92,7 @@ def spread_words(joint: Joint, ratio: float) -> str:
     if found.is_peak:
         return f" (spread {spread:.1f} % at {ratio:g} a)"
     return (
-        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: count on the first failure, "
+        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: use the first failure, "
         f"V = {found.load * loading.direction.shear:.4g} N)"
     )
 
@@ -111,16 +111,16 @@ def _peak(joint: Joint, direction: Direction) -> Peak | None:
 
 
 def answers(state: Settings) -> Answers:
-    """Peak, law and safe rule at the chosen eccentricity; a refusal is told, not raised."""
+    """Peak, law and safe rule at the chosen eccentricity; refusals become words."""
     joint, ratio = state.joint, state.eccentricity
     found = peak(joint, ratio)
     rigid = joint.elastic is None
-    what = "peak" if rigid else "first failure"
+    kind = "peak" if rigid else "first failure"
     nothing = "nothing carries the load." if rigid else "no first failure is known."
     words = f"{joint.locks} locks, e = {ratio:g} a: " + (
         nothing
         if found is None
-        else f"{what} at V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
+        else f"{kind} at V = {found.shear:.4g} N, M = {found.torque:.3g} N m."
     )
     rules: dict[str, LawCapacity] = {}
     try:
@@ -128,8 +128,8 @@ def answers(state: Settings) -> Answers:
             rules[name] = rule(joint, Direction(ratio))
     except (CapacityError, ValueError) as error:
         return Answers(found, rules, f"{words} No safe rule: {error}.")
-    own = rules["safe"]
-    words += f" Safe: V = {own.shear:.4g} N, M = {own.torque:.3g} N m. T0 = {joint.T0:.4g} N."
+    safe = rules["safe"]
+    words += f" Safe: V = {safe.shear:.4g} N, M = {safe.torque:.3g} N m. T0 = {joint.T0:.4g} N."
     return Answers(found, rules, words)
 
 
@@ -138,28 +138,28 @@ def ratios(state: Settings) -> tuple[float, ...]:
     return tuple(sorted({*RATIOS, state.eccentricity}))
 
 
-def pictures(state: Settings, told: Answers) -> dict[str, Any]:
+def pictures(state: Settings, results: Answers) -> dict[str, Any]:
     """What the page draws: points in the V-M plane, weights, the joint from the side (mm)."""
-    own = "static" if state.joint.elastic is None else "law"
-    what = "peak" if state.joint.elastic is None else "first failure"
+    name = "static" if state.joint.elastic is None else "law"
+    kind = "peak" if state.joint.elastic is None else "first failure"
     return {
         "curve": {
-            "name": f"{what}, {look_of(own).name}",
-            "colour": look_of(own).colour,
-            "shear": [told.peak.shear] if told.peak else [],
-            "torque": [told.peak.torque] if told.peak else [],
+            "name": f"{kind}, {label_of(name).name}",
+            "colour": label_of(name).colour,
+            "shear": [results.peak.shear] if results.peak else [],
+            "torque": [results.peak.torque] if results.peak else [],
         },
         "marks": [
             {
-                "name": "first failure, law" if name == "law" else look_of(name).name,
-                "colour": look_of(name).colour,
+                "name": "first failure, law" if name == "law" else label_of(name).name,
+                "colour": label_of(name).colour,
                 "symbol": SYMBOLS[name],
                 "shear": rule.shear,
                 "torque": rule.torque,
             }
-            for name, rule in told.rules.items()
+            for name, rule in results.rules.items()
         ],
-        "shares": [asdict(share) for share in (told.peak.shares if told.peak else ())],
+        "shares": [asdict(share) for share in (results.peak.shares if results.peak else ())],
         "colours": {"upper": BLUE, "lower": GREY},
         "pieces": [
             {
@@ -168,6 +168,6 @@ def pictures(state: Settings, told: Answers) -> dict[str, Any]:
                 "low": piece.low[1:],
                 "high": piece.high[1:],
             }
-            for piece in outlines(state.joint)
+            for piece in boxes(state.joint)
         ],
     }

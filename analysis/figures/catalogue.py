@@ -69,13 +69,13 @@ def _figures(study: Study, detailed: tuple[str, ...], cases: list[Case]) -> Iter
         followed = [m for m in detailed if m in here and study.whole_curve(sample, m)]
         own_engines = [model for model in study.dem.engines if model in here]
         for model in dict.fromkeys((*followed[:1], *own_engines)):
-            own = _stress_cases(cases, study, model, sample)
-            if not own:
+            chosen = _stress_cases(cases, study, model, sample)
+            if not chosen:
                 continue
             suffix = "" if model == followed[0] else f"-{model}"
             for kind, case in (
-                ("shear_stress", _nearest(own, 0.0)),
-                ("torsion_stress", _nearest(own, study.figures.eccentricity)),
+                ("shear_stress", _nearest(chosen, 0.0)),
+                ("torsion_stress", _nearest(chosen, study.figures.eccentricity)),
             ):
                 yield FigureSpec(f"{kind}-{sample}{suffix}", kind, sample, case)
         if interlocking and set(REVISED) & set(study.sidmacib.reductions):
@@ -92,10 +92,10 @@ def _figures(study: Study, detailed: tuple[str, ...], cases: list[Case]) -> Iter
 def _stress_cases(cases: list[Case], study: Study, model: str, sample: str) -> list[Case]:
     """Those of the reference variant, at the mesh of the stress maps."""
     mesh = study.figures.mesh or min(study.meshes)
-    own = [case for case in cases if case.model == model and case.sample == sample]
-    return [case for case in own if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
+    chosen = [case for case in cases if case.model == model and case.sample == sample]
+    return [case for case in chosen if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
 
 
-def _nearest(own: list[Case], ratio: float) -> Case:
+def _nearest(chosen: list[Case], ratio: float) -> Case:
     """The case whose eccentricity over a is next to ``ratio``."""
-    return min(own, key=lambda case: abs(case.direction.eccentricity - ratio))
+    return min(chosen, key=lambda case: abs(case.direction.eccentricity - ratio))

@@ -9,10 +9,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.drawing.labels import PUBLISHED, label_of, option_colour, option_name, rule_name
 from analysis.figures import style
 from analysis.figures.catalogue import REVISED, shown_samples
 from analysis.figures.material import Material
-from analysis.looks import PUBLISHED, look_of, option_colour, option_name, rule_name
+from sidmacib.drawing import vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 
@@ -42,15 +43,15 @@ def options(material: Material) -> Figure:
     axes = figure.subplots(1, 2, sharey=True)
     for axis, friction in zip(axes, (False, True), strict=True):
         for name in study.sidmacib.options:
-            own = material.envelopes[
+            rows = material.envelopes[
                 (material.envelopes["sample"] == material.sample)
                 & (material.envelopes["option"] == name)
                 & (material.envelopes["friction"] == friction)
             ]
-            shown = first_quadrant(own[["shear_N", "torque_Nm"]].to_numpy())
-            axis.plot(shown[:, 0], shown[:, 1], color=option_colour(name), label=option_name(name))
-    style.curve_axes(axes[0], "without friction along the locks")
-    style.curve_axes(axes[1], "with friction along the locks")
+            shear, torque = first_quadrant(rows[["shear_N", "torque_Nm"]].to_numpy()).T
+            vm_curve(axis, shear, torque, option_name(name), color=option_colour(name))
+    vm_axes(axes[0], "without friction along the locks")
+    vm_axes(axes[1], "with friction along the locks")
     axes[0].legend()
     style.caption(
         figure,
@@ -77,7 +78,7 @@ def meshes(material: Material) -> Figure:
                 model_curve(axis, material, model, sample, mesh, color=colour)
         published_point(axis, material.capacity, sample)
         measured_points(axis, material, sample)
-        style.curve_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
+        vm_axes(axis, f"{sample}: {material.study.samples[sample].locks} locks")
         axis.set_ylim(top=1.5 * axis.get_ylim()[1])  # room for the legend
         axis.legend(fontsize=7, loc="upper right")
     style.caption(
@@ -98,51 +99,45 @@ def mesh_error_words(material: Material) -> str:
         for mesh, error in largest.items()
         if not np.isnan(error) and np.isclose(float(str(mesh)), material.study.meshes).any()
     ]
-    return f"Mesh error, told from two meshes: up to {', '.join(found)}. " if found else ""
+    return f"Mesh error, estimated from two meshes: up to {', '.join(found)}. " if found else ""
 
 
 def revised(material: Material) -> Figure:
-    """Revised SiDMACIB, by two reductions, and the distinct elements."""
+    """Revised SiDMACIB by two reductions, and the leading detailed model."""
     study = material.study
     titles = {name: rule_name(name) for name in REVISED if name in study.sidmacib.reductions}
     figure = Figure(figsize=(8, 4.8), layout="constrained")
     axes = figure.subplots(1, len(titles), sharex=True, sharey=True, squeeze=False)[0]
-    limit = material.capacity[
-        (material.capacity["model"] == "sidmacib")
-        & material.capacity["variant"].str.contains("-frictionless-")
-        & material.capacity["case"].isin(material.cases(material.sample, min(study.meshes)))
-        & (material.capacity["weights_from"] == material.leading)
+    rows = material.in_order(material.capacity, material.sample, min(study.meshes))
+    limit = rows[
+        rows["model"].eq("sidmacib")
+        & rows["friction"].eq(False)
+        & rows["weights_from"].eq(material.leading)
     ]
     for axis, reduction in zip(axes, titles, strict=True):
         for name in study.sidmacib.options:
             rows = limit[(limit["option"] == name) & (limit["reduction"] == reduction)]
-            axis.plot(
+            vm_curve(
+                axis,
                 rows["shear_N"],
                 rows["torque_Nm"],
+                option_name(name),
                 color=option_colour(name),
-                label=option_name(name),
             )
         for mesh, marker in zip(study.meshes, cycle(style.MARKERS), strict=False):
             curve = material.curve(material.leading, material.sample, mesh)
-            axis.plot(
-                curve["shear_N"],
-                curve["torque_Nm"],
-                marker,
-                markersize=4,
-                color="#444444",
-                markerfacecolor="white",
-                clip_on=False,
-                zorder=3,
-                label=f"{look_of(material.leading).name}, mesh {mesh:g} m",
-            )
+            label = f"{label_of(material.leading).name}, mesh {mesh:g} m"
+            mark = {"linestyle": "none", "marker": marker, "markersize": 4, "color": "#444444"}
+            mark |= {"markerfacecolor": "white", "clip_on": False, "zorder": 3}
+            vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label, **mark)
         published_point(axis, material.capacity, material.sample)
     for axis, title in zip(axes, titles.values(), strict=True):
-        style.curve_axes(axis, title)
+        vm_axes(axis, title)
     axes[0].legend(fontsize=8)
     style.caption(
         figure,
         f"{material.place_in_paper}Revised SiDMACIB without friction (lines) against "
-        f"{look_of(material.leading).name} (marks), "
+        f"{label_of(material.leading).name} (marks), "
         f"{study.samples[material.sample].locks} locks; weights read "
         f"at e = {min(study.eccentricities):g} a, mesh {min(study.meshes):g} m. "
         f"{style.ASSUMED_POINTS} {material.assumed_geometry}",
@@ -155,48 +150,31 @@ def model_curve(
 ) -> None:
     """The V-M curve of a model of the pieces, in the style of the model but for ``changes``."""
     curve = material.curve(model, sample, mesh)
-    axis.plot(
-        curve["shear_N"],
-        curve["torque_Nm"],
-        **(style.of_model(model, material.models) | changes),
-        clip_on=False,
-        zorder=3,
-        label=f"{look_of(model).name}, mesh {mesh:g} m",
-    )
+    label = f"{label_of(model).name}, mesh {mesh:g} m"
+    line = style.of_model(model, material.models) | changes
+    vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label, clip_on=False, zorder=3, **line)
 
 
 def rule_curve(axis: Axes, material: Material, rule: str, sample: str, mesh: float) -> None:
     """The V-M curve of the law or the safe rule, if the study asks for it."""
-    curve = material.curve(rule, sample, mesh)
-    if len(curve):
-        look = look_of(rule)
-        axis.plot(
-            curve["shear_N"], curve["torque_Nm"], ":", color=look.colour, label=look.name, lw=1.2
-        )
+    curve, label = material.curve(rule, sample, mesh), label_of(rule)
+    line = {"linestyle": ":", "linewidth": 1.2, "color": label.colour}
+    vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label.name, **line)
 
 
 def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
     """The paper's peak in pure shear, if it has the sample."""
     rows = capacity[(capacity["sample"] == sample) & (capacity["variant"] == "3dec")]
-    if len(rows):
-        axis.plot(
-            rows["shear_N"],
-            rows["torque_Nm"],
-            "*",
-            color=PUBLISHED.colour,
-            markerfacecolor="none",
-            markersize=11,
-            clip_on=False,
-            zorder=4,
-            label=f"{PUBLISHED.name}, e = 0",
-        )
+    mark = {"linestyle": "none", "marker": "*", "markersize": 11, "markerfacecolor": "none"}
+    mark |= {"color": PUBLISHED.colour, "clip_on": False, "zorder": 4}
+    vm_curve(axis, rows["shear_N"], rows["torque_Nm"], f"{PUBLISHED.name}, e = 0", **mark)
 
 
 def measured_points(axes: Axes, material: Material, sample: str) -> None:
     """Loads that were measured on a sample, if the study has any."""
     given = material.study.measured
-    own = [load for load in given.loads if load.sample == sample] if given else []
-    if own:
-        a = material.study.joint(sample).a
-        shear, torque = zip(*(load.components(a) for load in own), strict=True)
-        axes.plot(shear, torque, "k*", ms=9, label="measured", zorder=5)
+    loads = [load for load in given.loads if load.sample == sample] if given else []
+    a = material.study.joint(sample).a
+    shear, torque = zip(*(load.components(a) for load in loads), strict=True) if loads else ((), ())
+    mark = {"linestyle": "none", "marker": "*", "markersize": 9, "color": "k", "zorder": 5}
+    vm_curve(axes, shear, torque, "measured", **mark)

@@ -4,12 +4,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from analysis.drawing.boxes import MM, boxes
 from analysis.figures import style
 from analysis.figures.material import Material
-from analysis.outlines import MM, outlines
+from sidmacib.drawing import BLACK, BLUE, GREY
 from sidmacib.joint import Joint
 from sidmacib.loading import Push
-from workflow.colours import BLACK, BLUE, GREY
 
 X, Y, Z = range(3)
 
@@ -81,7 +81,7 @@ def _name(axes: Axes, words: str, face: tuple[float, float], place: tuple[float,
 def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
     """The pieces, projected on two axes; from below only the locks."""
     across, along = plane
-    for piece in outlines(joint):
+    for piece in boxes(joint):
         if along == X and piece.lock is None:
             continue
         corner = piece.low[across], piece.low[along]

@@ -6,7 +6,8 @@ import pandas as pd
 
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
 from analysis.published import read_published
-from workflow.case import REFERENCE, Case, case_name
+from analysis.tables.study_points import study_points
+from workflow.case import REFERENCE, Case
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
 
@@ -44,32 +45,32 @@ class Material:
         rows = self.table
         if self.spec.sample is not None:
             rows = rows[rows["sample"] == self.spec.sample]
-        own = rows["model"].unique()
-        ordered = [m for m in (*self.detailed, *self.study.models) if m in own]
-        return *dict.fromkeys(ordered), *(model for model in own if model not in ordered)
+        names = rows["model"].unique()
+        ordered = [m for m in (*self.detailed, *self.study.models) if m in names]
+        return *dict.fromkeys(ordered), *(model for model in names if model not in ordered)
 
     def detailed_of(self, sample: str) -> tuple[str, ...]:
         """The detailed models that run on the whole of a sample, the leading one first."""
-        own = self.study.models_of(sample)
+        names = self.study.models_of(sample)
         whole = (model for model in self.detailed if self.study.whole_curve(sample, model))
-        return tuple(model for model in whole if model in own)
+        return tuple(model for model in whole if model in names)
 
     @property
     def leading(self) -> str:
         """The model that SiDMACIB is shown against."""
         return self.detailed_of(self.sample)[0]
 
-    def cases(self, sample: str, mesh: float) -> list[str]:
-        """The cases of a sample at a mesh (m), from pure shear to pure torsion."""
-        return [case_name(sample, mesh, ratio) for ratio in sorted(self.study.eccentricities)]
+    def in_order(self, table: pd.DataFrame, sample: str, mesh: float) -> pd.DataFrame:
+        """Rows of ``table`` for a sample at a mesh (m), from pure shear to pure torsion."""
+        rows = study_points(self.study, table[table["sample"] == sample])
+        return rows[rows["mesh_m"] == mesh].sort_values("eccentricity_over_a", kind="stable")
 
     def curve(self, model: str, sample: str, mesh: float) -> pd.DataFrame:
         """Capacities of a model in the reference variant, from pure shear to pure torsion."""
         rows = self.capacity[
             (self.capacity["model"] == model) & (self.capacity["variant"] == REFERENCE)
-        ].set_index("case")
-        shown = [name for name in self.cases(sample, mesh) if name in rows.index]
-        return rows.loc[shown].dropna(subset=["load_N"])
+        ]
+        return self.in_order(rows, sample, mesh).dropna(subset=["load_N"])
 
     @property
     def sample(self) -> str:

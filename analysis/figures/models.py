@@ -7,11 +7,12 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.collect import SHARES
+from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import Material
-from analysis.looks import look_of
+from analysis.tables.collect import SHARES
+from sidmacib.drawing import vm_axes
 from workflow.models import LAWS
 from workflow.schema import Study
 
@@ -19,8 +20,7 @@ from workflow.schema import Study
 def models(material: Material) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
-    cases = material.cases(material.sample, mesh)
-    own = material.table[material.table["case"].isin(cases)]
+    rows = material.in_order(material.table, material.sample, mesh)
     figure = Figure(figsize=(8.6, 8.2), layout="constrained")
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
     for model in material.models:
@@ -28,17 +28,17 @@ def models(material: Material) -> Figure:
     for rule in LAWS:
         rule_curve(curves, material, rule, material.sample, mesh)
     published_point(curves, material.capacity, material.sample)
-    style.curve_axes(curves, "largest loads")
+    vm_axes(curves, "largest loads")
     curves.set_ylim(top=1.35 * curves.get_ylim()[1])  # room for the legend
     curves.legend(fontsize=7, loc="upper right")
-    first = own[own["case"] == cases[0]].set_index("model")
-    _weights(weights, material.models, first, study.samples[material.sample].locks)
     ratio = min(study.eccentricities)
-    told = f"{ratio:g} a" if ratio else "0"
-    weights.set_title(f"weights at e = {told}", loc="left", fontsize=10)
+    first = rows[rows["eccentricity_over_a"] == ratio].set_index("model")
+    place = f"e = {ratio:g} a" if ratio else "e = 0"
+    _weights(weights, material.models, first, study.samples[material.sample].locks)
+    weights.set_title(f"weights at {place}", loc="left", fontsize=10)
     _displacements(moved, material.models, first)
-    moved.set_title(f"displacement at e = {told}", loc="left", fontsize=10)
-    _friction(friction, material.models, own)
+    moved.set_title(f"displacement at {place}", loc="left", fontsize=10)
+    _friction(friction, material.models, rows)
     style.caption(
         figure,
         f"The same pieces and nodes, {study.samples[material.sample].locks} locks, mesh {mesh:g} "
@@ -54,9 +54,9 @@ def models(material: Material) -> Figure:
 
 
 def _of_rules(study: Study) -> str:
-    """What dotted curves are, if the study has any."""
-    shown = [look_of(name).name for name in LAWS if name in study.models]
-    return f"Dotted: {' and '.join(shown)}; the law tells first failures. " if shown else ""
+    """The sentence on dotted curves, if the study has any."""
+    shown = [label_of(name).name for name in LAWS if name in study.models]
+    return f"Dotted: {' and '.join(shown)}; the law gives first failures. " if shown else ""
 
 
 def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) -> None:
@@ -68,7 +68,7 @@ def _weights(axes: Axes, models: Sequence[str], rows: pd.DataFrame, locks: int) 
         row = rows.loc[model]
         values = [row[f"weight_lock{number}"] for number in numbers]
         shift = (index - (len(models) - 1) / 2) * width
-        bar = axes.bar(numbers + shift, values, width, color=look_of(model).colour)
+        bar = axes.bar(numbers + shift, values, width, color=label_of(model).colour)
         axes.bar_label(bar, fmt="%.2f", fontsize=6, rotation=90, padding=2)
     axes.set_xticks(numbers)
     axes.set_xlabel("lock")
@@ -87,7 +87,7 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
         loads = [share * row["given_load_N"] for share in SHARES]
         if not np.isnan(moved).any():
             places = 1e6 * np.array(moved)
-            name = look_of(model).name
+            name = label_of(model).name
             axes.plot(places, loads, **style.of_model(model, models), label=name)
     axes.set_xlabel("displacement (µm)")
     axes.set_ylabel("load (N)")
@@ -98,11 +98,10 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
 
 def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     for model in models:
-        own = rows[(rows["model"] == model) & np.isfinite(rows["eccentricity_m"])]
-        own = own.sort_values("eccentricity_m")
+        curve = rows[(rows["model"] == model) & np.isfinite(rows["eccentricity_m"])]
         line = style.of_model(model, models)
-        shares = 100 * own["friction_share"]
-        axes.plot(own["eccentricity_m"], shares, **line, label=look_of(model).name)
+        shares = 100 * curve["friction_share"]
+        axes.plot(curve["eccentricity_m"], shares, **line, label=label_of(model).name)
     axes.set_xlabel("eccentricity e (m)")
     axes.set_ylabel("friction (% of V)")
     axes.set_title("friction share at the peak", loc="left", fontsize=10)

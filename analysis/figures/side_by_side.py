@@ -6,11 +6,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.beside import Beside, beside, difference, name_of
+from analysis.drawing.labels import PUBLISHED, label_of
 from analysis.figures import style
 from analysis.figures.material import Material
-from analysis.looks import PUBLISHED, look_of
-from workflow.colours import GREY
+from analysis.tables.validation import Comparison, comparisons, difference_text, quantity_label
+from sidmacib.drawing import GREY
 
 
 def side_by_side(material: Material) -> Figure:
@@ -24,7 +24,7 @@ def side_by_side(material: Material) -> Figure:
         return figure
     samples = list(dict.fromkeys(table["sample"]))
     leading = {sample: material.detailed_of(sample)[0] for sample in samples}
-    parts = list(beside(table, leading))
+    parts = list(comparisons(table, leading))
     lines = sum(len(part.lines) + 3 for part in parts)
     height = 2.6 * len(samples) + 0.15 * lines + 1.25
     figure = Figure(figsize=(9, height), layout="constrained")
@@ -32,11 +32,11 @@ def side_by_side(material: Material) -> Figure:
         len(samples) + 1, 2, height_ratios=[2.4] * len(samples) + [0.15 * lines]
     )
     for row, sample in enumerate(samples):
-        own = table[table["sample"] == sample]
-        first = own.iloc[0]
+        selected = table[table["sample"] == sample]
+        first = selected.iloc[0]
         words = f"{sample}: {first['locks']} locks, friction {first['friction']:.4g}"
-        _peaks(figure.add_subplot(grid[row, 0]), own, f"{words}, peak V at e = 0 (N)")
-        _weights(figure.add_subplot(grid[row, 1]), own, f"{words}, weights at e = 0")
+        _peaks(figure.add_subplot(grid[row, 0]), selected, f"{words}, peak V at e = 0 (N)")
+        _weights(figure.add_subplot(grid[row, 1]), selected, f"{words}, weights at e = 0")
     _table(figure.add_subplot(grid[len(samples), :]), parts)
     style.caption(
         figure,
@@ -49,13 +49,13 @@ def side_by_side(material: Material) -> Figure:
     return figure
 
 
-def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
-    rows = own[own["quantity"] == "dem_pure_shear_N"]
+def _peaks(axes: Axes, selected: pd.DataFrame, title: str) -> None:
+    rows = selected[selected["quantity"] == "dem_pure_shear_N"]
     meshes = list(rows["mesh_m"].unique())
     models = list(rows["model"].unique())
     bars = {PUBLISHED: rows.drop_duplicates("mesh_m")["published"].to_list()}
     found = rows.set_index(["model", "mesh_m"])["computed"]
-    bars |= {look_of(m): [found.get((m, mesh), float("nan")) for mesh in meshes] for m in models}
+    bars |= {label_of(m): [found.get((m, mesh), float("nan")) for mesh in meshes] for m in models}
     width = 0.9 / len(bars)
     for index, (look, values) in enumerate(bars.items()):
         places = [place + (index - (len(bars) - 1) / 2) * width for place in range(len(meshes))]
@@ -70,10 +70,10 @@ def _peaks(axes: Axes, own: pd.DataFrame, title: str) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
-    finest = own[own["mesh_m"] == own["mesh_m"].min()]
+def _weights(axes: Axes, selected: pd.DataFrame, title: str) -> None:
+    finest = selected[selected["mesh_m"] == selected["mesh_m"].min()]
     finest = finest[finest["model"] == finest["model"].iloc[0]]
-    computed = look_of(finest["model"].iloc[0])
+    computed = label_of(finest["model"].iloc[0])
     printed = finest[finest["quantity"].str.fullmatch(r"weight_lock\d+")]
     swapped = finest.set_index("quantity")["published"]
     locks = [int(q.removeprefix("weight_lock")) for q in printed["quantity"]]
@@ -99,7 +99,7 @@ def _weights(axes: Axes, own: pd.DataFrame, title: str) -> None:
     axes.grid(axis="x", visible=False)
 
 
-def _table(axes: Axes, parts: Sequence[Beside]) -> None:
+def _table(axes: Axes, parts: Sequence[Comparison]) -> None:
     """The published numbers, and beside them those of every sample with as many locks."""
     axes.axis("off")
     most = max(len(part.samples) for part in parts)
@@ -114,12 +114,12 @@ def _table(axes: Axes, parts: Sequence[Beside]) -> None:
                 cell
                 for sample in part.samples
                 for cell in (
-                    (f"{line.rows[sample].computed:.5g}", difference(line.rows[sample]))
+                    (f"{line.rows[sample].computed:.5g}", difference_text(line.rows[sample]))
                     if sample in line.rows
                     else ("", "")
                 )
             ]
-            cells.append([name_of(line.quantity), line.mesh, f"{line.published:g}", *values])
+            cells.append([quantity_label(line.quantity), line.mesh, f"{line.published:g}", *values])
         cells.append([])
     width = 3 + 2 * most
     cells = [[*row, *[""] * (width - len(row))] for row in cells[:-1]]

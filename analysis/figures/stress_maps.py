@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
+from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.material import Material, Stresses
-from analysis.looks import look_of
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Face
 from sidmacib.pieces import assemble, lock_faces
@@ -60,7 +60,7 @@ def _map(material: Material) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {look_of(case.model).name}, "
+        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {label_of(case.model).name}, "
         f"mesh {case.mesh:g} m. Seen from below. Faces of upper locks lie at z = h, of lower locks "
         "at z = 0; arrows: direction of the stress on the piece above; grey: broken. W: resultant "
         f"over T0; mean: mean magnitude over the cohesion. {material.assumed_geometry}",
@@ -80,9 +80,9 @@ def _without_result(material: Material) -> Figure:
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     joint = shown.case.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
-    own = lock_faces(joint)
-    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in own}
-    inner = shown.nodes[shown.nodes["face"].isin(own)]
+    numbers = lock_faces(joint)
+    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in numbers}
+    inner = shown.nodes[shown.nodes["face"].isin(numbers)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(
         [

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.looks import SERIES, look_of
+from analysis.drawing.labels import SERIES, label_of
 from workflow.models import SOLVED
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
@@ -46,19 +45,10 @@ LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 
 
 
 def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
-    """How one of ``models`` is drawn: its colour; distinct elements by marks, others by lines."""
-    own = [name for name in models if (name in SOLVED) == (model in SOLVED)]
+    """The style of one of ``models``: distinct elements have marks, others lines."""
+    alike = [name for name in models if (name in SOLVED) == (model in SOLVED)]
     styles = LINES if model in SOLVED else MARKS
-    return {"color": look_of(model).colour, **styles[own.index(model) % len(styles)]}
-
-
-def curve_axes(axes: Axes, title: str) -> None:
-    """Axes of a V-M curve."""
-    axes.set_xlabel("shear V (N)")
-    axes.set_ylabel("torque M (N m)")
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
+    return {"color": label_of(model).colour, **styles[alike.index(model) % len(styles)]}
 
 
 def caption(figure: Figure, text: str, height: float = 0.2) -> None:

@@ -73,9 +73,9 @@ def fracture_energy(material: Material) -> Figure:
     figure = Figure(figsize=(3.3 * max(len(samples), 2), 3.9), layout="constrained")
     panels = figure.subplots(1, len(samples), squeeze=False)[0]
     for axes, sample in zip(panels, samples, strict=True):
-        own = faded[faded["sample"] == sample]
+        points = faded[faded["sample"] == sample]
         ends = rows[(rows["sample"] == sample) & (rows["failure"] != "softening")]
-        directions = own.sort_values("fracture_energy_J_m2").groupby("eccentricity_m")
+        directions = points.sort_values("fracture_energy_J_m2").groupby("eccentricity_m")
         for (e, curve), colour in zip(directions, style.COLOURS * 3, strict=False):
             ratio = e / material.study.joint(sample).a
             label = "torsion" if np.isinf(e) else f"e = {ratio:g} a"
@@ -105,8 +105,10 @@ def fracture_energy(material: Material) -> Figure:
 def _against(axes: Axes, rows: pd.DataFrame, column: str, words: str) -> None:
     """Curves of ``column`` over the stiffness, one for each sample and body."""
     for (sample, body), colour in _curves(rows):
-        own = rows[(rows["sample"] == sample) & (rows["upper_body"] == body)].sort_values("drawn")
-        axes.plot(own["drawn"], own[column], BODIES[body][1], color=colour, ms=3.5)
+        points = rows[(rows["sample"] == sample) & (rows["upper_body"] == body)].sort_values(
+            "drawn"
+        )
+        axes.plot(points["drawn"], points[column], BODIES[body][1], color=colour, ms=3.5)
     axes.set_ylabel(words)
     axes.set_ylim(bottom=0)
 
@@ -143,13 +145,18 @@ def _by_locks(axes: Axes, rows: pd.DataFrame) -> None:
     """Capacity over the number of locks, one curve for each stiffness and body."""
     colours = dict(zip(sorted(set(rows["drawn"])), style.COLOURS * 3, strict=False))
     for (drawn, body), curve in rows.groupby(["drawn", "upper_body"], sort=True):
-        own = curve.sort_values("locks")
-        ratio = own["stiffness_ratio"].iloc[0]
-        told = "rigid" if np.isnan(ratio) else f"E / (Kn b) = {ratio:g}"
+        points = curve.sort_values("locks")
+        ratio = points["stiffness_ratio"].iloc[0]
+        text = "rigid" if np.isnan(ratio) else f"E / (Kn b) = {ratio:g}"
         line = BODIES[UpperBody(body)][1]
-        label = told if told not in axes.get_legend_handles_labels()[1] else None
+        label = text if text not in axes.get_legend_handles_labels()[1] else None
         axes.plot(
-            own["locks"], own["load_over_T0"], line, color=colours[drawn], ms=3.5, label=label
+            points["locks"],
+            points["load_over_T0"],
+            line,
+            color=colours[drawn],
+            ms=3.5,
+            label=label,
         )
     locks = np.array(sorted(set(rows["locks"])))
     axes.plot(locks, (locks - 1) / 2, color="0.3", lw=1.2, label="(n - 1) / 2")

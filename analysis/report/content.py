@@ -1,4 +1,4 @@
-"""What the report shows, as plain data: from tables, and a few paths of the static model."""
+"""The report's data: from the tables, and from a few load paths of the static model."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,9 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from analysis.looks import SERIES, look_of, option_colour, option_name, rule_name
+from analysis.drawing.labels import SERIES, label_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.summary import AGREEMENT, leading_models
+from analysis.summary.summary import AGREEMENT, leading_models
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.solution import SPREAD_LIMIT
@@ -29,7 +29,7 @@ NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
 
 
 def plain(table: pd.DataFrame) -> dict[str, Any]:
-    """A table's columns and rows, as JSON has them: nothing for what is missing, text for inf."""
+    """A table's columns and rows for JSON: None for a missing value, "inf" for an infinite one."""
     return {
         "columns": list(table.columns),
         "rows": [[_plain(value) for value in row] for row in table.itertuples(index=False)],
@@ -44,29 +44,29 @@ def _plain(value: Any) -> Any:
     return value.item() if hasattr(value, "item") else value
 
 
-def looks() -> dict[str, dict[str, Any]]:
-    """Name and colour of each model, and whether it is an engine, which is drawn by marks."""
-    return {name: {**asdict(look_of(name)), "engine": name in ENGINES} for name in MODELS}
+def labels() -> dict[str, dict[str, Any]]:
+    """Name and colour of each model, and whether it is an engine, drawn with marks only."""
+    return {name: {**asdict(label_of(name)), "engine": name in ENGINES} for name in MODELS}
 
 
 def law_of(joint: Joint) -> dict[str, list[Any]]:
-    """Locks that work in pure shear, for joints like ``joint`` of more and fewer locks."""
+    """Locks that work in pure shear, for joints like ``joint`` with more and fewer locks."""
     rows: dict[str, list[Any]] = {"locks": list(NUMBERS_OF_LOCKS), "closed": [], "half": []}
     rows |= {name: [] for name in RULES}
     for locks in NUMBERS_OF_LOCKS:
-        own = replace(joint, locks=locks, different=())
-        rows["closed"].append(_plain(pairs_of(own).working))
+        similar = replace(joint, locks=locks, different=())
+        rows["closed"].append(_plain(pairs_of(similar).working))
         rows["half"].append((locks - 1) / 2 if locks % 2 else None)
         for name, rule in RULES.items():
             try:
-                rows[name].append(_plain(rule(own, Direction(0.0)).load / own.T0))
+                rows[name].append(_plain(rule(similar, Direction(0.0)).load / similar.T0))
             except (CapacityError, ValueError):
                 rows[name].append(None)
     return rows
 
 
 def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, str]]:
-    """The findings that come first: a heading, what was found, and whether that is good."""
+    """The first findings of the page: ``title``, ``text``, and ``kind``: good, bad or note."""
     return [
         *_failed(tables["cases"]),
         *_published(tables["validation"]),
@@ -116,7 +116,7 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
         found.append(
             {
                 "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                "text": f"Largest deviation {100 * size:.1f} %: {look_of(worst['model']).name} "
+                "text": f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
                 f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
                 f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
                 "kind": "good" if size < NEAR else "note",
@@ -126,14 +126,14 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
-    held = cases[cases["difference_to_static"].notna() & cases["model"].ne("limit")]
-    if held.empty:
+    compared = cases[cases["difference_to_static"].notna() & cases["model"].ne("limit")]
+    if compared.empty:
         return []
-    worst = float(held["difference_to_static"].abs().max())
+    worst = float(compared["difference_to_static"].abs().max())
     return [
         {
             "title": "Engines against the static model",
-            "text": f"{len(held)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
+            "text": f"{len(compared)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
             "kind": "good" if worst < AGREEMENT else "bad",
         }
     ]
@@ -143,31 +143,31 @@ def _safe_rule(capacity: pd.DataFrame, leading: Mapping[str, str]) -> list[dict[
     """Revised SiDMACIB against the peaks of each sample's leading model, rule by rule."""
     rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
     rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
-    own = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
+    selected = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
     peaks = capacity[capacity["variant"].eq(REFERENCE)].set_index(["model", "case"])["load_N"]
-    if own.empty or peaks.empty:
+    if selected.empty or peaks.empty:
         return []
-    against = peaks.reindex(pd.MultiIndex.from_frame(own[["weights_from", "case"]]))
-    over = own["load_N"].to_numpy() / against.to_numpy() - 1.0
-    known = own.assign(over=over).dropna(subset=["over"])
-    told = []
-    for name, part in known.groupby("reduction", sort=True):
+    against = peaks.reindex(pd.MultiIndex.from_frame(selected[["weights_from", "case"]]))
+    over = selected["load_N"].to_numpy() / against.to_numpy() - 1.0
+    with_peak = selected.assign(over=over).dropna(subset=["over"])
+    findings = []
+    for name, part in with_peak.groupby("reduction", sort=True):
         worst = part.loc[part["over"].idxmax()]
         words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
-        told.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
-    models = ", ".join(look_of(name).name for name in dict.fromkeys(leading.values()))
+        findings.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
+    models = ", ".join(label_of(name).name for name in dict.fromkeys(leading.values()))
     return [
         {
             "title": "Which rule is safe",
-            "text": f"SiDMACIB, Option 4, no friction, against {models}. {'; '.join(told)}.",
+            "text": f"SiDMACIB, Option 4, no friction, against {models}. {'; '.join(findings)}.",
             "kind": "note",
         }
     ]
 
 
 def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
-    own = capacity[capacity["variant"].eq(REFERENCE) & capacity["mesh_m"].isin(study.meshes)]
-    error = own.groupby("mesh_m")["mesh_error"].max().dropna()
+    selected = capacity[capacity["variant"].eq(REFERENCE) & capacity["mesh_m"].isin(study.meshes)]
+    error = selected.groupby("mesh_m")["mesh_error"].max().dropna()
     if error.empty:
         return []
     words = ", ".join(f"{100 * value:.1f} % at {mesh:g} m" for mesh, value in error.items())
@@ -185,7 +185,7 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
         if not far
         else (
             f"Above {100 * SPREAD_LIMIT:g} % in {far} of {len(spread)} capacities, up to "
-            f"{100 * spread.max():.0f} % or more: there the first failure is told, and is no peak"
+            f"{100 * spread.max():.0f} % or more: there capacities are first failures"
         )
     )
     return [
@@ -198,9 +198,9 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _ends(cases: pd.DataFrame) -> dict[str, str]:
-    """What the end of the static model's path is, by case, where peaks spread too far."""
-    own = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
-    far = own[own["peak_spread"] > SPREAD_LIMIT]
+    """What the end of the static model's path means, by case, where peaks spread too far."""
+    selected = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
+    far = selected[selected["peak_spread"] > SPREAD_LIMIT]
     return {
         row.case: f"The capacity is the first failure, {row.first_failure_load_N:.4g} N: peaks "
         f"spread by {100 * float(row.peak_spread):.0f} % or more. End of this path"
@@ -210,19 +210,21 @@ def _ends(cases: pd.DataFrame) -> dict[str, str]:
 
 def times_of(results: Path) -> list[list[Any]]:
     """Seconds of each kind of job: on the clock, of processors; how many there were."""
-    found: dict[str, list[float]] = {}
-    for kind, told in read_times(results):
-        own = found.setdefault(kind, [0.0, 0.0, 0.0])
-        own[0] += 1
-        own[1] += told["wall_s"]
-        own[2] += told["own_cpu_s"] + told["programs_cpu_s"]
-    return [[kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in found.items()]
+    totals: dict[str, list[float]] = {}
+    for kind, times in read_times(results):
+        total = totals.setdefault(kind, [0.0, 0.0, 0.0])
+        total[0] += 1
+        total[1] += times["wall_s"]
+        total[2] += times["own_cpu_s"] + times["programs_cpu_s"]
+    return [
+        [kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in totals.items()
+    ]
 
 
 def content(
     study: Study, tables: Mapping[str, pd.DataFrame], shown: Sequence[str], results: Path
 ) -> dict[str, Any]:
-    """All that the page is made from; ``shown``: tables that it has in full."""
+    """All data of the page; ``shown``: names of the tables that it has in full."""
     cases = shown_cases(cases_of(study).values())
     samples = {case.sample: case for case in cases}
     ends = _ends(tables["cases"])
@@ -230,7 +232,7 @@ def content(
         "samples": list(study.samples),
         "meshes": sorted(study.meshes),
         "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
-        "looks": looks(),
+        "labels": labels(),
         "series": SERIES,
         "options": {
             name: {"name": option_name(name), "colour": option_colour(name)}

@@ -11,27 +11,29 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from analysis.report.content import content
+from analysis.report.files import SCRIPTS, STYLE
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
 from workflow.schema import Study
 
 HERE = Path(__file__).parent
+CHECKOUT = HERE.parents[1]
 PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 
 
-def page(told: Mapping[str, Any], study: Study, summary: str) -> str:
+def page(data: Mapping[str, Any], study: Study, summary: str) -> str:
     """The page as HTML."""
     files = FileSystemLoader(HERE)
     environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
     # Data may hold whatever a configuration does: nothing in it ends the script it is in.
-    data = json.dumps(told, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     return environment.get_template("page.html.j2").render(
-        data=data,
+        data=text,
         plotly=get_plotlyjs(),
-        style=(HERE / "report.css").read_text(),
-        script=(HERE / "report.js").read_text(),
-        verdict=told["verdict"],
-        tables=list(told["tables"]),
+        style=(CHECKOUT / STYLE).read_text(),
+        script="".join((CHECKOUT / script).read_text() for script in SCRIPTS),
+        verdict=data["verdict"],
+        tables=list(data["tables"]),
         summary=summary,
         configuration=study.model_dump_json(indent=1),
         versions=[("Python", platform.python_version()), *((p, version(p)) for p in PACKAGES)],
@@ -44,10 +46,10 @@ def run(
 ) -> None:
     """Write the page from the tables that it has in full, and the summary."""
     study = Study.model_validate_json(arguments["study"])
-    found = {
+    tables = {
         name: read_table(getattr(forms, name.upper()), path)
         for name, path in inputs.items()
         if name != "summary"
     }
-    told = content(study, found, tuple(found), outputs["page"].parent)
-    outputs["page"].write_text(page(told, study, inputs["summary"].read_text()))
+    data = content(study, tables, tuple(tables), outputs["page"].parent)
+    outputs["page"].write_text(page(data, study, inputs["summary"].read_text()))

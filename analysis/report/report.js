@@ -1,29 +1,23 @@
-"use strict";
-// The report's controls and pictures. All data are in the page; nothing is asked of a network.
+// The report's controls and charts. All data are in the page; it works offline.
 const DATA = JSON.parse(document.getElementById("data").textContent);
 const COLOURS = DATA.series;
 const MARKS = ["circle-open", "x", "square-open", "diamond-open", "triangle-up-open"];
 const DASHES = ["solid", "dash", "dot", "dashdot", "longdash"];
-const LAYOUT = { margin: { l: 60, r: 20, t: 20, b: 50 }, font: { size: 13 }, legend: { orientation: "h", y: -0.2 }, paper_bgcolor: "white", plot_bgcolor: "white" };
-// By default every plot offers to upload itself to a cloud.
-const CONFIG = { displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: "" };
-const at = (id) => document.getElementById(id);
 const unique = (values) => [...new Set(values)];
 const records = (table) => table.rows.map((row) => Object.fromEntries(table.columns.map((name, k) => [name, row[k]])));
-const axis = (title, more) => Object.assign({ title: { text: title }, gridcolor: "#dddddd", zerolinecolor: "#999999" }, more);
 const short = (value) => (typeof value === "number" ? Number(value.toPrecision(4)).toString() : String(value));
 
 const capacity = records(DATA.tables.capacity);
 const weights = records(DATA.tables.weights);
 const cases = records(DATA.tables.cases);
-const lookOf = (model) => DATA.looks[model];
+const labelOf = (model) => DATA.labels[model];
 const markOf = (model) => MARKS[models.indexOf(model) % MARKS.length];
 
-function fill(select, values, chosen, told = short) {
-  select.replaceChildren(...values.map((value) => new Option(told(value), value, value === chosen, value === chosen)));
+function fill(select, values, chosen, text = short) {
+  select.replaceChildren(...values.map((value) => new Option(text(value), value, value === chosen, value === chosen)));
 }
 
-function boxes(fieldset, names, chosen, onchange, told = (name) => name) {
+function boxes(fieldset, names, chosen, onchange, text = (name) => name) {
   for (const name of names) {
     const label = document.createElement("label");
     const box = document.createElement("input");
@@ -31,7 +25,7 @@ function boxes(fieldset, names, chosen, onchange, told = (name) => name) {
     box.value = name;
     box.checked = chosen.includes(name);
     box.addEventListener("change", onchange);
-    label.append(box, ` ${told(name)}`);
+    label.append(box, ` ${text(name)}`);
     fieldset.append(label);
   }
   fieldset.hidden = names.length === 0;
@@ -54,26 +48,26 @@ function drawCurves() {
   const traces = [];
   const line = (rows, name, style) => {
     const own = rows.filter((row) => row.load_N !== null).sort((a, b) => rank(a) - rank(b));
-    if (own.length) traces.push(Object.assign({ x: own.map((r) => r.shear_N), y: own.map((r) => r.torque_Nm), name, text: own.map((r) => `e = ${r.eccentricity_m === "inf" ? "torsion" : short(r.eccentricity_m) + " m"}`), hovertemplate: "%{text}<br>V = %{x:.1f} N<br>M = %{y:.3f} N m" }, style));
+    if (own.length) traces.push(vmTrace({ shear: own.map((r) => r.shear_N), torque: own.map((r) => r.torque_Nm), name, text: own.map((r) => `e = ${r.eccentricity_m === "inf" ? "torsion" : short(r.eccentricity_m) + " m"}`), hovertemplate: "%{text}<br>V = %{x:.1f} N<br>M = %{y:.3f} N m", ...style }));
   };
   for (const model of shown) {
     const number = models.indexOf(model);
     const rows = plain.filter((r) => r.sample === sample && r.mesh_m === mesh && r.model === model && r.variant === variant);
-    const look = lookOf(model);
-    line(rows, look.name, { mode: look.engine ? "markers" : "lines+markers", marker: { symbol: markOf(model), size: 9, color: look.colour }, line: { dash: DASHES[number % DASHES.length], color: look.colour } });
+    const label = labelOf(model);
+    line(rows, label.name, { mode: label.engine ? "markers" : "lines+markers", marker: { symbol: markOf(model), size: 9, color: label.colour }, line: { dash: DASHES[number % DASHES.length], color: label.colour } });
   }
   for (const option of options) {
     const rows = rules.filter((r) => r.sample === sample && r.mesh_m === mesh && r.option === option && r.reduction === at("curve-reduction").value && r.weights_from === at("curve-source").value && String(r.friction) === String(at("curve-friction").checked));
-    line(rows, `${lookOf("sidmacib").name} ${DATA.options[option].name}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: DATA.options[option].colour } });
+    line(rows, `${labelOf("sidmacib").name} ${DATA.options[option].name}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: DATA.options[option].colour } });
   }
-  Plotly.react("curve-plot", traces, Object.assign({}, LAYOUT, { xaxis: axis("shear V (N)", { rangemode: "tozero" }), yaxis: axis("torque M (N m)", { rangemode: "tozero" }), showlegend: true }), CONFIG);
+  vmChart("curve-plot", traces);
   const peaks = traces.map((t) => `${t.name} ${short(Math.max(...t.x))} N and ${short(Math.max(...t.y))} N m`);
   at("curve-text").textContent = `${sample}, mesh ${mesh} m. Largest V and M: ${peaks.join("; ") || "nothing chosen"}.`;
 }
 
 function fillSources() {
   const own = unique(rules.filter((row) => row.sample === at("curve-sample").value).map((row) => row.weights_from));
-  fill(at("curve-source"), own, own[0], (model) => lookOf(model).name);
+  fill(at("curve-source"), own, own[0], (model) => labelOf(model).name);
 }
 
 function startCurves() {
@@ -86,7 +80,7 @@ function startCurves() {
   fill(at("curve-reduction"), reductions, reductions.includes("lower_sum") ? "lower_sum" : reductions[0], (name) => DATA.rules[name] || name);
   at("curve-sample").addEventListener("change", fillSources);
   fillSources();
-  boxes(at("curve-models"), models, models, drawCurves, (model) => lookOf(model).name);
+  boxes(at("curve-models"), models, models, drawCurves, (model) => labelOf(model).name);
   boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves, (option) => DATA.options[option].name);
   for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
   drawCurves();
@@ -97,9 +91,9 @@ function drawWeights() {
   const rows = weights.filter((row) => row.case === at("weight-case").value && row.variant === "reference");
   const traces = unique(rows.map((row) => row.model)).map((model) => {
     const own = rows.filter((row) => row.model === model);
-    return { type: "bar", name: lookOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: lookOf(model).colour } };
+    return { type: "bar", name: labelOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: labelOf(model).colour } };
   });
-  Plotly.react("weight-plot", traces, Object.assign({}, LAYOUT, { barmode: "group", xaxis: axis(""), yaxis: axis("weight", { rangemode: "tozero" }), showlegend: true }), CONFIG);
+  chart("weight-plot", traces, { barmode: "group", xaxis: axis(""), yaxis: axis("weight", { rangemode: "tozero" }) });
   at("weight-text").textContent = traces.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ");
 }
 
@@ -131,14 +125,14 @@ function drawStress(path, step) {
     symbol.push(...step.bonded[k].map((whole) => (whole ? "square" : "x")));
   });
   const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: Math.max(4, Math.min(13, 120 / Math.sqrt(x.length))), colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
-  Plotly.react("stress-plot", [trace], Object.assign({}, LAYOUT, { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false }), CONFIG);
+  chart("stress-plot", [trace], { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false });
 }
 
 function drawOrder(path, step) {
   const loads = path.steps.map((s) => s.load);
   const traces = path.faces.map((face, k) => ({ x: loads, y: path.steps.map((s) => Math.max(...s.shear[k].map((v, i) => (s.bonded[k][i] ? v : 0)))), name: `lock ${face.lock}`, mode: "lines+markers", marker: { symbol: MARKS[k % MARKS.length] }, line: { color: COLOURS[k % COLOURS.length], dash: DASHES[k % DASHES.length] } }));
   const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
-  Plotly.react("order-plot", traces, Object.assign({}, LAYOUT, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest use of what is bonded", { rangemode: "tozero" }), showlegend: true }), CONFIG);
+  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion of the bonds", { rangemode: "tozero" }) });
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
   at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
@@ -187,7 +181,7 @@ function drawJoint(path, step) {
   });
   traces.push({ type: "scatter3d", mode: "markers", x, y, z, marker: { size: 4, color: colour, colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" });
   const scene = { aspectmode: "data", camera: { eye: { x: 1.5, y: -1.5, z: 1.2 } }, xaxis: { title: { text: "x (m)" } }, yaxis: { title: { text: "y (m)" } }, zaxis: { title: { text: "z (m)" } } };
-  Plotly.react("joint-plot", traces, Object.assign({}, LAYOUT, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample }), CONFIG);
+  chart("joint-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample });
 }
 
 function drawPath() {
@@ -230,9 +224,9 @@ function startPaths() {
 // --- law, models -----------------------------------------------------------------------------
 function drawLaw() {
   const own = DATA.law[at("law-sample").value];
-  const names = { law: lookOf("law"), safe: lookOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n - 1) / 2", colour: "#000000" } };
+  const names = { law: labelOf("law"), safe: labelOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n - 1) / 2", colour: "#000000" } };
   const traces = Object.keys(names).map((key, k) => ({ x: own.locks, y: own[key], name: names[key].name, connectgaps: true, mode: "lines+markers", marker: { symbol: MARKS[k] }, line: { color: names[key].colour, dash: DASHES[k] } }));
-  Plotly.react("law-plot", traces, Object.assign({}, LAYOUT, { xaxis: axis("locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }), showlegend: true }), CONFIG);
+  chart("law-plot", traces, { xaxis: axis("locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }) });
 }
 
 function startLaw() {
@@ -249,9 +243,9 @@ function drawModels() {
   at("models").hidden = own.length === 0;
   const traces = unique(own.map((row) => row.model)).map((model) => {
     const rows = own.filter((row) => row.model === model);
-    return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: lookOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: lookOf(model).colour, size: 8 } };
+    return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: labelOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: labelOf(model).colour, size: 8 } };
   });
-  Plotly.react("model-plot", traces, Object.assign({}, LAYOUT, { margin: { l: 60, r: 20, t: 20, b: 150 }, legend: { orientation: "h", y: 1.1 }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("over the static model (%)"), showlegend: true }), CONFIG);
+  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 20, b: 150 }, legend: { orientation: "h", y: 1.1 }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
 }
 
 // --- tables ----------------------------------------------------------------------------------
@@ -306,9 +300,9 @@ function tableRow(row) {
 
 function download() {
   const { columns, rows } = shownRows();
-  const plainly = (value) => (/^[=+\-@\t\r]/.test(value) ? `'${value}` : value); // no formula of a spreadsheet
-  const told = (value) => (typeof value === "string" ? plainly(value) : String(value ?? ""));
-  const cell = (value) => (/[",\n\r]/.test(told(value)) ? `"${told(value).replaceAll('"', '""')}"` : told(value));
+  const safe = (value) => (/^[=+\-@\t\r]/.test(value) ? `'${value}` : value); // no formula of a spreadsheet
+  const cellText = (value) => (typeof value === "string" ? safe(value) : String(value ?? ""));
+  const cell = (value) => (/[",\n\r]/.test(cellText(value)) ? `"${cellText(value).replaceAll('"', '""')}"` : cellText(value));
   const text = [columns, ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
   const link = document.createElement("a");
   link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sidmacib.drawing import BLUE, GREEN, OCHRE, ORANGE, PURPLE, SKY, vm_axes, vm_curve
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -19,10 +21,10 @@ DIGITS = 4
 FORMATS = ("table", "json", "csv")
 # Of models, as in the figures of studies.
 COLOURS = {
-    **{"safe": "#009e73", "law": "#8a6d00", "static": "#0072b2"},
-    **{"limit": "#56b4e9", "sidmacib": "#cc79a7"},
+    **{"safe": GREEN, "law": OCHRE, "static": BLUE},
+    **{"limit": SKY, "sidmacib": PURPLE},
 }
-BLOCKS = {"upper": "#0072b2", "lower": "#e69f00"}
+BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
 
 def text_of(rows: "Sequence[Row]", form: str) -> str:
@@ -97,12 +99,10 @@ def curves(rows: "Sequence[Row]", title: str) -> "Figure":
     for model in dict.fromkeys(row["model"] for row in rows):
         points = [row for row in rows if row["model"] == model and row["V (N)"] is not None]
         points.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
-        shear, torque = [r["V (N)"] for r in points], [r["M (N m)"] for r in points]
-        axes.plot(shear, torque, "o-", ms=3, color=COLOURS.get(model), label=model)
-    axes.set_xlabel("shear V (N)")
-    axes.set_ylabel("torque M (N m)")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.set_title(title, loc="left", fontsize=10)
-    axes.legend()
+        shear, torque = [row["V (N)"] for row in points], [row["M (N m)"] for row in points]
+        line = {"marker": "o", "markersize": 3, "color": COLOURS[model]}
+        vm_curve(axes, shear, torque, model, **line)
+    vm_axes(axes, title)
+    if axes.lines:
+        axes.legend()
     return figure

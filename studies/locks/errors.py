@@ -23,8 +23,8 @@ QUANTITIES = {  # what is compared with what
     "safe / peak": ("safe", "peak"),
     "closed form / first failure": ("closed_form", "first_failure"),
 }
-JOINT = ["design", "number"]
-REGION = ("design", "held", "dry_faces", "upper_body", "eccentricity_over_a")
+JOINT = ["sampling", "number"]
+REGION = ("sampling", "held", "dry_faces", "upper_body", "eccentricity_over_a")
 SPREAD = (
     *("points", "mean_error", "mean_absolute_error", "least_error"),
     *("error_5_percent", "error_95_percent", "largest_error"),
@@ -99,7 +99,7 @@ def law_table(points: pd.DataFrame) -> pd.DataFrame:
             smooth = part["held"].eq("plate") & part["dry_faces"].eq("smooth")
             part = part[smooth & part["eccentricity_over_a"].eq(0.0)]
         error = part[value] / part[reference] - 1.0
-        regions = by_region(part, error, REGION, both_bodies, ["design"])
+        regions = by_region(part, error, REGION, both_bodies, ["sampling"])
         rows += [{"quantity": name, **row} for row in regions]
     return table_of(LAW, rows)
 

@@ -9,8 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from analysis.drawing.labels import rule_name
 from analysis.figures import style
-from analysis.looks import rule_name
 from sidmacib.rule.pairs import Pairs
 from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
 from studies.locks.points import POINTS

@@ -28,10 +28,10 @@ RULE, ONE, EACH, THIRD = "half with option4", "one pair for all", "own pair", "o
 FREEDOMS = Table(
     "freedoms",
     (
-        *("design", "freedom", "upper_body", "locks", "joints", "mean_misfit"),
+        *("sampling", "freedom", "upper_body", "locks", "joints", "mean_misfit"),
         *("misfit_95_percent", "locks_that_count", "position_over_a", "middle_share"),
     ),
-    ("design", "freedom", "upper_body", "locks"),
+    ("sampling", "freedom", "upper_body", "locks"),
     digits=4,
 )
 
@@ -103,7 +103,7 @@ def _best(fitted: Sequence[Fits]) -> Fits:
 def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
     """Misfits by freedom, body and number of locks: odd joints under a plate, all directions."""
     rows = []
-    for sampling, part in brittle_odd_joints(points).groupby("design", sort=True):
+    for sampling, part in brittle_odd_joints(points).groupby("sampling", sort=True):
         peaks = part.pivot_table(
             index=["number", "upper_body", "locks"], columns="eccentricity_over_a", values="peak"
         ).dropna()
@@ -119,7 +119,7 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
             misfit = fit.misfit[chosen]
             rows.append(
                 {
-                    "design": sampling,
+                    "sampling": sampling,
                     "freedom": freedom,
                     "upper_body": body,
                     "locks": locks,

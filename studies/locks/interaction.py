@@ -18,7 +18,7 @@ from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
 
 EXPONENTS = (1.0, 1.25, 1.5, 2.0)
-REGION = ("design", "dry_faces", "upper_body", "eccentricity_over_a")
+REGION = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
 INTERACTION = Table("interaction", ("exponent", *REGION, *SPREAD), ("exponent", *REGION), digits=4)
 
 

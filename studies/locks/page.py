@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from analysis.looks import look_of
+from analysis.drawing.labels import label_of
 from studies.locks.bonds import BONDS
 from studies.locks.errors import LAW, RULE_ERRORS
 from studies.locks.freedoms import FREEDOMS
@@ -29,7 +29,7 @@ RULES = {
 def law_errors(results: Path) -> str:
     """Law over the static model's first failure, on rigid pieces."""
     table = table_in(results, LAW).query(
-        "quantity == 'law / first failure' and design == 'rigid' and upper_body == 'all'"
+        "quantity == 'law / first failure' and sampling == 'rigid' and upper_body == 'all'"
     )
     table = table[table["eccentricity_over_a"].isin(DIRECTIONS)]
     rows = []
@@ -55,7 +55,7 @@ def safe_margins(results: Path) -> str:
         "quantity == 'safe / peak' and upper_body == 'all' and eccentricity_over_a != 'all'"
     )
     rows = []
-    for (sampling, held), part in table.groupby(["design", "held"], sort=True):
+    for (sampling, held), part in table.groupby(["sampling", "held"], sort=True):
         points = int(part["points"].sum())
         mean = (part["mean_error"] * part["points"]).sum() / points
         name = f"{sampling}, {HOLDS[str(held)]}"
@@ -75,9 +75,9 @@ def counts(results: Path) -> str:
             size(part["first_failure_mesh_error"].abs().quantile(0.95)),
             f"{part['limit'].notna().sum():,}",
         ]
-        for sampling, part in table_in(results, POINTS).groupby("design", sort=True)
+        for sampling, part in table_in(results, POINTS).groupby("sampling", sort=True)
     ]
-    head = ["design", "joints", "points", "no static answer", "no law", "mesh error, 95 %"]
+    head = ["sampling", "joints", "points", "no static answer", "no law", "mesh error, 95 %"]
     return markdown([*head, "limit analyses"], rows)
 
 
@@ -101,7 +101,7 @@ def interaction(results: Path) -> str:
     """Curves through pure shear and pure torsion against the loads between them."""
     table = table_in(results, INTERACTION)
     return markdown_of(
-        table.query("design == 'rigid' and eccentricity_over_a == 'all'"),
+        table.query("sampling == 'rigid' and eccentricity_over_a == 'all'"),
         {
             "p": lambda row: f"{row.exponent:g}",
             "": lambda row: f"{row.dry_faces}, {body(row.upper_body)}",
@@ -113,7 +113,7 @@ def interaction(results: Path) -> str:
 
 def freedoms(results: Path) -> str:
     """Misfit of SiDMACIB's polygon by what is free to choose."""
-    table = table_in(results, FREEDOMS).query("design == 'rigid'")
+    table = table_in(results, FREEDOMS).query("sampling == 'rigid'")
     rows = []
     for freedom, part in table.groupby("freedom", sort=False):
         cells = []
@@ -193,7 +193,7 @@ def engines(results: Path) -> str:
         if model in loads and REFERENCE_MODEL in loads:
             error = (loads[model] / loads[REFERENCE_MODEL] - 1.0).dropna()
             cells = [f"{len(error)}", size(error.abs().mean()), span(error.min(), error.max())]
-            rows.append([look_of(model).name, *cells])
+            rows.append([label_of(model).name, *cells])
     return markdown(["against the static peak", "cases", "mean size", "extremes"], rows)
 
 

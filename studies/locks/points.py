@@ -8,17 +8,17 @@ import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
 
-POINTS = Table(  # loads over T0; design: the sampling
+POINTS = Table(  # loads over T0; sampling, number: which joint
     "points",
     (
-        *("design", "number", "eccentricity_over_a", "locks", "push", "upper_body", "failure"),
+        *("sampling", "number", "eccentricity_over_a", "locks", "push", "upper_body", "failure"),
         *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
         *("pressure_over_cohesion", "plate", "stiffness_ratio", "energy_ratio"),
         *("first_failure", "peak", "mode", "first_failure_mesh_error", "peak_mesh_error"),
         *("unbalanced_share", "limit", "weight_sum", "lower_weight_sum", "pairs", "closed_form"),
         *("saturation", "law", "safe", "law_error", "error"),
     ),
-    ("design", "number", "eccentricity_over_a"),
+    ("sampling", "number", "eccentricity_over_a"),
 )
 
 
@@ -27,7 +27,7 @@ def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataF
     law = pd.concat(answers, ignore_index=True)
     keys = list(SAMPLINGS.key)
     points = solved.merge(law, on=keys, how="left", validate="1:1")
-    return points.rename(columns={"sampling": "design"})[list(POINTS.columns)]
+    return points[list(POINTS.columns)]
 
 
 def run(

@@ -6,9 +6,15 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from analysis.beside import Beside, Line, beside, difference, name_of
-from analysis.looks import look_of
-from analysis.summary import leading_models
+from analysis.drawing.labels import label_of
+from analysis.summary.summary import leading_models
+from analysis.tables.validation import (
+    Comparison,
+    Line,
+    comparisons,
+    difference_text,
+    quantity_label,
+)
 from sidmacib.joint import Direction
 from studies.markdown import (
     direction,
@@ -31,22 +37,24 @@ NONE = "–"
 REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
 
-def _beside(results: Path) -> list[Beside]:
+def _comparisons(results: Path) -> list[Comparison]:
     leading = leading_models(table_in(results, FIT))
-    return list(beside(table_in(results, VALIDATION), leading))
+    return list(comparisons(table_in(results, VALIDATION), leading))
 
 
-def _head(parts: Sequence[Beside]) -> list[str]:
+def _head(parts: Sequence[Comparison]) -> list[str]:
     """Of the published number, then of each sample: its setting and model, and the difference."""
     head = [*HEAD]
     for words in parts[0].samples.values():
         setting, model = words.rsplit("; ", 1)
         setting = setting.replace("not as printed", FITS)
-        head += [f"{setting}; {look_of(model).name}", "difference"]
+        head += [f"{setting}; {label_of(model).name}", "difference"]
     return head
 
 
-def _lines(parts: Iterable[Beside], quantities: Sequence[str], mesh: str = "") -> list[list[str]]:
+def _lines(
+    parts: Iterable[Comparison], quantities: Sequence[str], mesh: str = ""
+) -> list[list[str]]:
     """Published numbers whose names begin as ``quantities`` do, beside the computed ones.
 
     ``mesh``: of the only lines that are shown; all if it is not given.
@@ -60,15 +68,17 @@ def _lines(parts: Iterable[Beside], quantities: Sequence[str], mesh: str = "") -
     ]
 
 
-def _cells(part: Beside, line: Line) -> list[str]:
-    cells = [name_of(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
+def _cells(part: Comparison, line: Line) -> list[str]:
+    cells = [quantity_label(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
     for sample in part.samples:
         row = line.rows.get(sample)
-        cells += [NONE] * 2 if row is None else [f"{row.computed:.5g}", signed(difference(row))]
+        cells += (
+            [NONE] * 2 if row is None else [f"{row.computed:.5g}", signed(difference_text(row))]
+        )
     return cells
 
 
-def _weights(part: Beside, mesh: str) -> list[str]:
+def _weights(part: Comparison, mesh: str) -> list[str]:
     """The weights at a mesh, one after the other."""
     lines = [
         line
@@ -83,14 +93,14 @@ def _weights(part: Beside, mesh: str) -> list[str]:
     return [f"weights of locks 1 … {part.locks}", f"{part.locks}", mesh, *cells]
 
 
-def _finest_mesh(parts: Iterable[Beside]) -> str:
+def _finest_mesh(parts: Iterable[Comparison]) -> str:
     """The finest mesh of the published numbers."""
     return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
 
 
 def beside_short(results: Path) -> str:
     """The published numbers that the README shows."""
-    parts = _beside(results)
+    parts = _comparisons(results)
     mesh = _finest_mesh(parts)
     rows = [
         *_lines(parts, LOADS),
@@ -102,11 +112,11 @@ def beside_short(results: Path) -> str:
 
 def headline(results: Path) -> str:
     """Three published numbers beside those computed with the fitted friction, finest mesh."""
-    parts = _beside(results)
+    parts = _comparisons(results)
     mesh, rows = _finest_mesh(parts), []
     for part in parts:
         *_, sample = part.samples
-        model = look_of(part.samples[sample].rsplit("; ", 1)[1]).name
+        model = label_of(part.samples[sample].rsplit("; ", 1)[1]).name
         lines = {line.quantity: line for line in part.lines if line.mesh == mesh}
         for quantity, words, unit in (
             ("dem_pure_shear_N", f"peak V, {part.locks} locks ({model})", " N"),
@@ -114,13 +124,13 @@ def headline(results: Path) -> str:
         ):
             row = lines[quantity].rows[sample]
             numbers = [f"{lines[quantity].published:.5g}{unit}", f"{row.computed:.5g}{unit}"]
-            rows.append([words, *numbers, signed(difference(row))])
+            rows.append([words, *numbers, signed(difference_text(row))])
     return markdown(["", "published", "multilock", "difference"], [rows[0], *rows[2:]])
 
 
 def weights(results: Path) -> str:
     """Published and computed weights at the finest mesh, also with the first two swapped."""
-    parts = _beside(results)
+    parts = _comparisons(results)
     return markdown(_head(parts), _lines(parts, ("weight_",), _finest_mesh(parts)))
 
 
@@ -136,7 +146,7 @@ def peaks(results: Path) -> str:
             "setting": lambda row: row.setting.replace("not as printed", FITS),
             "mesh (m)": lambda row: f"{row.mesh_m:g}",
             "3DEC, published (N)": lambda row: f"{row.published:g}",
-            "model": lambda row: look_of(row.model).name,
+            "model": lambda row: label_of(row.model).name,
             "V (N)": lambda row: f"{row.computed:.2f}",
             "difference": lambda row: percent(row.relative_difference, 2),
             "mesh error": lambda row: NONE if np.isnan(row.mesh_error) else size(row.mesh_error, 2),
@@ -194,7 +204,7 @@ def models(results: Path) -> str:
         ]
         rows.append([str(sample), direction(float(ratio)), *cells])
     head = [f"sample, mesh {table['mesh_m'].min():g} m", "e / a"]
-    return markdown([*head, *(f"{look_of(name).name} (N)" for name in names)], rows)
+    return markdown([*head, *(f"{label_of(name).name} (N)" for name in names)], rows)
 
 
 def agreement(results: Path) -> str:
@@ -216,7 +226,7 @@ def agreement(results: Path) -> str:
             errors = [(table[one] / table[other] - 1.0).dropna() for table in loads]
             spans = [span(error.min(), error.max(), 2, " to ") for error in errors]
             apart = (weights[one] - weights[other]).abs().max()
-            who = f"{look_of(one).name} over {look_of(other).name}"
+            who = f"{label_of(one).name} over {label_of(other).name}"
             rows.append([who, f"{len(errors[1])}", *spans, f"{apart:.4f}"])
     head = ["", "cases", "first failure", "peak", "weights apart, at most"]
     return markdown(head, rows)
@@ -232,7 +242,7 @@ def options(results: Path) -> str:
     return markdown_of(
         best,
         {
-            "sample": lambda row: f"{row.sample}: {row.locks} locks, {look_of(row.model).name}",
+            "sample": lambda row: f"{row.sample}: {row.locks} locks, {label_of(row.model).name}",
             "mesh (m)": lambda row: f"{row.mesh_m:g}",
             "rule": lambda row: REDUCTIONS[row.reduction],
             "best option": lambda row: row.option.removeprefix("option"),
@@ -253,7 +263,7 @@ def variants(results: Path) -> str:
         for (model, sample), part in change.groupby(level=["model", "sample"]):
             one = len(part) == 1
             words = percent(part.iloc[0]) if one else span(part.min(), part.max(), 1, " to ")
-            rows.append([variant, look_of(model).name, sample, f"{len(part)}", words])
+            rows.append([variant, label_of(model).name, sample, f"{len(part)}", words])
     return markdown(["variant", "model", "sample", "cases", "peak over the reference's"], rows)
 
 

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from workflow import colours
+from sidmacib.drawing import PURPLE
 from workflow.engines.engine import Engine
 from workflow.model import Ability
 
@@ -18,7 +18,7 @@ def _version() -> str:
 CALCULIX = Engine(
     name="calculix",
     label="CalculiX",
-    colour=colours.PURPLE,
+    colour=PURPLE,
     abilities=frozenset(
         {
             *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION, Ability.NUMERICS),

@@ -3,7 +3,7 @@
 import subprocess
 import sys
 
-from workflow import colours
+from sidmacib.drawing import ORANGE
 from workflow.engines.engine import Engine, own_environment
 from workflow.model import Ability
 
@@ -24,7 +24,7 @@ def _help() -> str:
 LIGGGHTS = Engine(
     name="liggghts",
     label="LIGGGHTS",
-    colour=colours.ORANGE,
+    colour=ORANGE,
     abilities=frozenset(  # its inner faces are as stiff along as across
         {
             *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE, Ability.NUMERICS),

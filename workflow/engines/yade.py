@@ -3,7 +3,7 @@
 import os
 from pathlib import Path
 
-from workflow import colours
+from sidmacib.drawing import VERMILION
 from workflow.engines.engine import Engine
 from workflow.model import Ability
 
@@ -19,7 +19,7 @@ def _configuration() -> str:
 YADE = Engine(
     name="yade",
     label="YADE",
-    colour=colours.VERMILION,
+    colour=VERMILION,
     abilities=frozenset(
         {
             *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),

@@ -12,7 +12,7 @@ rule measured:
     resources:
         **asks("measured"),
     params:
-        step="analysis.measured",
+        step="analysis.tables.measured",
         study=lambda wildcards: STUDY.measured_json(),
     message:
         "Put measured loads beside the models"

@@ -1,7 +1,7 @@
 # From the tables to figures, summary and report, and whether every case has a result.
 from analysis.figures.catalogue import drawn_files, figures_of
-from analysis.report.parts import FILES as PAGE_FILES
-from analysis.report.parts import REPORT
+from analysis.report.files import FILES as PAGE_FILES
+from analysis.report.files import REPORT
 
 FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
 STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
@@ -54,7 +54,7 @@ rule summary:
     resources:
         **asks("summary"),
     params:
-        step="analysis.summary",
+        step="analysis.summary.summary",
         results=lambda wildcards: STUDY.results,
         meshes=STUDY.meshes,
         ductile=[
@@ -111,7 +111,7 @@ rule complete:
     resources:
         **asks("complete"),
     params:
-        step="analysis.complete",
+        step="analysis.summary.complete",
     message:
         "Check that every case has a result"
     shell:

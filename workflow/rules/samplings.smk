@@ -77,7 +77,7 @@ rule samplings:
     resources:
         **asks("samplings"),
     params:
-        step="analysis.samplings",
+        step="analysis.tables.samplings",
     message:
         "Put the samplings' batches together"
     shell:

@@ -18,7 +18,7 @@ rule collect:
     resources:
         **asks("collect"),
     params:
-        step="analysis.collect",
+        step="analysis.tables.collect",
         cases=[case.id for case in CASES.cases.values()],
     message:
         "Collect the cases' results"
@@ -41,7 +41,7 @@ rule capacity:
     resources:
         **asks("capacity"),
     params:
-        step="analysis.capacity",
+        step="analysis.tables.capacity",
         study=lambda wildcards: STUDY.tables_json(),
         files=PUBLISHED,
     message:
@@ -64,7 +64,7 @@ rule fit:
     resources:
         **asks("fit"),
     params:
-        step="analysis.free_fit",
+        step="analysis.tables.fit",
         study=lambda wildcards: STUDY.tables_json(),
     message:
         "Fit SiDMACIB to the detailed models"
@@ -86,7 +86,7 @@ rule variants:
     resources:
         **asks("variants"),
     params:
-        step="analysis.variants",
+        step="analysis.tables.variants",
         study=lambda wildcards: STUDY.pieces_json(),
     message:
         "Tell what each variant changes"
@@ -109,7 +109,7 @@ rule validation:
     resources:
         **asks("validation"),
     params:
-        step="analysis.validation",
+        step="analysis.tables.validation",
         study=lambda wildcards: STUDY.tables_json(),
         files=PUBLISHED,
     message:

@@ -1,4 +1,4 @@
-"""The first lines of a study's summary: what one asks of it, each with its answer in a line."""
+"""The first lines of a study's summary: common questions, each with an answer in one line."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from analysis.fit import winner
-from analysis.looks import look_of, option_name
+from analysis.drawing.labels import label_of, option_name
+from analysis.tables.fit import winner
 from workflow.case import REFERENCE
 from workflow.engines import ENGINES
 
@@ -33,8 +33,8 @@ def answers(
 
 def ratios(cases: pd.DataFrame) -> dict[str, float]:
     """The ratio e / a of each direction of loading, by case; infinite for torsion."""
-    own = cases.drop_duplicates("case")
-    return dict(zip(own["case"], own["eccentricity_over_a"], strict=True))
+    selected = cases.drop_duplicates("case")
+    return dict(zip(selected["case"], selected["eccentricity_over_a"], strict=True))
 
 
 def direction_words(ratio: float) -> str:
@@ -61,17 +61,17 @@ def _half(
     fit = tables["fit"]
     half = fit[(fit["reduction"] == "half") & np.isclose(fit["mesh_m"], mesh)]
     half = half[half["model"] == half["sample"].map(leading)]
-    found = [_safest(half[half["sample"] == sample]) for sample in half["sample"].unique()]
-    if not found:
+    safest = [_safest(half[half["sample"] == sample]) for sample in half["sample"].unique()]
+    if not safest:
         return
-    worst = max(found, key=lambda row: row["largest_unsafe_error"])
+    worst = max(safest, key=lambda row: row["largest_unsafe_error"])
     asked, error = "May I count (n - 1) / 2 locks?", worst["largest_unsafe_error"]
     if error <= PEAK_ACCURACY:
         yield f"{asked} Yes, for these joints:"
     else:
         where = direction_words(_least_safe(tables, worst))
         yield f"{asked} No: unsafe by {percent(error)} ({worst['sample']}, {where})"
-    yield "  " + listed(map(_verdict, found))
+    yield "  " + listed(map(_verdict, safest))
 
 
 def _safest(half: pd.DataFrame) -> pd.Series:
@@ -104,32 +104,32 @@ def _least_safe(tables: Mapping[str, pd.DataFrame], row: pd.Series) -> float:
 
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
     """How many locks fit, if any number may."""
-    own = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
-    own = own[own["model"] == own["sample"].map(leading)]
-    if len(own):
-        told = listed(f"{row.sample} {row.locks_that_count:.2f}" for row in own.itertuples())
-        yield f"How many locks fit best? {told}"
+    selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
+    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    if len(selected):
+        parts = listed(f"{row.sample} {row.locks_that_count:.2f}" for row in selected.itertuples())
+        yield f"How many locks fit best? {parts}"
 
 
 def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
-    """What may be designed for, in the first and the last direction of each sample."""
-    own = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
-    if own.empty:
+    """Design loads in the first and the last direction of each sample."""
+    safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
+    if safe.empty:
         return
-    told = []
-    own = own.assign(ratio=own["case"].map(ratio)).sort_values("ratio", kind="stable")
-    own = own.drop_duplicates(["sample", "ratio"])  # it is the same at all meshes
+    parts = []
+    safe = safe.assign(ratio=safe["case"].map(ratio)).sort_values("ratio", kind="stable")
+    safe = safe.drop_duplicates(["sample", "ratio"])  # it is the same at all meshes
     for sample in capacity["sample"].unique():
-        rows = own[own["sample"] == sample]
+        rows = safe[safe["sample"] == sample]
         if rows.empty:
             continue
         ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
         if ends["load_N"].isna().all():
-            told.append(f"{sample} no answer, see below")
+            parts.append(f"{sample} no answer, see below")
             continue
-        told.append(f"{sample} {', '.join(map(_at, ends.itertuples()))}")
+        parts.append(f"{sample} {', '.join(map(_at, ends.itertuples()))}")
     yield "What may I design for? The safe rule's V (N) or M (N m), others below:"
-    yield f"  {listed(told)}"
+    yield f"  {listed(parts)}"
 
 
 def _at(row: object) -> str:
@@ -146,27 +146,27 @@ def _at(row: object) -> str:
 
 def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
     """Which option of SiDMACIB fits best, by any rule."""
-    own = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
-    rows = [winner(own, sample, mesh) for sample in own["sample"].unique()]
+    selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
+    rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:
-        told = listed(
+        parts = listed(
             f"{row['sample']} {option_name(row['option'])}, {row['reduction']} "
             f"({percent(row['misfit'])})"
             for row in rows
         )
-        yield f"Which option and rule of SiDMACIB fit best? {told}"
+        yield f"Which option and rule of SiDMACIB fit best? {parts}"
 
 
 def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
     """How far the peaks in pure shear are from the published ones."""
-    own = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
-    own = own[own["model"] == own["sample"].map(leading)]
-    if len(own):
-        told = listed(
+    selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
+    selected = selected[selected["model"] == selected["sample"].map(leading)]
+    if len(selected):
+        parts = listed(
             f"{row.sample} {100 * float(row.relative_difference):+.2f} %"
-            for row in own.itertuples()
+            for row in selected.itertuples()
         )
-        yield f"Are published peaks met? {told}"
+        yield f"Are published peaks met? {parts}"
 
 
 def _engines(cases: pd.DataFrame) -> Iterator[str]:
@@ -174,7 +174,7 @@ def _engines(cases: pd.DataFrame) -> Iterator[str]:
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
-        names = ", ".join(look_of(model).name for model in engines["model"].unique())
+        names = ", ".join(label_of(model).name for model in engines["model"].unique())
         yield (
             f"Do models of the same pieces agree? {names} and the static model within "
             f"{100 * size.max():.2g} % in {len(size)} cases"
@@ -183,10 +183,10 @@ def _engines(cases: pd.DataFrame) -> Iterator[str]:
 
 def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[str]:
     """Whether the finest mesh is fine enough."""
-    own = capacity[capacity["mesh_error"].notna() & np.isclose(capacity["mesh_m"], mesh)]
-    if own.empty:
+    selected = capacity[capacity["mesh_error"].notna() & np.isclose(capacity["mesh_m"], mesh)]
+    if selected.empty:
         return
-    row = own.sort_values("mesh_error", kind="stable").iloc[-1]
+    row = selected.sort_values("mesh_error", kind="stable").iloc[-1]
     verdict = "No" if row["mesh_error"] > MESH_LIMIT else "Yes"
     yield (
         f"Is a mesh of {mesh:g} m fine enough? {verdict}: mesh error up to "

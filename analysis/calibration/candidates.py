@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.curve_shape import TwoParts
+from analysis.calibration.curve_shape import TwoParts
 from analysis.published import Published
 from sidmacib.joint import Joint
 from workflow.configuration import ConfigError

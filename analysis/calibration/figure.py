@@ -5,14 +5,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from analysis.calibration import (
+from analysis.calibration.candidates import (
     PEAK_AIM,
     PEAK_SCALE,
     WEIGHT_SCALE,
     friction_table,
     read_as_degrees,
 )
-from analysis.curve_shape import length_along
+from analysis.calibration.curve_shape import length_along
 from analysis.figures import style
 from analysis.published import Published
 
@@ -44,7 +44,7 @@ def calibration(
     for axes, column in zip(cells[3:6], AXES, strict=True):
         _profile(axes, grid, of_study, column)
     for axes, (locks, rows) in zip(cells[6:], curves.groupby("locks"), strict=False):
-        _curves(axes, rows, int(str(locks)))
+        _curves(axes, rows, int(str(locks)), set(of_study["candidate"]))
     style.caption(
         figure,
         "Static model in pure shear against the published peaks of both samples at both meshes and "
@@ -114,17 +114,17 @@ def _profile(axes: Axes, grid: pd.DataFrame, of_study: pd.DataFrame, column: str
         axes.set_yticklabels([])
 
 
-def _curves(axes: Axes, rows: pd.DataFrame, locks: int) -> None:
+def _curves(axes: Axes, rows: pd.DataFrame, locks: int, of_study: set[str]) -> None:
     for number, (name, curve) in enumerate(rows.groupby("candidate", sort=False)):
-        first, of_study = curve.iloc[0], str(name).startswith("own")
+        first, in_study = curve.iloc[0], str(name) in of_study
         scaled = curve[["shear_N", "torque_Nm"]] / curve[["shear_N", "torque_Nm"]].max()
         x, y = scaled.to_numpy().T
         length = length_along(scaled.to_numpy())
         turn = first["turn_from_shear"] * length[-1]
         colour = style.COLOURS[number % len(style.COLOURS)]
         label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
-        marked = ", the study" if of_study else ""
-        axes.plot(x, y, color=colour, linewidth=2.4 if of_study else 1.0, label=f"{label}{marked}")
+        marked = ", the study" if in_study else ""
+        axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=f"{label}{marked}")
         corner = np.interp(turn, length, x), np.interp(turn, length, y)
         axes.plot(*corner, "s", color=colour, markersize=5)
     axes.set_xlabel("V / largest V")

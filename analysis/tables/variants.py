@@ -1,4 +1,4 @@
-"""What each variant does to capacity, to weights and to the option that fits best."""
+"""The table of variants: capacity, weights and best-fitting option under each change."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.fit import LoadErrors, misfit
+from analysis.tables.fit import LoadErrors, misfit
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
 from workflow.schema import Study
 
@@ -23,16 +23,16 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
     misfit over all directions of the variant; empty if there are fewer than three, or no such rule
     in the study. ``stiffness_ratio``: E over Kn b, empty if the pieces are rigid.
     """
-    own = capacity[capacity["failed_load_N"].notna() & capacity["load_N"].notna()]
-    limit = capacity[(capacity["reduction"] == "half") & ~capacity["friction"].eq(True)]
+    carried = capacity[capacity["failed_load_N"].notna() & capacity["load_N"].notna()]
+    promised = capacity[(capacity["reduction"] == "half") & ~capacity["friction"].eq(True)]
     keys = ["model", "variant", "case"]
-    own = own.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
+    carried = carried.merge(sums[[*keys, "lower_weight_sum"]], on=keys, how="left", validate="1:1")
     rows = []
     names = ["variant", "sample", "model", "mesh_m"]
-    for (variant, sample, *_), curve in own.groupby(names, sort=False):
+    for (variant, sample, *_), curve in carried.groupby(names, sort=False):
         joint = study.joint(str(sample), study.every_variant[str(variant)])
-        fit = _best_option(limit, curve)
-        told = curve.assign(
+        fit = _best_option(promised, curve)
+        described = curve.assign(
             failure=str(joint.failure),
             upper_body=str(joint.upper_body),
             young_Pa=joint.elastic.young if joint.elastic else math.nan,
@@ -42,30 +42,30 @@ def variants_table(study: Study, capacity: pd.DataFrame, sums: pd.DataFrame) -> 
             directions=len(curve),
             **fit,
         )
-        rows.append(told[list(VARIANTS.columns)])
+        rows.append(described[list(VARIANTS.columns)])
     if not rows:
         return pd.DataFrame(columns=list(VARIANTS.columns))
     return pd.concat(rows, ignore_index=True)
 
 
-def _best_option(limit: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:
-    """The option that fits ``curve`` best, and its errors; empty if it cannot be told."""
+def _best_option(promised: pd.DataFrame, curve: pd.DataFrame) -> dict[str, object]:
+    """The option that fits ``curve`` best, and its errors; empty if there is none."""
     unknown = dict.fromkeys(("option", *(each.name for each in fields(LoadErrors))))
-    return min(_errors(limit, curve), key=lambda each: each["misfit"], default=unknown)
+    return min(_errors(promised, curve), key=lambda each: each["misfit"], default=unknown)
 
 
-def _errors(limit: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]]:
+def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """The errors of each option that was solved in all directions of ``curve``."""
     if len(curve) < FEWEST:
         return
     loads = curve.set_index("case")["load_N"]
-    near = limit[
-        limit["case"].isin(loads.index) & (limit["weights_from"] == curve["model"].iloc[0])
+    comparable = promised[
+        promised["case"].isin(loads.index) & (promised["weights_from"] == curve["model"].iloc[0])
     ]
-    for option, rows in near.groupby("option", sort=False):
-        promised = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
-        if np.isfinite(promised).all():
-            yield {"option": option, **vars(misfit(promised, loads.to_numpy(dtype=float)))}
+    for option, rows in comparable.groupby("option", sort=False):
+        promised_loads = rows.set_index("case")["load_N"].reindex(loads.index).to_numpy(dtype=float)
+        if np.isfinite(promised_loads).all():
+            yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
 
 
 def run(

@@ -3,21 +3,21 @@
 from dataclasses import dataclass
 
 from sidmacib.contact_points.options import OPTIONS
-from workflow.colours import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
+from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
 from workflow.models import MODELS
 
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, BLACK)  # of what is no model, in turn
 
 
 @dataclass(frozen=True)
-class Look:
-    """What people call a model, and its colour."""
+class Label:
+    """The name of a model in figures and pages, and its colour."""
 
     name: str
     colour: str
 
 
-PUBLISHED = Look("published (3DEC)", BLACK)
+PUBLISHED = Label("published (3DEC)", BLACK)
 _RULES = {
     "none": "every lock counts",
     "half": "(n - 1) / 2 locks count",
@@ -28,22 +28,22 @@ _RULES = {
 _OPTIONS = dict(zip(OPTIONS, (ORANGE, SKY, PURPLE, "#2f4b7c"), strict=True))
 
 
-def look_of(model: str) -> Look:
-    """The look of a model; its own name and grey if it has none yet."""
+def label_of(model: str) -> Label:
+    """The label of a model; an unknown model keeps its name and is grey."""
     known = MODELS.get(model)
-    return Look(known.label, known.colour) if known else Look(model, GREY)
+    return Label(known.label, known.colour) if known else Label(model, GREY)
 
 
 def rule_name(reduction: str) -> str:
-    """A reduction of SiDMACIB in words; its own name if there are none."""
+    """A reduction of SiDMACIB in words; unknown reductions keep their name."""
     return _RULES.get(reduction, reduction)
 
 
 def option_name(option: str) -> str:
-    """An option for SiDMACIB's contact points in words."""
+    """A contact-point option of SiDMACIB in words; the options of a study keep their name."""
     return option.replace("option", "Option ") if option in _OPTIONS else option
 
 
 def option_colour(option: str) -> str:
-    """Colour of an option for SiDMACIB's contact points; grey for one of a study's own."""
+    """The colour of a contact-point option of SiDMACIB; grey for the options of a study."""
     return _OPTIONS.get(option, GREY)

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.answers import (
+from analysis.drawing.labels import label_of
+from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
     PEAK_ACCURACY,
@@ -16,9 +17,8 @@ from analysis.answers import (
     percent,
     ratios,
 )
-from analysis.beside import beside, difference, name_of
-from analysis.fit import winner
-from analysis.looks import look_of
+from analysis.tables.fit import winner
+from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from workflow.case import REFERENCE
@@ -34,7 +34,7 @@ from workflow.results.tables import (
 )
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
-BESIDE = 4  # samples beside each other
+ACROSS = 4  # samples in one block of the list of loads
 MOST_SAMPLES = 12  # whose loads are listed
 
 
@@ -44,7 +44,7 @@ def summary(
     meshes: Sequence[float],
     ductile: Sequence[str] = (),
 ) -> str:
-    """The text: what has failed, answers to what is asked, then the findings, model by model.
+    """The text: cases without a result, answers, then the findings, model by model.
 
     ``meshes``: the study's (m); loads and fits are those at the finest, the tables have all.
     ``ductile``: names of the variants whose bonds are so.
@@ -96,39 +96,39 @@ def _failed(cases: pd.DataFrame) -> Iterator[str]:
 
 def _disagreements(cases: pd.DataFrame) -> Iterator[str]:
     """Engines against the static model on the same nodes."""
-    held = cases[cases["difference_to_static"].notna() & (cases["model"] != "limit")]
-    if held.empty:
+    compared = cases[cases["difference_to_static"].notna() & (cases["model"] != "limit")]
+    if compared.empty:
         return
-    size = held["difference_to_static"].abs()
-    first = any(map(first_failure_only, held["model"].unique()))
+    size = compared["difference_to_static"].abs()
+    first = any(map(first_failure_only, compared["model"].unique()))
     what = "Peaks, or first failures of models that go no further," if first else "Peaks"
     yield ""
     yield (
-        f"{what} against the static model on the same nodes: {len(held)} cases, at most "
+        f"{what} against the static model on the same nodes: {len(compared)} cases, at most "
         f"{100 * size.max():.2f} %; {(size > AGREEMENT).sum()} of them differ by more than "
         f"{100 * AGREEMENT:g} %"
     )
-    for row in held[size > AGREEMENT].itertuples():
+    for row in compared[size > AGREEMENT].itertuples():
         yield f"  {row.name} ({row.model}): {100 * float(row.difference_to_static):+.2f} %"
 
 
 def _without_friction(cases: pd.DataFrame, ductile: Sequence[str]) -> Iterator[str]:
     """Limit analysis, which has no friction, against the static model, both with ductile bonds."""
-    own = cases[cases["model"].eq("limit") & cases["variant"].isin(ductile)]
-    far = own[own["difference_to_static"].abs() > AGREEMENT]
+    selected = cases[cases["model"].eq("limit") & cases["variant"].isin(ductile)]
+    far = selected[selected["difference_to_static"].abs() > AGREEMENT]
     if far.empty:
         return
     yield ""
     yield (
         f"Ductile bonds: limit analysis, which has no friction, differs from the static model by "
-        f"more than {100 * AGREEMENT:g} % in {len(far)} of {len(own)} cases"
+        f"more than {100 * AGREEMENT:g} % in {len(far)} of {len(selected)} cases"
     )
     for row in far.itertuples():
         yield f"  {row.name}: {100 * float(row.difference_to_static):+.2f} %"
 
 
 def leading_models(fit: pd.DataFrame) -> dict[str, str]:
-    """The detailed model that each sample's fits are told of: the first one."""
+    """The detailed model that each sample's fits are shown for: the first one."""
     first = fit.drop_duplicates("sample")
     return dict(zip(first["sample"].astype(str), first["model"].astype(str), strict=True))
 
@@ -138,55 +138,55 @@ def _validation(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[str
         yield "The paper has no numbers for the samples of this study."
         return
     yield "Published against computed (e = 0)"
-    for own in beside(table, leading):
-        for sample, words in own.samples.items():
-            yield f"  {own.locks} locks, {sample}: {words}"
-        heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in own.samples)
+    for part in comparisons(table, leading):
+        for sample, words in part.samples.items():
+            yield f"  {part.locks} locks, {sample}: {words}"
+        heads = "".join(f"{sample:>12}{'diff.':>9}" for sample in part.samples)
         yield f"  {'quantity':44}{'mesh m':>7}{'published':>11}{heads}"
-        for line in own.lines:
+        for line in part.lines:
             cells = "".join(
-                f"{line.rows[s].computed:>12.5g}{difference(line.rows[s]):>9}"
+                f"{line.rows[s].computed:>12.5g}{difference_text(line.rows[s]):>9}"
                 if s in line.rows
                 else " " * 21
-                for s in own.samples
+                for s in part.samples
             )
-            name = name_of(line.quantity)
+            name = quantity_label(line.quantity)
             yield f"  {name:44}{line.mesh:>7}{line.published:>11g}{cells}".rstrip()
 
 
 def _models(capacity: pd.DataFrame, ratio: Mapping[str, float], mesh: float) -> Iterator[str]:
     """V and M that each model gives at the finest mesh, direction by direction."""
-    own = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(LAWS)]
-    own = own[(own["variant"] == REFERENCE) & np.isclose(own["mesh_m"], mesh)]
-    own = own[own["case"].isin(ratio)]  # not of a sample whose engines are all missing
-    samples = list(own["sample"].unique())
+    shown = capacity[capacity["failed_load_N"].notna() | capacity["model"].isin(LAWS)]
+    shown = shown[(shown["variant"] == REFERENCE) & np.isclose(shown["mesh_m"], mesh)]
+    shown = shown[shown["case"].isin(ratio)]  # not of a sample whose engines are all missing
+    samples = list(shown["sample"].unique())
     # What to design for comes first, then the law, then models of the pieces.
-    models = sorted(own["model"].unique(), key=lambda m: (m != DESIGN, m not in LAWS))
+    models = sorted(shown["model"].unique(), key=lambda m: (m != DESIGN, m not in LAWS))
     for model in models:
-        rows = own[own["model"] == model]
+        rows = shown[shown["model"] == model]
         first = " (first failure)" * (first_failure_only(model) or model == "law")
         at = "" if model in LAWS else f", mesh {mesh:g} m"
         yield ""
-        name = look_of(model).name
+        name = label_of(model).name
         yield f"{name[0].upper()}{name[1:]}{first}{at}: V (N) and M (N m)"
-        for start in range(0, min(len(samples), MOST_SAMPLES), BESIDE):
-            yield from _loads(rows, ratio, samples[start : start + BESIDE])
+        for start in range(0, min(len(samples), MOST_SAMPLES), ACROSS):
+            yield from _loads(rows, ratio, samples[start : start + ACROSS])
         yield from _refusals(rows, ratio)
     if len(samples) > MOST_SAMPLES:
         yield f"  ({MOST_SAMPLES} of {len(samples)} samples; tables/capacity.csv has all)"
 
 
 def _loads(rows: pd.DataFrame, ratio: Mapping[str, float], samples: Sequence[str]) -> Iterator[str]:
-    """V and M of some samples beside each other, a line for each direction."""
-    found = {
+    """V and M of some samples, one line for each direction."""
+    loads = {
         (row.sample, ratio[row.case]): (row.shear_N, row.torque_Nm) for row in rows.itertuples()
     }
     there = [sample for sample in samples if sample in set(rows["sample"])]
     if not there:
         return
     yield f"  {'e/a':<8}" + "".join(f"{sample:>22}" for sample in there)
-    for each in sorted({direction for sample, direction in found if sample in there}):
-        cells = "".join(_cell(found.get((sample, each))) for sample in there)
+    for each in sorted({direction for sample, direction in loads if sample in there}):
+        cells = "".join(_cell(loads.get((sample, each))) for sample in there)
         yield f"  {'torsion' if np.isinf(each) else f'{each:g}':<8}{cells}".rstrip()
 
 
@@ -198,11 +198,11 @@ def _cell(loads: tuple[float, float] | None) -> str:
 
 def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
     """Why a model gives nothing, sample by sample."""
-    for (sample, reason), own in rows[rows["load_N"].isna()].groupby(
+    for (sample, reason), part in rows[rows["load_N"].isna()].groupby(
         ["sample", "error"], sort=False
     ):
-        where = ", ".join(direction_words(ratio[case]) for case in own["case"])
-        everywhere = len(own) == (rows["sample"] == sample).sum()
+        where = ", ".join(direction_words(ratio[case]) for case in part["case"])
+        everywhere = len(part) == (rows["sample"] == sample).sum()
         yield f"  - {sample}{'' if everywhere else f' at {where}'}: {reason}"
 
 
@@ -211,44 +211,44 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
 
     ``nodes``: the layouts that there are.
     """
-    own = capacity[capacity["mesh_error"].notna()]
-    if own.empty:
+    known = capacity[capacity["mesh_error"].notna()]
+    if known.empty:
         return
     yield ""
     yield "Largest mesh error (estimate from two meshes; the true one is less in 95 % of joints)"
-    for (model, mesh), rows in own.groupby(["model", "mesh_m"], sort=False):
+    for (model, mesh), rows in known.groupby(["model", "mesh_m"], sort=False):
         row = rows.loc[rows["mesh_error"].idxmax()]
         variant = "" if row["variant"] == REFERENCE else f", {row['variant']}"
         yield (
             f"  {model} mesh {mesh:g} m: {100 * row['mesh_error']:.2f} % ({row['case']}{variant})"
             + (f", ABOVE {100 * MESH_LIMIT:g} %" if row["mesh_error"] > MESH_LIMIT else "")
         )
-    high = own[own["mesh_error"] > MESH_LIMIT]
+    high = known[known["mesh_error"] > MESH_LIMIT]
     if len(high):
         yield (
-            f"  {len(high)} of {len(own)} capacities have a mesh error above {100 * MESH_LIMIT:g} "
-            "%; conclusions from these may be mesh artefacts. Use a finer mesh"
-            + (" or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
+            f"  {len(high)} of {len(known)} capacities have a mesh error above "
+            f"{100 * MESH_LIMIT:g} %; conclusions from these may be mesh artefacts. "
+            "Use a finer mesh" + (" or nodes: lobatto." if nodes - {NodeLayout.LOBATTO} else ".")
         )
 
 
 def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
     """How far peaks move under tiny changes, and which capacities are first failures for it."""
-    own = capacity[capacity["peak_spread"].notna()]
-    if own.empty:
+    known = capacity[capacity["peak_spread"].notna()]
+    if known.empty:
         return
-    far = own[own["peak_spread"] > SPREAD_LIMIT]
-    trusted = own["peak_spread"][own["peak_spread"] <= SPREAD_LIMIT].max()
+    far = known[known["peak_spread"] > SPREAD_LIMIT]
+    trusted = known["peak_spread"][known["peak_spread"] <= SPREAD_LIMIT].max()
     yield ""
     yield (
-        f"Spread of static peaks under changes of 1e-9: {len(far)} of {len(own)} above "
+        f"Spread of static peaks under changes of 1e-9: {len(far)} of {len(known)} above "
         f"{100 * SPREAD_LIMIT:g} %"
         + ("" if pd.isna(trusted) else f", the others at most {100 * trusted:.2f} %")
     )
     for row in far.itertuples():
         variant = "" if row.variant == REFERENCE else f", {row.variant}"
         words = _too_far(float(row.peak_spread))
-        yield f"  {row.case}{variant}: {words}; the first failure is told instead"
+        yield f"  {row.case}{variant}: {words}; the capacity is the first failure"
 
 
 def _too_far(spread: float) -> str:
@@ -269,11 +269,11 @@ def _fits(
         rows[(rows["model"] == rows["sample"].map(leading)) & np.isclose(rows["mesh_m"], mesh)]
         for rows in (fit, best)
     )
-    for (model, sample), own in fit.groupby(["model", "sample"], sort=False):
-        safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
-        choices = {"best": own, "best safe": safe}
-        if (own["reduction"] == "half").any():
-            choices["best by (n-1)/2"] = own[own["reduction"] == "half"]
+    for (model, sample), selected in fit.groupby(["model", "sample"], sort=False):
+        safe = selected[selected["largest_unsafe_error"] <= PEAK_ACCURACY]
+        choices = {"best": selected, "best safe": safe}
+        if (selected["reduction"] == "half").any():
+            choices["best by (n-1)/2"] = selected[selected["reduction"] == "half"]
         for words, rows in choices.items():
             if rows.empty:
                 yield f"  {model} {sample}, {words + ':':17}none"
@@ -310,10 +310,12 @@ def _variants(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[st
     yield ""
     yield "Variants against the reference variant, load along the direction"
     for (model, mesh, variant), rows in both.groupby(["model", "mesh_m", "variant"], sort=False):
-        told = ", ".join(_change(sample, own) for sample, own in rows.groupby("sample", sort=False))
+        changes = ", ".join(
+            _change(sample, part) for sample, part in rows.groupby("sample", sort=False)
+        )
         places = sorted({ratio[case] for case in rows["case"]})
         where = ", ".join("torsion" if np.isinf(e) else f"{e:g}" for e in places)
-        yield f"  {model} mesh {mesh:g} m, {variant}: {told} (e/a = {where})"
+        yield f"  {model} mesh {mesh:g} m, {variant}: {changes} (e/a = {where})"
 
 
 def _change(sample: object, rows: pd.DataFrame) -> str:
@@ -327,5 +329,5 @@ def run(
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in kinds}
-    told = (arguments[key] for key in ("meshes", "ductile"))
-    outputs["summary"].write_text(summary(arguments["results"], tables, *told))
+    text = summary(arguments["results"], tables, arguments["meshes"], arguments["ductile"])
+    outputs["summary"].write_text(text)

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from workflow.case import case_name
+from analysis.tables.study_points import study_points
 from workflow.results.tables import CAPACITY, MEASURED, read_table, write_table
 from workflow.schema import Study
 
@@ -20,13 +20,16 @@ def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     rows: list[dict[str, Any]] = []
     if study.measured is None:
         return pd.DataFrame(rows, columns=list(MEASURED.columns))
-    finest = min(study.meshes)
+    points = study_points(study, capacity)
+    finest = points[points["mesh_m"] == min(study.meshes)]
     for number, load in enumerate(study.measured.loads, start=1):
         a = study.joint(load.sample).a
         shear, torque = load.components(a)
         measured = math.hypot(shear, torque / a)
-        case = case_name(load.sample, finest, load.eccentricity)
-        for model in capacity[capacity["case"] == case].itertuples():
+        same = finest["sample"].eq(load.sample) & finest["eccentricity_over_a"].eq(
+            load.eccentricity
+        )
+        for model in finest[same].itertuples():
             rows.append(
                 {
                     "number": number,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.mesh_error import MeshErrors, errors_of
+from analysis.tables.mesh_error import MeshErrors, errors_of
 from workflow.case import REFERENCE
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.files import read_records
@@ -38,26 +38,26 @@ def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
     return sums.reset_index()
 
 
-def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) -> pd.DataFrame:
+def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]) -> pd.DataFrame:
     """One row per case; failed ones have the reason.
 
-    ``witnesses``: results of the static model for the same joints, nodes and loads. Models that go
-    no further than to the first failure are held against its first failure, others against its
-    peak, or where peaks spread too far both first failures against each other.
+    ``all_records``: these and those on further meshes. Each record is compared with that of the
+    static model for the same joint, nodes and load, see `compared_loads`; mesh errors come from all
+    meshes.
     """
-    witnesses = list(witnesses)
-    mesh_errors = errors_of([*witnesses, *records])
-    static = {record.physics: record for record in witnesses if record.model == REFERENCE_MODEL}
+    all_records = list(all_records)
+    mesh_errors = errors_of([*all_records, *records])
+    static = {record.physics: record for record in all_records if record.model == REFERENCE_MODEL}
     rows = []
     for record in records:
-        other = static.get(record.physics) if record.model != REFERENCE_MODEL else None
-        witness, own = held_against(record, other) if other else (None, None)
+        static_record = static.get(record.physics) if record.model != REFERENCE_MODEL else None
+        static_load, load = compared_loads(record, static_record) if static_record else (None, None)
         row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }
         row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
-        row["static_load_N"] = witness
-        row["difference_to_static"] = own / witness - 1.0 if witness and own else None
+        row["static_load_N"] = static_load
+        row["difference_to_static"] = load / static_load - 1.0 if static_load and load else None
         errors = mesh_errors.get((record.model, record.name), MeshErrors())
         row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
@@ -71,13 +71,19 @@ def cases_table(records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord]) 
     return table
 
 
-def held_against(record: CaseRecord, other: CaseRecord) -> tuple[float | None, float | None]:
-    """Load (N) of the static model, ``other``, that a record is held against, and the record's."""
+def compared_loads(
+    record: CaseRecord, static_record: CaseRecord
+) -> tuple[float | None, float | None]:
+    """Loads (N) of the static model and of a record that are compared with each other.
+
+    They are the first failures of both where peaks spread too far; the static model's first failure
+    for models that end there; the peaks of both otherwise.
+    """
     if first_failure_only(record.model):
-        return other.first_failure_load_N, record.load_N
-    if other.is_peak or record.first_failure_load_N is None:
-        return other.load_N, record.load_N
-    return other.first_failure_load_N, record.first_failure_load_N
+        return static_record.first_failure_load_N, record.load_N
+    if static_record.is_peak or record.first_failure_load_N is None:
+        return static_record.load_N, record.load_N
+    return static_record.first_failure_load_N, record.first_failure_load_N
 
 
 def friction_share(record: CaseRecord) -> float:
@@ -96,13 +102,13 @@ def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
 
 
 def models_table(
-    records: Sequence[CaseRecord], witnesses: Iterable[CaseRecord] = ()
+    records: Sequence[CaseRecord], all_records: Iterable[CaseRecord] = ()
 ) -> pd.DataFrame:
     """One row for each result of the reference variant, with the models of a case together.
 
     The given loads are shares of the first failure load in the first of these models.
     """
-    mesh_errors = errors_of([*witnesses, *records])
+    mesh_errors = errors_of([*all_records, *records])
     rows: list[dict[str, Any]] = []
     given: dict[str, float] = {}
     for record in records:
@@ -144,8 +150,8 @@ def _columns(record: CaseRecord) -> dict[str, Any]:
 
 def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> Iterator[CaseRecord]:
     """The records of the study's cases, ``names`` being (model, name), in its order."""
-    found = {(record.model, record.name): record for record in records}
-    return (found[model, name] for model, name in names)
+    by_case = {(record.model, record.name): record for record in records}
+    return (by_case[model, name] for model, name in names)
 
 
 def run(

@@ -8,14 +8,16 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
-from analysis.pure_shear import pure_shear_weights
-from analysis.rule import ERRORS, law_capacity
+from analysis.tables.study_points import pure_shear_weights
 from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction
+from sidmacib.rule.law import RULES, LawCapacity
 from workflow.case import REFERENCE, case_name
-from workflow.models import LAWS, detailed
+from workflow.consistency import needs
+from workflow.models import LAWS, MODELS, detailed
 from workflow.results.tables import (
     CAPACITY,
     CASES,
@@ -26,33 +28,37 @@ from workflow.results.tables import (
 )
 from workflow.schema import Study
 
+NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
+
 
 def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any]]:
-    """SiDMACIB's capacities for every option, with and without friction, under every reduction.
+    """SiDMACIB's capacities for every option and reduction, with and without friction.
 
-    A reduction by weights gives one set of rows for each model and mesh that they were read from.
+    A reduction by weights has one set of rows for each model and mesh that gave the weights.
     """
     detailed_models = detailed(study.model_names)
     for sample in study.interlocking:
         joint = study.joint(sample)
         directions = [Direction(e) for e in study.eccentricities]
-        read = {
-            source: own
-            for source, own in pure_shear_weights(study, weights, sample).items()
+        weights_by_source = {
+            source: values
+            for source, values in pure_shear_weights(study, weights, sample).items()
             if source[0] in detailed_models and study.whole_curve(sample, source[0])
         }
         strengths: dict[tuple[float, ...], list[tuple[str, str, float]]] = {}
-        for reduction, (source, own) in product(study.sidmacib.reductions, read.items()):
-            strength = REDUCTIONS[reduction](joint, own)
+        for reduction, (source, values) in product(
+            study.sidmacib.reductions, weights_by_source.items()
+        ):
+            strength = REDUCTIONS[reduction](joint, values)
             strengths.setdefault(strength, []).append((reduction, *source))
         for strength, uses in strengths.items():
             for (name, option), friction in product(study.sidmacib.options.items(), (False, True)):
                 model = Sidmacib(
                     joint, option.contact_option(), strength, friction, study.sidmacib.overload
                 )
-                found = capacities(model, directions)
+                points = capacities(model, directions)
                 for (reduction, source_model, mesh), (ratio, point) in product(
-                    uses, zip(study.eccentricities, found, strict=True)
+                    uses, zip(study.eccentricities, points, strict=True)
                 ):
                     yield {
                         "model": "sidmacib",
@@ -73,22 +79,36 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                     }
 
 
-def law_rows(study: Study) -> Iterator[dict[str, Any]]:
-    """What the law and the safe rule say, if they are among the study's models.
+def law_capacity(
+    study: Study, name: str, sample: str, ratio: float, variant: str = REFERENCE
+) -> LawCapacity:
+    """The capacity of a sample at ``ratio``, e / a, by the law or the safe rule (``name``).
 
-    They know no mesh: their rows are the same at each. A joint that they refuse has the reason.
+    ValueError or `CapacityError` where the rule has no answer.
+    """
+    change = study.every_variant[variant]
+    assembly = change.assembly(study.assembly)
+    if (reason := MODELS[name].refusal(needs(study, assembly, sample))) is not None:
+        raise ValueError(reason)
+    return RULES[name](study.joint(sample, change), Direction(ratio), assembly.push)
+
+
+def law_rows(study: Study) -> Iterator[dict[str, Any]]:
+    """Capacities by the law and the safe rule, if they are among the study's models.
+
+    They have no mesh: their rows are the same at each. Where a rule refuses, ``error`` says why.
     """
     chosen = [name for name in study.models if name in LAWS]
     for name, sample, ratio in product(chosen, study.samples, study.eccentricities):
         if name not in study.models_of(sample):
             continue
         joint = study.joint(sample)
-        told: dict[str, Any] = {"load_N": None, "shear_N": None, "torque_Nm": None, "error": None}
+        result: dict[str, Any] = dict.fromkeys(("load_N", "shear_N", "torque_Nm", "error"))
         try:
-            found = law_capacity(study, name, sample, ratio)
-            told |= {"load_N": found.load, "shear_N": found.shear, "torque_Nm": found.torque}
-        except ERRORS as error:
-            told["error"] = str(error)
+            known = law_capacity(study, name, sample, ratio)
+            result |= {"load_N": known.load, "shear_N": known.shear, "torque_Nm": known.torque}
+        except NO_ANSWER as error:
+            result["error"] = str(error)
         for mesh in study.meshes:
             yield {
                 "model": name,
@@ -99,8 +119,8 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
                 "eccentricity_m": ratio * joint.a,
                 "eccentricity_over_a": ratio,
                 "case": case_name(sample, mesh, ratio),
-                "first_failure_load_N": told["load_N"] if name == "law" else None,
-                **told,
+                "first_failure_load_N": result["load_N"] if name == "law" else None,
+                **result,
             }
 
 
@@ -146,14 +166,14 @@ def envelope_rows(study: Study) -> Iterator[dict[str, Any]]:
 
 
 def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> pd.DataFrame:
-    """Capacities of all models of the pieces, of SiDMACIB, and those that are published."""
-    own = cases[[column for column in CAPACITY.columns if column in cases]]
+    """Capacities of all models of the pieces, of SiDMACIB and the rules, and published ones."""
+    of_cases = cases[[column for column in CAPACITY.columns if column in cases]]
     rows = [
         *sidmacib_rows(study, weights),
         *law_rows(study),
         *published_rows(study, read_published()),
     ]
-    both = pd.concat([own, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
+    both = pd.concat([of_cases, pd.DataFrame(rows, columns=list(CAPACITY.columns))])
     return both[list(CAPACITY.columns)]
 
 

@@ -1,4 +1,4 @@
-"""Mesh errors of the results of a study, each told from those of the same joint on other meshes."""
+"""Mesh errors of the results of a study, estimated from other meshes of the same joint."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -18,30 +18,30 @@ class MeshErrors:
 
 
 def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors]:
-    """Mesh errors of results by model and name of the case; results without any are left out.
+    """Mesh errors of results by model and name of the case; results without an error are left out.
 
-    A model that has one mesh only takes the errors of a model that is solved in this process, the
-    static one if there is one, of the same joint on the same nodes under the same load.
+    A model with one mesh takes the errors of the same joint, nodes and load from a model that is
+    solved in this process: from the static model where possible.
     """
     records = [record for record in records if record.load_N is not None]
     series: dict[tuple[str, str, str], list[CaseRecord]] = {}
     for r in records:
         series.setdefault((r.model, r.variant, r.series), []).append(r)
-    own = {key: _errors_of_one(rows) for key, rows in series.items()}
-    lent: dict[tuple[str, float], MeshErrors] = {}
+    by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
+    lendable: dict[tuple[str, float], MeshErrors] = {}
     for lender in SOLVED:
-        for (model, _, joint), errors in own.items():
+        for (model, _, joint), errors in by_series.items():
             if model == lender:
-                lent |= {
-                    (joint, mesh): e for mesh, e in errors.items() if (joint, mesh) not in lent
+                lendable |= {
+                    (joint, mesh): e for mesh, e in errors.items() if (joint, mesh) not in lendable
                 }
-    found = {
-        (r.model, r.name): own[r.model, r.variant, r.series].get(
-            r.mesh_m, lent.get((r.series, r.mesh_m))
+    by_case = {
+        (r.model, r.name): by_series[r.model, r.variant, r.series].get(
+            r.mesh_m, lendable.get((r.series, r.mesh_m))
         )
         for r in records
     }
-    return {case: errors for case, errors in found.items() if errors is not None}
+    return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
 def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
@@ -51,9 +51,9 @@ def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
     """
     records = list(records)
     layout = NodeLayout(records[0].nodes)
-    told = {r.cells: r.load_N for r in records if r.load_N is not None}
+    loads = {r.cells: r.load_N for r in records if r.load_N is not None}
     kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)
-    load = mesh_errors(told, layout, kind)
+    load = mesh_errors(loads, layout, kind)
     known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {

@@ -1,4 +1,4 @@
-"""The joint's pieces as drawings show them: boxes, with their block and their lock."""
+"""The pieces of a joint as boxes, for drawings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,8 +11,8 @@ MM = 1e3  # of a m
 
 
 @dataclass(frozen=True)
-class Outline:
-    """A piece from corner ``low`` to ``high`` (mm); ``lock``: its number, None if it is none."""
+class Box:
+    """A piece from corner ``low`` to ``high`` (mm); ``lock``: its number, None if it is no lock."""
 
     lock: int | None
     upper: bool
@@ -20,13 +20,13 @@ class Outline:
     high: Vector
 
 
-def outlines(joint: Joint) -> Iterator[Outline]:
-    """All pieces but the plate: the lower body, locks, upper body."""
+def boxes(joint: Joint) -> Iterator[Box]:
+    """All pieces of a joint but the plate: lower body, locks, upper body."""
     above, locks = set(upper_block(joint)), {lock_name(n): n for n in joint.numbers}
     for piece in cut_pieces(joint):
         if piece.name != PLATE:
             low, high = (_in_mm(corner) for corner in (piece.low, piece.high))
-            yield Outline(locks.get(piece.name), piece.name in above, low, high)
+            yield Box(locks.get(piece.name), piece.name in above, low, high)
 
 
 def _in_mm(corner: Vector) -> Vector:

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from analysis.calibration import (
+from analysis.calibration.candidates import (
     Candidate,
     best_rows,
     candidate_of,
@@ -26,8 +26,8 @@ from analysis.calibration import (
     misfit_table,
     study_candidates,
 )
+from analysis.calibration.figure import calibration
 from analysis.figures import style
-from analysis.figures.calibration import calibration
 from analysis.published import read_published
 from workflow.configuration import installed_engines, read_study_file
 from workflow.results.tables import CASES, WEIGHTS, read_table

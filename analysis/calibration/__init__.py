@@ -1,0 +1,1 @@
+"""Which geometry and friction fit the published numbers: `make calibrate`."""

@@ -1,0 +1,77 @@
+"""The result of one case in words: `make case`."""
+
+from collections.abc import Iterator
+from itertools import product
+
+from analysis.drawing.labels import label_of, option_name, rule_name
+from analysis.tables.capacity import law_capacity
+from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.joint import Direction
+from workflow.cases import Place
+from workflow.models import LAWS
+from workflow.results.record import CaseRecord
+from workflow.schema import Study
+
+WITHOUT_WEIGHTS = ("none", "half")  # reductions that need nothing but the number of locks
+
+
+def describe_record(record: CaseRecord) -> str:
+    """Capacity and lock weights of a case, or the reason why it has none."""
+    if record.error is not None:
+        return f"{record.name} ({record.model}): no result: {record.error}"
+    first = record.first_failure_load_N
+    lines = [
+        f"{record.name} ({record.model}): "
+        f"V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
+        f"  load along the path: {record.load_N:.2f} N is carried, "
+        f"{record.failed_load_N:.2f} N is not"
+        + ("" if first is None else f"; first failure at {first:.2f} N"),
+    ]
+    if record.peak_spread is not None:
+        lines.append(
+            f"  spread of the peak: {100 * record.peak_spread:.2f} %"
+            + ("" if record.is_peak else ", too far to rely on: the capacity is the first failure")
+        )
+    if record.weights:
+        lines.append("  lock  block  weight  mean shear / tau  largest / tau")
+    lines += [
+        f"  {each.lock:>4}  {each.block:5}  {each.weight:6.3f}  {each.mean_shear_ratio:16.3f}"
+        f"  {each.max_shear_ratio:13.3f}"
+        for each in record.weights
+    ]
+    return "\n".join(lines)
+
+
+def describe_rule(study: Study, name: str, place: Place) -> str:
+    """The capacity at ``place`` by the closed-form rule ``name``, in words.
+
+    One of `NO_ANSWER` of `analysis.tables.capacity` where the rule has none.
+    """
+    lines = _law if name in LAWS else _sidmacib
+    return "\n".join(lines(study, name, place))
+
+
+def _law(study: Study, name: str, place: Place) -> Iterator[str]:
+    point = law_capacity(study, name, place.sample, place.ratio, place.variant)
+    yield f"{label_of(name).name}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
+    yield f"  load along the path: {point.load:.2f} N"
+
+
+def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:
+    joint = study.joint(place.sample, study.every_variant[place.variant])
+    direction = Direction(place.ratio)
+    yield f"{label_of(name).name}, by rules that need no weights; tables/capacity.csv has all"
+    rules = [rule for rule in study.sidmacib.reductions if rule in WITHOUT_WEIGHTS]
+    for rule, (option, points), friction in product(
+        rules, study.sidmacib.options.items(), (False, True)
+    ):
+        strength = REDUCTIONS[rule](joint, ())
+        model = Sidmacib(
+            joint, points.contact_option(), strength, friction, study.sidmacib.overload
+        )
+        point = capacity(model, direction)
+        label = (
+            f"{option_name(option)}, {'friction' if friction else 'no friction'}, {rule_name(rule)}"
+        )
+        yield f"  {label}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"

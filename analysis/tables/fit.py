@@ -1,0 +1,156 @@
+"""Compare SiDMACIB with the detailed models: which option and which reduction fit best.
+
+Both capacities are loads along the same direction of the (V, M) plane, so their error is the
+relative difference of the loads: positive where SiDMACIB promises more than the joint carries
+(unsafe), negative where it promises less (safe).
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from analysis.tables.study_points import study_points
+from sidmacib.contact_points.options import ContactOption
+from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.joint import Direction, Joint
+from sidmacib.mechanics.assembly import Floats
+from workflow.case import REFERENCE
+from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
+from workflow.schema import Study
+
+
+@dataclass(frozen=True)
+class LoadErrors:
+    """Relative errors of a curve: root mean square, largest unsafe and largest safe one."""
+
+    misfit: float
+    largest_unsafe_error: float
+    largest_safe_error: float
+
+
+def misfit(promised: Floats, carried: Floats) -> LoadErrors:
+    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
+    error = promised / carried - 1.0
+    return LoadErrors(
+        float(np.sqrt(np.mean(error**2))),
+        float(max(error.max(), 0.0)),
+        float(max(-error.min(), 0.0)),
+    )
+
+
+def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
+    """Misfit of every SiDMACIB variant, best first, for each detailed model, sample and mesh.
+
+    The detailed models are those that SiDMACIB's weights were read from, in the table's order.
+    """
+    limit, error = capacity[capacity["model"] == "sidmacib"], "mesh_error_carried"
+    rows = []
+    detailed = dict(detailed_curves(capacity))
+    for model, curves in detailed.items():
+        promised = limit[limit["weights_from"] == model]
+        both = promised.merge(
+            curves[["case", "load_N", "mesh_error"]], on="case", suffixes=("", "_carried")
+        )
+        if len(both) != len(promised):
+            raise ValueError(
+                f"{model}: {len(promised)} loads of SiDMACIB, but {len(both)} to compare with"
+            )
+        both = both.dropna(subset=["load_N_carried"])  # a case without a result
+        names = ["sample", "locks", "mesh_m", "option", "friction", "reduction"]
+        for values, curve in both.groupby(names, sort=False):
+            result = misfit(curve["load_N"].to_numpy(), curve["load_N_carried"].to_numpy())
+            named = dict(zip(names, values, strict=True))
+            extent = {"directions": len(curve), "largest_mesh_error": curve[error].max()}
+            rows.append({"model": model, **named, **vars(result), **extent})
+    if not rows:
+        return pd.DataFrame(columns=list(FIT.columns))
+    table = pd.DataFrame(rows)
+    table["model"] = pd.Categorical(table["model"], list(detailed))  # the leading one first
+    groups = ["model", "sample", "mesh_m"]
+    table["rank"] = table.groupby(groups, observed=True)["misfit"].rank(method="min").astype(int)
+    table = table.sort_values([*groups, "rank", "option", "friction", "reduction"])
+    return table.astype({"model": str})
+
+
+def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The models that SiDMACIB's weights were read from, with their capacities."""
+    used = capacity["weights_from"].dropna().unique()
+    carried = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
+    for model, rows in carried.groupby("model", sort=False):
+        yield str(model), rows
+
+
+def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:
+    """The row of ``fit`` that fits a sample at a mesh best, among those with ``chosen`` values."""
+    rows = fit[(fit["sample"] == sample) & np.isclose(fit["mesh_m"], mesh)]
+    for column, value in chosen.items():
+        rows = rows[rows[column] == value]
+    return rows.sort_values("misfit", kind="stable").iloc[0]
+
+
+def best_pair(
+    joint: Joint, overload: float, friction: bool, curve: pd.DataFrame
+) -> dict[str, float]:
+    """Contact-point distance d and strength per lock that fit a curve of loads best.
+
+    Two points per lock at +-d, every lock of the same strength. ``curve`` has columns
+    ``eccentricity_over_a`` and ``load_N``.
+    """
+    directions = [Direction(e) for e in curve["eccentricity_over_a"]]
+    carried = curve["load_N"].to_numpy()
+
+    def loads(unknowns: Floats) -> Floats:
+        option = ContactOption.pair(float(unknowns[0]))
+        strength = (float(unknowns[1]),) * joint.locks
+        model = Sidmacib(joint, option, strength, friction, overload)
+        return np.array([point.load for point in capacities(model, directions)])
+
+    start = [0.25, min(1.0, float(carried.max()) / math.fsum(joint.strengths))]
+    result = least_squares(
+        lambda unknowns: loads(unknowns) / carried - 1.0,
+        start,
+        bounds=([0.0, 0.0], [0.5, 1.0]),
+        diff_step=1e-3,
+        xtol=1e-6,
+    )
+    # What the search leaves below that differs from one processor to another.
+    distance, factor = (round(float(value), 5) for value in result.x)
+    return {
+        "distance_over_a": distance,
+        "distance_m": distance * joint.a,
+        "strength_per_lock_N": factor * math.fsum(joint.strengths) / joint.locks,
+        "locks_that_count": factor * joint.locks,
+        **vars(misfit(loads(np.array([distance, factor])), carried)),
+    }
+
+
+def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
+    """`best_pair` for each detailed model, sample and mesh, without and with friction."""
+    known = study_points(study, capacity.dropna(subset=["load_N"]))
+    rows: list[dict[str, Any]] = []
+    for model, curves in detailed_curves(known):
+        for (sample, mesh), curve in curves.groupby(["sample", "mesh_m"], sort=False):
+            joint = study.joint(str(sample))
+            if len(curve) < 3 or not joint.interlocking:  # two unknowns fit any two loads
+                continue
+            for friction in (False, True):
+                best = best_pair(joint, study.sidmacib.overload, friction, curve)
+                names = {"model": model, "sample": sample, "locks": joint.locks, "mesh_m": mesh}
+                rows.append({**names, "friction": friction, **best})
+    return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the fits of all options and reductions, and the free fit."""
+    study = Study.model_validate_json(arguments["study"])
+    capacity = read_table(CAPACITY, inputs["capacity"])
+    write_table(FIT, fit_table(capacity), outputs["fit"])
+    write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])

@@ -1,0 +1,215 @@
+"""The table of published and computed values, and its rows side by side for readers."""
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from analysis.published import Published, read_published
+from analysis.tables.fit import winner
+from analysis.tables.study_points import pure_shear_weights, study_points
+from workflow.case import REFERENCE
+from workflow.models import LAWS, first_failure_only
+from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
+from workflow.schema import Study
+
+SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
+
+
+def validation_table(
+    study: Study,
+    capacity: pd.DataFrame,
+    weights: pd.DataFrame,
+    fit: pd.DataFrame,
+    published: Published,
+) -> pd.DataFrame:
+    """One row for each published number that the study can be compared with."""
+    # Published are peaks of the pieces.
+    no_peaks = [name for name in study.model_names if first_failure_only(name)]
+    no_peaks += LAWS
+    points = study_points(study, capacity.dropna(subset=["load_N"]))
+    pure_shear = points[points["eccentricity_over_a"] == 0.0]
+    rows: list[dict[str, Any]] = []
+    for sample in published.samples(study):
+        joint = study.joint(sample)
+        selected = pure_shear[
+            (pure_shear["sample"] == sample) & ~pure_shear["model"].isin(no_peaks)
+        ]
+        sources = pure_shear_weights(study, weights, sample)
+        sources = {source: each for source, each in sources.items() if source[0] not in no_peaks}
+        compared = [
+            *_limit_rows(selected, published.numbers["limit_pure_shear"][joint.locks]),
+            *_peak_rows(selected, joint.locks, published),
+            *_weight_rows(sources, joint.locks, published),
+            *_option_rows(fit, sample, published.numbers["best_option"]),
+        ]
+        setting = "as printed" if published.as_printed(study, sample) else "not as printed"
+        same = {"sample": sample, "locks": joint.locks, "friction": joint.dry.friction}
+        rows += [{**same, "setting": setting, **row} for row in compared]
+    table = pd.DataFrame(rows, columns=list(VALIDATION.columns))
+    # The number of an option is a name: no difference.
+    quantities = table["quantity"] != "best_option"
+    table["absolute_difference"] = (table["computed"] - table["published"]).where(quantities)
+    table["relative_difference"] = table["absolute_difference"] / table["published"].where(
+        table["published"] != 0.0
+    )
+    return table
+
+
+def _limit_rows(pure_shear: pd.DataFrame, value: float) -> Iterator[dict[str, Any]]:
+    rows = pure_shear[(pure_shear["model"] == "sidmacib") & (pure_shear["reduction"] == "none")]
+    for row in rows.drop_duplicates("variant").itertuples():
+        name = (
+            f"sidmacib_pure_shear_{row.option}_{'friction' if row.friction else 'frictionless'}_N"
+        )
+        yield {
+            "quantity": name,
+            "model": "sidmacib",
+            "published": value,
+            "computed": row.shear_N,
+        }
+
+
+def _peak_rows(
+    pure_shear: pd.DataFrame, locks: int, published: Published
+) -> Iterator[dict[str, Any]]:
+    peaks = pure_shear[(pure_shear["variant"] == REFERENCE)]
+    for row in peaks.itertuples():
+        value = published.dem_pure_shear(locks, float(row.mesh_m))
+        if value is not None:
+            yield {
+                "quantity": "dem_pure_shear_N",
+                "model": row.model,
+                "mesh_m": row.mesh_m,
+                "published": value,
+                "computed": row.shear_N,
+                "mesh_error": row.mesh_error,
+            }
+
+
+def _weight_rows(
+    sources: dict[tuple[str, float], list[float]], locks: int, published: Published
+) -> Iterator[dict[str, Any]]:
+    printed = published.numbers["weights"][locks]
+    swapped = [printed[1], printed[0], *printed[2:]]
+    for (model, mesh), weights in sources.items():
+        same = {"model": model, "mesh_m": mesh}
+        for lock, (weight, value) in enumerate(zip(weights, printed, strict=True), start=1):
+            row = {"quantity": f"weight_lock{lock}", "published": value, "computed": weight}
+            yield {**same, **row, "note": "in the printed order" if lock <= 2 else ""}
+        for lock in (1, 2):
+            row = {"published": swapped[lock - 1], "computed": weights[lock - 1], "note": SWAPPED}
+            yield {**same, "quantity": f"weight_lock{lock}_swapped", **row}
+        total = math.fsum(weights)
+        value = published.numbers["weight_sum"][locks]
+        yield {**same, "quantity": "weight_sum", "published": value, "computed": total}
+        yield {
+            **same,
+            "quantity": "weight_sum_rounded_down",
+            "published": published.numbers["active_locks"][locks],
+            "computed": math.floor(total),
+        }
+
+
+def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[str, Any]]:
+    """The best option of the paper's revised model, frictionless with (n - 1) / 2 locks."""
+    selected = fit[(fit["sample"] == sample) & (fit["reduction"] == "half")]
+    for model, mesh in selected[["model", "mesh_m"]].drop_duplicates().itertuples(index=False):
+        best = winner(selected[selected["model"] == model], sample, mesh, friction=False)
+        number = str(best["option"]).removeprefix("option")
+        if number.isdigit():
+            yield {
+                "quantity": "best_option",
+                "model": model,
+                "mesh_m": mesh,
+                "published": value,
+                "computed": int(number),
+                "note": "revised by (n - 1) / 2, no friction",
+            }
+
+
+@dataclass(frozen=True)
+class Line:
+    """A published number and the rows of the validation table that belong to it, by sample."""
+
+    quantity: str
+    mesh: str
+    published: float
+    rows: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
+
+    locks: int
+    samples: Mapping[str, str]
+    lines: tuple[Line, ...]
+
+
+def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Comparison]:
+    """The validation table by number of locks; ``leading``: the model that is shown, by sample.
+
+    SiDMACIB's numbers are those without friction along the locks; with it they are the same.
+    """
+    shown = (table["model"] == "sidmacib") | (table["model"] == table["sample"].map(leading))
+    table = table[shown & ~table["quantity"].str.contains("_friction_N")]
+    for locks, rows in table.groupby("locks"):
+        by_line: dict[tuple[str, str], dict[str, Any]] = {}
+        for row in rows.itertuples():
+            mesh = "" if pd.isna(row.mesh_m) else f"{row.mesh_m:g}"
+            by_line.setdefault((str(row.quantity), mesh), {})[str(row.sample)] = row
+        samples = {
+            str(row.sample): f"friction {row.friction:.4g}, {row.setting}; "
+            f"{leading.get(str(row.sample), 'no model')}"
+            for row in rows.drop_duplicates("sample").itertuples()
+        }
+        lines = tuple(
+            Line(quantity, mesh, next(iter(line.values())).published, line)
+            for (quantity, mesh), line in by_line.items()
+        )
+        yield Comparison(int(str(locks)), samples, lines)
+
+
+QUANTITIES = (  # of the validation table: pattern and label
+    (r"sidmacib_pure_shear_option(\w+?)_(frictionless|friction)_N", r"SiDMACIB, Option \1, V (N)"),
+    (r"dem_pure_shear_N", r"peak V of the pieces (N)"),
+    (r"weight_lock(\d+)", r"weight of lock \1"),
+    (r"weight_lock(\d+)_swapped", r"weight of lock \1, first two swapped"),
+    (r"weight_sum", r"sum of weights"),
+    (r"weight_sum_rounded_down", r"sum of weights, rounded down"),
+    (r"best_option", r"option that fits best"),
+)
+
+
+def quantity_label(quantity: str) -> str:
+    """A quantity of the validation table in words; an unknown one keeps its name."""
+    for pattern, label in QUANTITIES:
+        if match := re.fullmatch(pattern, quantity):
+            return match.expand(label)
+    return quantity
+
+
+def difference_text(row: Any) -> str:
+    """How a row's computed value differs from the published one, in words."""
+    if pd.isna(row.absolute_difference):
+        return "same" if row.computed == row.published else "other"
+    if pd.isna(row.relative_difference):
+        return f"{row.absolute_difference:+.3f}"
+    return f"{100 * row.relative_difference:+.2f} %"
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the published numbers beside the computed ones."""
+    study = Study.model_validate_json(arguments["study"])
+    capacity, weights, fit = (
+        read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, FIT)
+    )
+    table = validation_table(study, capacity, weights, fit, read_published())
+    write_table(VALIDATION, table, outputs["validation"])

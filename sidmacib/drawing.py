@@ -1,0 +1,34 @@
+"""Colours, and V-M curves in print: for the command's pictures and the figures of studies."""
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # it takes longer to load than most answers to compute
+    from matplotlib.axes import Axes
+
+# Colours that people with any kind of colour vision tell apart (Okabe and Ito, 2008).
+BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
+    *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6d00", "#000000"),
+    "#9aa0aa",
+)
+
+
+def vm_axes(axes: "Axes", title: str) -> None:
+    """Label ``axes`` for V-M curves, starting from zero load."""
+    axes.set_xlabel("shear V (N)")
+    axes.set_ylabel("torque M (N m)")
+    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+
+
+def vm_curve(
+    axes: "Axes", shear: Iterable[float], torque: Iterable[float], label: str, **style: Any
+) -> None:
+    """Draw a curve or points of ``shear`` (N) and ``torque`` (N m); not at all if there are none.
+
+    ``style``: as `matplotlib.axes.Axes.plot` takes it.
+    """
+    shear, torque = list(shear), list(torque)
+    if shear:
+        axes.plot(shear, torque, **{"label": label, **style})
