@@ -48,19 +48,19 @@ def pieces_mesh(case: Case, assembly: Assembly, point: Equilibrium) -> meshio.Me
     """The pieces as hexahedra where they are, with their displacement and block (1: upper)."""
     moved = displacements(assembly, point, rigid=case.joint.elastic is None)
     corners, shifts = [], []
-    for piece, own in zip(assembly.pieces, moved, strict=True):
+    for piece, own in zip(assembly.cuboids, moved, strict=True):
         low, high = np.array(piece.low), np.array(piece.high)
         place = low + CORNERS * (high - low)
         corners.append(place)
         shifts.append(own[:3] + np.cross(own[3:], place - (low + high) / 2.0))
     above = set(upper_block(case.joint))
-    count = len(assembly.pieces)
+    count = len(assembly.cuboids)
     return meshio.Mesh(
         np.vstack(corners),
         [("hexahedron", np.arange(8 * count).reshape(count, 8))],
         point_data={"displacement_m": np.vstack(shifts)},
         cell_data={
-            "upper": [np.array([float(piece.name in above) for piece in assembly.pieces])],
+            "upper": [np.array([float(piece.name in above) for piece in assembly.cuboids])],
             "piece": [np.arange(count, dtype=float)],
         },
     )
@@ -86,8 +86,8 @@ def nodes_mesh(assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
 
 def displacements(assembly: Assembly, point: Equilibrium, rigid: bool = True) -> Floats:
     """Displacement (m) and rotation of each piece, shape (P, 6); none of fixed or elastic ones."""
-    moved = np.zeros((len(assembly.pieces), 6))
-    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
+    moved = np.zeros((len(assembly.cuboids), 6))
+    free = [number for number, piece in enumerate(assembly.cuboids) if not piece.fixed]
     if rigid:
         moved[free] = point.unknowns.reshape(len(free), 6)
     return moved

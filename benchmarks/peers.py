@@ -21,7 +21,7 @@ from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Floats, Piece
+from sidmacib.mechanics.assembly import Cuboid, Floats
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble, cut_pieces
 
@@ -93,7 +93,7 @@ def furthest_by_highs(programme: dict[str, Any], way: Floats) -> Floats:
 
 
 # --- rigid blocks --------------------------------------------------------------------------------
-def box(piece: Piece) -> tuple[list[list[float]], list[list[int]]]:
+def box(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
     """Corners (m) and sides of a piece."""
     ends = list(zip(piece.low, piece.high, strict=True))
     corners = [[ends[0][x], ends[1][y], ends[2][z]] for z in (0, 1) for y in (0, 1) for x in (0, 1)]

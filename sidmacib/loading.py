@@ -55,7 +55,8 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     sign = 1.0 if loading.push is Push.PLUS_Y else -1.0
     names = _loaded(joint, loading)
     loaded = [i for i, piece in enumerate(assembly.pieces) if piece.name in names]
-    height = np.array([assembly.pieces[i].size[2] for i in loaded])
+    pieces = assembly.cuboids
+    height = np.array([pieces[i].size[2] for i in loaded])
     part = height / height.sum()
     variable = np.zeros((len(assembly.pieces), 6))
     variable[loaded, 1] = sign * direction.shear * part
@@ -63,7 +64,7 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     sides = [SideLoad(i, 1, sign < 0.0, tuple(variable[i].tolist())) for i in loaded]
     permanent = self_weight(assembly.pieces)
     pressing, bodies = joint.pressing_force or 0.0, upper_bodies(joint)
-    for i, piece in enumerate(assembly.pieces):
+    for i, piece in enumerate(pieces):
         if pressing and piece.name in bodies:
             share = pressing * (piece.size[1] / joint.total_width)
             permanent[i, 2] -= share

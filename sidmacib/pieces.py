@@ -9,11 +9,11 @@ from sidmacib.hold_down import Hold
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     Assembly,
-    Face,
+    Cuboid,
     FaceMaterial,
     Kind,
     NodeLayout,
-    Piece,
+    Rectangle,
     shared_face,
 )
 from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes
@@ -47,7 +47,7 @@ def _cells(side: float, mesh: float) -> int:
     return int(cells_along(np.array([side]), mesh)[0])
 
 
-def cut_pieces(joint: Joint) -> tuple[Piece, ...]:
+def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
     """Lower body, plate if there is one, locks and upper body or its columns, in this order."""
     return tuple(_pieces(joint))
 
@@ -86,7 +86,7 @@ def _inner(below: str, above: str) -> str:
     return f"{Kind.INNER}-{below}-{above}"
 
 
-def _pieces(joint: Joint) -> Iterator[Piece]:
+def _pieces(joint: Joint) -> Iterator[Cuboid]:
     x = joint.a / 2
     width = joint.total_width
     top = joint.h + joint.H
@@ -97,11 +97,11 @@ def _pieces(joint: Joint) -> Iterator[Piece]:
         z: tuple[float, float],
         fixed: bool = False,
         density: float = joint.density,
-    ) -> Piece:
+    ) -> Cuboid:
         volume = joint.a * (y[1] - y[0]) * (z[1] - z[0])
         low, high = (-x, y[0], z[0]), (x, y[1], z[1])
         elastic = None if fixed else joint.elastic
-        return Piece(name, low, high, density * volume, fixed, elastic)
+        return Cuboid(name, low, high, density * volume, fixed, elastic)
 
     # The lower body and the plate are fixed and rigid: their thickness is immaterial.
     yield cuboid(LOWER, (0.0, width), (-joint.H, 0.0), fixed=True)
@@ -125,7 +125,7 @@ def _under_a_plate(joint: Joint) -> bool:
     return joint.hold_down.kind is Hold.PLATE
 
 
-def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
+def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
     index = {piece.name: i for i, piece in enumerate(pieces)}
     monolithic = joint.upper_body is UpperBody.MONOLITHIC
     plate, dry = _under_a_plate(joint), joint.dry
@@ -141,7 +141,7 @@ def _faces(joint: Joint, pieces: tuple[Piece, ...]) -> Iterator[Face]:
 
     def face(
         kind: Kind, below: str, above: str, name: str = "", inner: FaceMaterial = joint.inner
-    ) -> Face:
+    ) -> Rectangle:
         pair = index[below], index[above]
         of_kind = {**material, Kind.INNER: inner}[kind]
         return shared_face(name or f"{kind}-{below}-{above}", kind, of_kind, pieces, pair)

@@ -20,7 +20,8 @@ from scipy.sparse import csr_array
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
 
 ROUNDS = 200
@@ -56,7 +57,7 @@ def least_energy_forces(
     largest = float(np.abs(target).max())
     share = assembly.nodes.area / assembly.nodes.area.sum()
     unit = largest * share
-    matrix = equilibrium_matrix(assembly)[rows] / size[:, None] * np.repeat(share, 3)
+    matrix = equilibrium_matrix(assembly)[rows].toarray() / size[:, None] * np.repeat(share, 3)
 
     force, bound = cp.Variable((len(share), 3)), cp.Parameter(len(dry), nonneg=True)
     stiffness = np.column_stack(

@@ -19,10 +19,10 @@ from sidmacib.joint import Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Cuboid,
     Kind,
     Loads,
     NodeLayout,
-    Piece,
     self_weight,
     shared_face,
 )
@@ -60,8 +60,8 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     x = joint.a / 2
     mass = joint.density * joint.a * joint.b * joint.h
     pieces = (
-        Piece("lower", (-x, 0.0, -joint.h), (x, joint.b, 0.0), mass, fixed=True),
-        Piece("block", (-x, 0.0, 0.0), (x, joint.b, joint.h), mass),
+        Cuboid("lower", (-x, 0.0, -joint.h), (x, joint.b, 0.0), mass, fixed=True),
+        Cuboid("block", (-x, 0.0, 0.0), (x, joint.b, joint.h), mass),
     )
     material = joint.inner if kind is Kind.INNER else joint.dry
     faces = (shared_face("face", kind, material, pieces, (0, 1)),)

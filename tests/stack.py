@@ -4,11 +4,11 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Cuboid,
     FaceMaterial,
     Kind,
     Loads,
     NodeLayout,
-    Piece,
     self_weight,
     shared_face,
 )
@@ -33,11 +33,11 @@ def tilted_stack(
     """
     x, y = width / 2, depth / 2
     mass = density * width * depth * height
-    ground = Piece("ground", (-x, -y, -height), (x, y, 0.0), mass, fixed=True)
+    ground = Cuboid("ground", (-x, -y, -height), (x, y, 0.0), mass, fixed=True)
     pieces = (
         ground,
         *(
-            Piece(f"block{i + 1}", (-x, -y, i * height), (x, y, (i + 1) * height), mass)
+            Cuboid(f"block{i + 1}", (-x, -y, i * height), (x, y, (i + 1) * height), mass)
             for i in range(blocks)
         ),
     )

@@ -5,11 +5,11 @@ import pytest
 
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Cuboid,
     FaceMaterial,
     Kind,
     Loads,
     NodeLayout,
-    Piece,
     shared_face,
 )
 from sidmacib.mechanics.contact_law import ContactLaw, utilisation
@@ -25,10 +25,10 @@ def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> As
     count = len(strength)
     pieces = (
         *(
-            Piece(f"support{i}", (i, 0.0, -1.0), (i + 1, 1.0, 0.0), 1.0, fixed=True)
+            Cuboid(f"support{i}", (i, 0.0, -1.0), (i + 1, 1.0, 0.0), 1.0, fixed=True)
             for i in range(count)
         ),
-        Piece("block", (0.0, 0.0, 0.0), (count, 1.0, 1.0), 1.0),
+        Cuboid("block", (0.0, 0.0, 0.0), (count, 1.0, 1.0), 1.0),
     )
     faces = tuple(
         shared_face(f"bond{i}", Kind.INNER, FaceMaterial(1e9, k, 0.0, s, 1e12), pieces, (i, count))

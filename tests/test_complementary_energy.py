@@ -15,7 +15,8 @@ from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.contact_law import NodeState
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import assemble

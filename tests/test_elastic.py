@@ -13,13 +13,13 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Cuboid,
     Elastic,
     FaceMaterial,
     Floats,
     Kind,
     Loads,
     NodeLayout,
-    Piece,
     SideLoad,
     self_weight,
     shared_face,
@@ -81,8 +81,10 @@ def test_a_joint_moves_further_and_fails_earlier_the_softer_its_block() -> None:
 def bonded_block(layout: NodeLayout, young: float, poisson: float) -> Assembly:
     """One elastic block on a fixed one, across an inner face."""
     pieces = (
-        Piece("ground", (-0.03, 0.0, -0.02), (0.03, 0.05, 0.0), 1.0, fixed=True),
-        Piece("block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=Elastic(young, poisson)),
+        Cuboid("ground", (-0.03, 0.0, -0.02), (0.03, 0.05, 0.0), 1.0, fixed=True),
+        Cuboid(
+            "block", (-0.03, 0.0, 0.0), (0.03, 0.05, 0.04), 1.0, elastic=Elastic(young, poisson)
+        ),
     )
     material = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=8e4, tensile_strength=3.7e5)
     faces = (shared_face("face", Kind.INNER, material, pieces, (0, 1)),)

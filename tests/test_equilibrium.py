@@ -14,14 +14,15 @@ from hypothesis.extra.numpy import arrays
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import (
     Assembly,
-    Face,
+    Cuboid,
     FaceMaterial,
     Kind,
     NodeLayout,
-    Piece,
+    Rectangle,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, face_frames, wrenches
+from sidmacib.mechanics.equilibrium import face_frames, wrenches
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.springs import compliance, natural_frequencies
 from sidmacib.pieces import assemble
 
@@ -40,13 +41,13 @@ def test_frames_are_right_handed_and_start_with_the_normal(joint: Joint) -> None
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     frames = face_frames(model)
     assert np.linalg.det(frames) == pytest.approx(1.0)
-    normals = [model.faces[face].normal for face in model.nodes.face]
+    normals = [model.faces[face].axes[0] for face in model.nodes.face]
     assert frames[:, 0] == pytest.approx(np.array(normals))
 
 
 def test_every_node_force_acts_on_two_pieces_in_balance(joint: Joint) -> None:
     model = assemble(joint, 0.02, NodeLayout.CENTRES)
-    matrix = equilibrium_matrix(model).reshape(len(model.pieces), 6, -1)
+    matrix = equilibrium_matrix(model).toarray().reshape(len(model.pieces), 6, -1)
     centres = np.array([piece.centre for piece in model.pieces])
     forces, moments = matrix[:, :3], matrix[:, 3:]
     about_origin = moments + np.cross(centres[:, :, None], forces, axis=1)
@@ -77,11 +78,11 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
     half = side / 2
     mass = density * side**3
     pieces = (
-        Piece("ground", (-half, -half, -side), (half, half, 0.0), mass, fixed=True),
-        Piece("cube", (-half, -half, -half), (half, half, half), mass),
+        Cuboid("ground", (-half, -half, -side), (half, half, 0.0), mass, fixed=True),
+        Cuboid("cube", (-half, -half, -half), (half, half, half), mass),
     )
     material = FaceMaterial(stiffness, stiffness, 0.0, 0.0, 0.0)
-    face = Face("middle", Kind.DRY, material, 0, 1, 2, (-half, -half, 0.0), (half, half, 0.0))
+    face = Rectangle("middle", Kind.DRY, material, 0, 1, 2, (-half, -half, 0.0), (half, half, 0.0))
     cube = Assembly(pieces, (face,), contact_nodes((face,), side / 40, NodeLayout.CENTRES), side)
     around = np.sqrt(stiffness * side**4 / 12 / (mass * side**2 / 6))  # second moment of area
     twist = np.sqrt(2.0) * around  # polar moment
@@ -92,7 +93,7 @@ def test_a_block_rocks_at_the_frequency_of_its_inertia() -> None:
 
 def test_inertia_is_that_of_a_cuboid() -> None:
     # By points all over it: the integral of m (x^2 + y^2) / volume, and so on.
-    piece = Piece("block", (0.0, 1.0, -2.0), (0.3, 1.5, -1.2), mass=7.0)
+    piece = Cuboid("block", (0.0, 1.0, -2.0), (0.3, 1.5, -1.2), mass=7.0)
     axes = [
         low + (np.arange(60) + 0.5) / 60 * d for low, d in zip(piece.low, piece.size, strict=True)
     ]

@@ -15,7 +15,8 @@ from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton import PATIENT, newton, node_forces
 from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds

@@ -9,11 +9,11 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Block, Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     GRAVITY,
-    Face,
+    Cuboid,
     FaceMaterial,
     Kind,
     NodeLayout,
-    Piece,
+    Rectangle,
     shared_face,
 )
 from sidmacib.pieces import assemble, lock_faces, upper_block
@@ -105,15 +105,15 @@ def test_the_pieces_weigh_what_their_volume_weighs(joint: Joint) -> None:
 SMOOTH = FaceMaterial(1e10, 1e10, 0.0, 0.0, 0.0)
 
 
-def boxes(size: float, gap: float) -> tuple[Piece, Piece]:
+def boxes(size: float, gap: float) -> tuple[Cuboid, Cuboid]:
     """Two cubes, one above the other, ``gap`` apart."""
     return (
-        Piece("lower", (0.0, 0.0, 0.0), (size, size, size), 1.0),
-        Piece("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 3 * size), 1.0),
+        Cuboid("lower", (0.0, 0.0, 0.0), (size, size, size), 1.0),
+        Cuboid("upper", (size / 2, 0.0, size + gap), (3 * size / 2, size, 3 * size), 1.0),
     )
 
 
-def face(pieces: tuple[Piece, ...]) -> Face:
+def face(pieces: tuple[Cuboid, ...]) -> Rectangle:
     return shared_face("face", Kind.DRY, SMOOTH, pieces, (0, 1))
 
 
@@ -133,7 +133,7 @@ def test_pieces_apart_share_no_face_whatever_their_size(exponent: float, gap: fl
 
 
 def test_pieces_that_meet_along_an_edge_share_no_face() -> None:
-    lower = Piece("lower", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0)
-    upper = Piece("upper", (1.0, 0.0, 1.0), (2.0, 1.0, 2.0), 1.0)
+    lower = Cuboid("lower", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0)
+    upper = Cuboid("upper", (1.0, 0.0, 1.0), (2.0, 1.0, 2.0), 1.0)
     with pytest.raises(ValueError, match="does not touch"):
         face((lower, upper))

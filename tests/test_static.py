@@ -19,16 +19,17 @@ from sidmacib.joint import DRY, INNER, Direction, Joint
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import (
     Assembly,
+    Cuboid,
     FaceMaterial,
     Failure,
     Kind,
     Loads,
     NodeLayout,
-    Piece,
     self_weight,
 )
 from sidmacib.mechanics.contact_law import ContactLaw, utilisation
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
 from sidmacib.pieces import assemble, lock_faces
 
@@ -148,7 +149,7 @@ def test_a_joint_without_cohesion_resists_by_friction_alone(joint: Joint) -> Non
 
 def test_a_piece_that_touches_nothing_does_not_stand(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.DRY, 0.02)
-    loose = Piece("loose", (1.0, 1.0, 1.0), (2.0, 2.0, 2.0), 1.0)
+    loose = Cuboid("loose", (1.0, 1.0, 1.0), (2.0, 2.0, 2.0), 1.0)
     alone = replace(model, pieces=(*model.pieces, loose))
     with pytest.raises(NoEquilibriumError, match="no equilibrium at 0 N"):
         static_peak(alone, load_on_block(alone, (0.0, 1.0, 0.0), 0.0))

@@ -15,11 +15,11 @@ from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,
+    Cuboid,
     Failure,
     Floats,
     Loads,
     Nodes,
-    Piece,
     Vector,
     self_weight,
 )
@@ -66,8 +66,8 @@ def deck(case: Case) -> str:
     assembly, loads = problem_of(case)
     faces = [
         {
-            "below": assembly.pieces[face.below].name,
-            "above": assembly.pieces[face.above].name,
+            "below": assembly.cuboids[face.below].name,
+            "above": assembly.cuboids[face.above].name,
             **_law(asdict(face.material)),
         }
         for face in assembly.faces
@@ -77,7 +77,7 @@ def deck(case: Case) -> str:
     return ENVIRONMENT.get_template(TEMPLATE).render(
         title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
         case=fingerprint(case),
-        pieces=assembly.pieces,
+        pieces=assembly.cuboids,
         faces=faces,
         dry=_law(asdict(case.joint.dry)),
         mesh=case.mesh,
@@ -86,7 +86,7 @@ def deck(case: Case) -> str:
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,
-        heavier={p.name: d for p in assembly.pieces if (d := _own_density(p, case.joint))},
+        heavier={p.name: d for p in assembly.cuboids if (d := _own_density(p, case.joint))},
         pressed=_pressed(assembly, loads),
         corners=_corners(assembly, loads, increment),
         ratio=RATIO,
@@ -94,7 +94,7 @@ def deck(case: Case) -> str:
     )
 
 
-def _own_density(piece: Piece, joint: Joint) -> float | None:
+def _own_density(piece: Cuboid, joint: Joint) -> float | None:
     """Density (kg/m3) of a piece if it is not that of the joint."""
     own = piece.mass / math.prod(piece.size.tolist())
     return None if math.isclose(own, joint.density) else own
@@ -105,17 +105,17 @@ def _pressed(assembly: Assembly, loads: Loads) -> list[dict[str, Any]]:
 
     Each is a quarter of the force on the piece, whose resultant is in the middle.
     """
-    given = loads.permanent - self_weight(assembly.pieces)
+    given = loads.permanent - self_weight(assembly.cuboids)
     return [
         _corner(piece, (x, y, piece.high[2]), load[:3] / 4)
-        for piece, load in zip(assembly.pieces, given, strict=True)
+        for piece, load in zip(assembly.cuboids, given, strict=True)
         if load.any()
         for x in (piece.low[0], piece.high[0])
         for y in (piece.low[1], piece.high[1])
     ]
 
 
-def _corner(piece: Piece, place: Vector, force: Floats) -> dict[str, Any]:
+def _corner(piece: Cuboid, place: Vector, force: Floats) -> dict[str, Any]:
     radius = 1e-6 + 0.01 * float(min(piece.size))
     return {"piece": piece.name, "place": place, "force": force.tolist(), "radius": radius}
 
@@ -130,7 +130,7 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
     At the corner x, each piece's force over four, plus or minus its torque over 2 a.
     """
     found = []
-    for piece, load in zip(assembly.pieces, loads.variable, strict=True):
+    for piece, load in zip(assembly.cuboids, loads.variable, strict=True):
         if not load.any():
             continue
         y = piece.low[1] if load[1] >= 0.0 else piece.high[1]
@@ -151,7 +151,7 @@ def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
     problem = problem_of(case)
     assembly = problem.assembly
     numbers = {
-        frozenset((assembly.pieces[face.below].name, assembly.pieces[face.above].name)): number
+        frozenset((assembly.cuboids[face.below].name, assembly.cuboids[face.above].name)): number
         for number, face in enumerate(assembly.faces)
     }
     loads: list[float] = []

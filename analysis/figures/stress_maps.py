@@ -12,7 +12,7 @@ from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.material import Material, Stresses
 from sidmacib.loading import Push
-from sidmacib.mechanics.assembly import Face
+from sidmacib.mechanics.assembly import Rectangle
 from sidmacib.pieces import assemble, lock_faces
 
 
@@ -81,7 +81,7 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
     joint = shown.case.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
     numbers = lock_faces(joint)
-    faces = {f.name: f for f in assemble(joint, shown.case.mesh).faces if f.name in numbers}
+    faces = {f.name: f for f in assemble(joint, shown.case.mesh).rectangles if f.name in numbers}
     inner = shown.nodes[shown.nodes["face"].isin(numbers)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(
@@ -136,7 +136,9 @@ def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
     return nodes[chosen]
 
 
-def _cells(nodes: pd.DataFrame, face: Face, shown: pd.DataFrame) -> list[list[tuple[float, float]]]:
+def _cells(
+    nodes: pd.DataFrame, face: Rectangle, shown: pd.DataFrame
+) -> list[list[tuple[float, float]]]:
     """Corners (y, x) of the cells around the nodes ``shown`` of a face's regular grid ``nodes``.
 
     Cells meet half-way between nodes, and end with the face.

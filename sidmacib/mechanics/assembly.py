@@ -1,12 +1,14 @@
 """An assembly: pieces that meet across faces, contact nodes on every face, and loads.
 
-Every model and every engine works from this one description, whatever was assembled.
-All quantities are in SI units.
+Every model and every engine works from this one description, whatever was assembled. Pieces and
+faces may have any shape; the joint's are cuboids and rectangles. All quantities are in SI units.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,8 @@ CLOSE = 1e-9  # over a size: points no further apart than this are the same poin
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+
+_AXES = np.eye(3)[(np.arange(3)[:, None] + np.arange(3)) % 3]  # normal and tangents along each axis
 
 
 @dataclass(frozen=True)
@@ -94,9 +98,77 @@ class NodeLayout(StrEnum):
     LOBATTO = "lobatto"  # nine, those on edges shared: Gauss-Lobatto rule (Simpson's)
 
 
+class Piece(Protocol):
+    """A block or a part of one, of any shape; rigid unless it has an elastic material."""
+
+    @property
+    def name(self) -> str:
+        """Its name, of its own in the assembly."""
+
+    @property
+    def mass(self) -> float:
+        """In kg."""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it cannot move."""
+
+    @property
+    def elastic(self) -> Elastic | None:
+        """Its material if it deforms."""
+
+    @property
+    def centre(self) -> Floats:
+        """Centroid, in m, shape (3,)."""
+
+    @property
+    def inertia(self) -> Floats:
+        """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
+
+    @property
+    def weight(self) -> float:
+        """Self-weight in N."""
+
+
+class Face(Protocol):
+    """A plane region of any outline across which two pieces meet."""
+
+    @property
+    def name(self) -> str:
+        """Its name, of its own in the assembly."""
+
+    @property
+    def kind(self) -> Kind:
+        """Bonded, dry or under a plate."""
+
+    @property
+    def material(self) -> FaceMaterial:
+        """Stiffnesses and strengths."""
+
+    @property
+    def below(self) -> int:
+        """Index of the piece that the normal points away from."""
+
+    @property
+    def above(self) -> int:
+        """Index of the piece that the normal points into."""
+
+    @property
+    def axes(self) -> Floats:
+        """Unit normal from ``below`` to ``above``, then two tangents, shape (3, 3)."""
+
+    @property
+    def middle(self) -> Vector:
+        """The point about which its motion is described, in m."""
+
+    @property
+    def area(self) -> float:
+        """In m2."""
+
+
 @dataclass(frozen=True)
-class Piece:
-    """A cuboid, given by two opposite corners in m; rigid unless it has an elastic material.
+class Cuboid:
+    """A piece given by two opposite corners in m; rigid unless it has an elastic material.
 
     ValueError unless its edges are finite and above 0, and its mass finite and not negative.
     """
@@ -136,8 +208,8 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Face:
-    """A plane rectangle across which two pieces meet.
+class Rectangle:
+    """A face whose sides are along two axes.
 
     ``below`` and ``above`` are indices of pieces; the unit normal, along ``axis`` (0, 1, 2 for x,
     y, z), points from ``below`` to ``above``.
@@ -153,9 +225,15 @@ class Face:
     high: Vector
 
     @property
-    def normal(self) -> Floats:
-        """Unit normal from ``below`` to ``above``, shape (3,)."""
-        return np.eye(3)[self.axis]
+    def axes(self) -> Floats:
+        """Unit normal from ``below`` to ``above``, then two tangents, shape (3, 3)."""
+        return _AXES[self.axis]
+
+    @property
+    def middle(self) -> Vector:
+        """Centre, in m."""
+        x, y, z = ((low + high) / 2 for low, high in zip(self.low, self.high, strict=True))
+        return x, y, z
 
     @property
     def area(self) -> float:
@@ -207,6 +285,28 @@ class Assembly:
         if not self.mesh > 0.0:
             raise refused("mesh", self.mesh, "more than 0")
 
+    @property
+    def cuboids(self) -> tuple[Cuboid, ...]:
+        """The pieces, where a model needs cuboids; ValueError if one has another shape."""
+        return tuple(map(_cuboid, self.pieces))
+
+    @property
+    def rectangles(self) -> tuple[Rectangle, ...]:
+        """The faces, where a model needs rectangles; ValueError if one has another outline."""
+        return tuple(map(_rectangle, self.faces))
+
+
+def _cuboid(piece: Piece) -> Cuboid:
+    if not isinstance(piece, Cuboid):
+        raise ValueError(f"{piece.name}: must be a cuboid along the axes in this model")
+    return piece
+
+
+def _rectangle(face: Face) -> Rectangle:
+    if not isinstance(face, Rectangle):
+        raise ValueError(f"{face.name}: must be a rectangle along the axes in this model")
+    return face
+
 
 @dataclass(frozen=True)
 class SideLoad:
@@ -247,7 +347,7 @@ class Loads:
         require_positive(scale=self.scale)
 
 
-def self_weight(pieces: tuple[Piece, ...]) -> Floats:
+def self_weight(pieces: Sequence[Piece]) -> Floats:
     """Force (N, along -z) and moment (N m, none) of the pieces' weight, (P, 6)."""
     weight = np.zeros((len(pieces), 6))
     weight[:, 2] = [-piece.weight for piece in pieces]
@@ -255,8 +355,8 @@ def self_weight(pieces: tuple[Piece, ...]) -> Floats:
 
 
 def shared_face(
-    name: str, kind: Kind, material: FaceMaterial, pieces: tuple[Piece, ...], pair: tuple[int, int]
-) -> Face:
+    name: str, kind: Kind, material: FaceMaterial, pieces: tuple[Cuboid, ...], pair: tuple[int, int]
+) -> Rectangle:
     """The rectangle in which the first of ``pair``, indices of pieces, touches the second.
 
     ValueError if they do not touch across a plane, to 1e-9 of their size.
@@ -272,4 +372,4 @@ def shared_face(
     axis = touching[0]
     low[axis] = high[axis] = first.high[axis]
     corners = (low[0], low[1], low[2]), (high[0], high[1], high[2])
-    return Face(name, kind, material, *pair, axis, *corners)
+    return Rectangle(name, kind, material, *pair, axis, *corners)

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Face, Floats, Integers, NodeLayout, Nodes
+from sidmacib.mechanics.assembly import Floats, Integers, NodeLayout, Nodes, Rectangle
 
 # Quadrature rule of one cell: places in the cell, and weights.
 CELL_RULES = {
@@ -26,7 +26,7 @@ def cells_along(lengths: Floats, mesh: float) -> Integers:
     return np.maximum(1, np.ceil(lengths / (mesh * (1.0 + STRETCH)))).astype(np.int64)
 
 
-def cell_counts(faces: tuple[Face, ...], mesh: float) -> Integers:
+def cell_counts(faces: tuple[Rectangle, ...], mesh: float) -> Integers:
     """Cells of each face along x, y and z, (F, 3); 1 along its normal."""
     low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
     return cells_along(high - low, mesh)
@@ -60,7 +60,7 @@ def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[F
     return place.reshape(-1, 3), (x[:, None, None] * y[:, None] * z).ravel()
 
 
-def contact_nodes(faces: tuple[Face, ...], mesh: float, layout: NodeLayout) -> Nodes:
+def contact_nodes(faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout) -> Nodes:
     """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
     positions, areas = [], []
     for face, counts in zip(faces, cell_counts(faces, mesh).tolist(), strict=True):

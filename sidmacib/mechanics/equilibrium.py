@@ -1,4 +1,4 @@
-"""Equilibrium of pieces: matrices of unit node forces, and what given node forces leave over."""
+"""Equilibrium of pieces: wrenches of unit node forces, and what given node forces leave over."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,34 +20,12 @@ def wrenches(points: Floats, axes: Floats, about: Floats) -> Floats:
 
 def face_axes(assembly: Assembly) -> Floats:
     """Unit vectors of each face, (F, 3, 3): its normal, then its two tangents."""
-    axis = np.array([face.axis for face in assembly.faces])
-    return np.eye(3)[(axis[:, None] + np.arange(3)) % 3]
+    return np.array([face.axes for face in assembly.faces])
 
 
 def face_frames(assembly: Assembly) -> Floats:
     """Unit vectors at each node, (N, 3, 3): the face's normal, then its two tangents."""
     return np.asarray(face_axes(assembly)[assembly.nodes.face])
-
-
-def equilibrium_matrix(assembly: Assembly) -> Floats:
-    """Forces and moments about their centroids of all pieces under unit node forces.
-
-    Returns (6 * P, 3 * N). The force at a node, in the frame of `face_frames`, is the one that the
-    piece above exerts on the piece below; the piece above gets its opposite. The transpose maps
-    displacements of the pieces to relative displacements of the nodes (below minus above).
-    """
-    matrix = np.zeros((6 * len(assembly.pieces), 3 * len(assembly.nodes.area)))
-    frames = face_frames(assembly)
-    for number, face in enumerate(assembly.faces):
-        nodes = np.flatnonzero(assembly.nodes.face == number)
-        columns = (3 * nodes[:, None] + np.arange(3)).ravel()
-        for piece, sign in ((face.below, 1.0), (face.above, -1.0)):
-            rows = slice(6 * piece, 6 * piece + 6)
-            centre = assembly.pieces[piece].centre
-            matrix[rows, columns] = sign * wrenches(
-                assembly.nodes.position[nodes], frames[nodes], centre
-            )
-    return matrix
 
 
 def row_units(assembly: Assembly) -> Floats:

@@ -20,7 +20,8 @@ from scipy.sparse import csr_array
 from sidmacib.errors import CapacityError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
 
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
@@ -107,7 +108,7 @@ class _Programme:
         # Forces over the scale, and moments over the scale times the length, are about 1.
         size = row_units(assembly) * self.scale
         columns = np.repeat(self.unit, 3)
-        self.balance = csr_array(equilibrium_matrix(assembly)[rows] / size[:, None] * columns)
+        self.balance = _scaled(equilibrium_matrix(assembly)[rows], size, columns)
         self.permanent = loads.permanent.ravel()[rows] / size
         self.variable = loads.variable.ravel()[rows] / size * self.scale
         self.shear, self.tension = (
@@ -136,6 +137,13 @@ class _Programme:
             shear[smooth] == 0,
             normal[smooth] >= 0,
         ]
+
+
+def _scaled(matrix: csr_array, rows: Floats, columns: Floats) -> csr_array:
+    """``matrix`` over a unit of each of its ``rows``, times one of each of its ``columns``."""
+    row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
+    data = matrix.data / rows[row] * columns[matrix.indices]
+    return csr_array((data, matrix.indices, matrix.indptr), matrix.shape)
 
 
 def _rounded(load: float, scale: float, digits: int) -> float:

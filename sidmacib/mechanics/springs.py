@@ -51,16 +51,14 @@ class Springs:
     def of(cls, assembly: Assembly) -> "Springs":
         """The springs of ``assembly``."""
         nodes, faces = assembly.nodes, assembly.faces
-        corners = np.array([(face.low, face.high) for face in faces])
-        middle = (corners[:, 0] + corners[:, 1]) / 2
+        middle = np.array([face.middle for face in faces])
         axes = face_axes(assembly)
         arms = (nodes.position - middle[nodes.face]) / assembly.length
         tangents = axes[nodes.face, 1:]
         number = np.cumsum([not piece.fixed for piece in assembly.pieces]) - 1
         number[[piece.fixed for piece in assembly.pieces]] = -1
         ends = np.array([(face.below, face.above) for face in faces])
-        boxes = np.array([(piece.low, piece.high) for piece in assembly.pieces])
-        centres = (boxes[:, 0] + boxes[:, 1]) / 2
+        centres = np.array([piece.centre for piece in assembly.pieces])
         levers = (middle[:, None] - centres[ends]) / assembly.length
         motion = np.zeros((len(faces), 2, 6, RIGID))
         motion[:, :, :3, :3] = motion[:, :, 3:, 3:] = axes[:, None]

@@ -92,7 +92,7 @@ def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     of_faces = np.maximum.reduceat(of_nodes, start)
     force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
-    middle = np.array([(np.array(face.low) + face.high) / 2 for face in assembly.faces])
+    middle = np.array([face.middle for face in assembly.faces])
     arm = nodes.position - middle[nodes.face]
     torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
     x, y, turned = (np.add.reduceat(each, start) for each in (force[:, 0], force[:, 1], torque))

@@ -118,7 +118,7 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
                 "young_Pa": piece.elastic.young if piece.elastic else None,
                 "poisson": piece.elastic.poisson if piece.elastic else 0.0,
             }
-            for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
+            for piece, permanent in zip(assembly.cuboids, loads.permanent, strict=True)
         ],
         "faces": [
             {
@@ -126,11 +126,11 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
                 "kind": str(face.kind),
                 "below": face.below,
                 "above": face.above,
-                "normal": face.normal.tolist(),
+                "normal": face.axes[0].tolist(),
                 "size_m": [high - low for low, high in zip(face.low, face.high, strict=True)],
                 "material": names[face.material],
             }
-            for face in assembly.faces
+            for face in assembly.rectangles
         ],
         "loads": [
             {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}

@@ -21,7 +21,7 @@ def flexibility(
     Returns displacements against unit node forces, (K, K); displacements by permanent and by
     variable loads, (K,) each; and the displacement along the variable load by both, (2,).
     """
-    faces, nodes = assembly.faces, assembly.nodes
+    faces, nodes = assembly.rectangles, assembly.nodes
     face = nodes.face[kept // 3]
     axes = (np.array([each.axis for each in faces])[face] + kept % 3) % 3
     below, above = np.array([(each.below, each.above) for each in faces])[face].T
@@ -99,8 +99,8 @@ def element_edges(assembly: Assembly, number: int) -> Grid:
 
     Edges of its faces are element edges; between these, elements are no longer than the mesh.
     """
-    piece = assembly.pieces[number]
-    faces = [face for face in assembly.faces if number in (face.below, face.above)]
+    piece = assembly.cuboids[number]
+    faces = [face for face in assembly.rectangles if number in (face.below, face.above)]
 
     def edges(axis: int) -> tuple[float, ...]:
         ends = [end[axis] for face in faces for end in (face.low, face.high)]

@@ -23,7 +23,8 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import flexibility
 from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
-from sidmacib.mechanics.equilibrium import equilibrium_matrix, free_rows, row_units
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton import forces_and_tangents
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
 
@@ -54,7 +55,7 @@ class ElasticSolver:
         give, moved, self.work = flexibility(assembly, loads, self.kept)
         rows = free_rows(assembly)
         size = row_units(assembly)
-        rigid = (equilibrium_matrix(assembly)[rows][:, self.kept] / size[:, None]).T
+        rigid = (equilibrium_matrix(assembly).toarray()[rows][:, self.kept] / size[:, None]).T
         give[np.diag_indices_from(give)] += 1.0 / self.stiffness
         inverse, _ = lapack.dpotri(cho_factor(give, lower=True, check_finite=False)[0], lower=1)
         inverse = np.tril(inverse) + np.tril(inverse, -1).T

@@ -1,0 +1,148 @@
+"""Faces of any outline, and contact nodes on them.
+
+A rectangle has the nodes of the joint's faces, in either direction. A convex outline is cut into
+triangles around its centroid, any other by a constrained Delaunay triangulation; each triangle is
+divided into equal ones no longer than the mesh.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+
+from sidmacib.mechanics.assembly import (
+    CLOSE,
+    FaceMaterial,
+    Floats,
+    Kind,
+    NodeLayout,
+    Nodes,
+    Vector,
+)
+from sidmacib.mechanics.contact_nodes import cells_along, side_rule
+
+# Quadrature rules of a triangle: barycentric places, and weights. The last is exact to degree 3.
+CORNERS = np.eye(3)
+TRIANGLE_RULES = {
+    NodeLayout.CENTRES: (np.full((1, 3), 1 / 3), np.ones(1)),
+    NodeLayout.VERTICES: (CORNERS, np.full(3, 1 / 3)),
+    NodeLayout.LOBATTO: (
+        np.concatenate([CORNERS, (1.0 - CORNERS) / 2, np.full((1, 3), 1 / 3)]),
+        np.array([1 / 20] * 3 + [2 / 15] * 3 + [9 / 20]),
+    ),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Polygon:
+    """A plane face across which two pieces meet.
+
+    ``below`` and ``above`` are indices of pieces; ``axes``: the unit normal from ``below`` to
+    ``above``, then two tangents, (3, 3). ``outline``: a region in the coordinates (m) along the
+    tangents from ``middle`` (m), its centroid.
+    """
+
+    name: str
+    kind: Kind
+    material: FaceMaterial
+    below: int
+    above: int
+    axes: Floats
+    middle: Vector
+    outline: shapely.Polygon
+
+    @property
+    def area(self) -> float:
+        """In m2."""
+        return float(self.outline.area)
+
+    @property
+    def corners(self) -> Floats:
+        """Corners of the outer boundary, in m, (K, 3)."""
+        return self.at(shapely.get_coordinates(self.outline.exterior)[:-1])
+
+    def at(self, flat: Floats) -> Floats:
+        """Points in space, (K, 3) in m, of points along the tangents, (K, 2) in m."""
+        return np.asarray(self.middle + flat @ self.axes[1:])
+
+
+def polygon_nodes(faces: tuple[Polygon, ...], mesh: float, layout: NodeLayout) -> Nodes:
+    """Nodes of ``layout`` on cells of ``faces`` no longer than ``mesh`` (m, may be infinite)."""
+    flat = [_nodes(face.outline, mesh, layout) for face in faces]
+    index = np.repeat(np.arange(len(faces)), [len(area) for _, area in flat])
+    places = [face.at(place) for face, (place, _) in zip(faces, flat, strict=True)]
+    return Nodes(index, np.concatenate(places), np.concatenate([area for _, area in flat]))
+
+
+def _nodes(outline: shapely.Polygon, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+    """Places (m), (K, 2), and areas (m2), (K,), of the nodes on an outline."""
+    corners = shapely.get_coordinates(outline.exterior)[:-1]
+    size = float(np.ptp(corners, axis=0).max())
+    convex = outline.convex_hull.area - outline.area <= CLOSE * size**2
+    if convex and len(corners) == 4 and _right_angled(corners):
+        return _on_rectangle(corners, mesh, layout)
+    triangles = _around_centroid(outline, corners) if convex else _delaunay(outline)
+    longest = max(float(np.hypot(*(t - np.roll(t, 1, axis=0)).T).max()) for t in triangles)
+    cells = int(cells_along(np.array([longest]), mesh)[0])
+    if convex and cells == 1 and layout is NodeLayout.VERTICES:
+        # Half of the triangles at either side, which balances about the centroid.
+        areas = np.array([_area(triangle) for triangle in triangles])
+        return corners, (areas + np.roll(areas, 1)) / 2.0
+    places, weights = TRIANGLE_RULES[layout]
+    pieces = np.concatenate([_divided(triangle, cells) for triangle in triangles])
+    areas = np.array([_area(piece) for piece in pieces])
+    points = np.einsum("nk,tkx->tnx", places, pieces).reshape(-1, 2)
+    return _merged(points, (areas[:, None] * weights).ravel(), size)
+
+
+def _right_angled(corners: Floats) -> bool:
+    sides = np.roll(corners, -1, axis=0) - corners
+    across = np.abs(np.sum(sides * np.roll(sides, -1, axis=0), axis=1))
+    return bool(across.max() <= CLOSE * np.square(sides).sum())
+
+
+def _on_rectangle(corners: Floats, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+    first, second = corners[1] - corners[0], corners[3] - corners[0]
+    lengths = np.hypot(*np.array([first, second]).T)
+    (p, wp), (q, wq) = (side_rule(layout, int(count)) for count in cells_along(lengths, mesh))
+    places = corners[0] + p[:, None, None] * first + q[:, None] * second
+    return places.reshape(-1, 2), math.prod(lengths.tolist()) * np.outer(wp, wq).ravel()
+
+
+def _around_centroid(outline: shapely.Polygon, corners: Floats) -> list[Floats]:
+    middle = shapely.get_coordinates(outline.centroid)[0]
+    return [
+        np.array([middle, one, other])
+        for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True)
+    ]
+
+
+def _delaunay(outline: shapely.Polygon) -> list[Floats]:
+    parts = shapely.get_parts(shapely.constrained_delaunay_triangles(outline))
+    return [shapely.get_coordinates(part)[:3] for part in parts]
+
+
+def _area(triangle: Floats) -> float:
+    (ax, ay), (bx, by) = triangle[1] - triangle[0], triangle[2] - triangle[0]
+    return abs(float(ax * by - ay * bx)) / 2.0
+
+
+def _divided(triangle: Floats, cells: int) -> Floats:
+    """Equal triangles, (cells ** 2, 3, 2), that fill ``triangle``."""
+    origin = triangle[0]
+    along, across = (triangle[1:] - origin) / cells
+    upright = [[(i, j), (i + 1, j), (i, j + 1)] for i in range(cells) for j in range(cells - i)]
+    turned = [
+        [(i + 1, j + 1), (i, j + 1), (i + 1, j)] for i in range(cells) for j in range(cells - i - 1)
+    ]
+    steps = np.array(upright + turned, float)
+    return np.asarray(origin + steps[..., :1] * along + steps[..., 1:] * across)
+
+
+def _merged(points: Floats, areas: Floats, size: float) -> tuple[Floats, Floats]:
+    """Points at the same place as one, with the sum of their areas."""
+    _, first, same = np.unique(
+        np.round(points / (CLOSE * size)), axis=0, return_index=True, return_inverse=True
+    )
+    return points[first], np.asarray(np.bincount(same.ravel(), areas), float)

@@ -1,0 +1,1 @@
+"""Structures of blocks of any shape: arches, walls, vaults; their interfaces, and loads on them."""

@@ -1,0 +1,136 @@
+"""Blocks: polyhedra given by vertices and faces, with mass, centroid and inertia of their shape."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+import trimesh
+
+from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Vector
+from sidmacib.validation import require_positive
+
+FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
+
+
+@dataclass(frozen=True)
+class Block:
+    """A rigid polyhedron, convex or not.
+
+    ``vertices`` in m; ``faces``: for each, numbers of its vertices, anticlockwise seen from
+    outside; ``density`` in kg/m3. ValueError, which names the block, unless its faces are plane and
+    close a volume.
+    """
+
+    name: str
+    vertices: tuple[Vector, ...]
+    faces: tuple[tuple[int, ...], ...]
+    density: float
+    fixed: bool = False
+    elastic: Elastic | None = None
+
+    def __post_init__(self) -> None:
+        require_positive(**{f"{self.name}, density (kg/m3)": self.density})
+        if not np.isfinite(self.places).all():
+            raise ValueError(f"{self.name}: all coordinates must be finite")
+        self._require_outlines()
+        self._require_closed()
+        for number, corners in enumerate(self.outlines):
+            apart = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
+            if apart > FLAT * self.size:
+                raise ValueError(f"{self.name}, face {number}: must be plane (off by {apart:g} m)")
+        if not self.volume > 0.0:
+            raise ValueError(
+                f"{self.name}: the vertices of each face must run anticlockwise seen from outside "
+                f"(the volume would be {self.volume:g} m3)"
+            )
+
+    def _require_outlines(self) -> None:
+        """At least three vertices a face, all of them there, none twice."""
+        for number, face in enumerate(self.faces):
+            if len(face) < 3 or len(set(face)) < len(face):
+                raise ValueError(f"{self.name}, face {number}: must have 3 or more vertices")
+            if not all(0 <= vertex < len(self.vertices) for vertex in face):
+                last = len(self.vertices) - 1
+                raise ValueError(f"{self.name}, face {number}: vertices must be from 0 to {last}")
+        near = np.round(self.places / (CLOSE * self.size))
+        if len(np.unique(near, axis=0)) < len(near):
+            raise ValueError(f"{self.name}: no two vertices may be at the same place")
+
+    def _require_closed(self) -> None:
+        """Each edge in two faces, once in either direction."""
+        edges = [edge for f in self.faces for edge in zip(f, (*f[1:], f[0]), strict=True)]
+        if len(set(edges)) < len(edges) or {(b, a) for a, b in edges} != set(edges):
+            raise ValueError(f"{self.name}: its faces must close a volume, each edge between two")
+
+    @cached_property
+    def places(self) -> Floats:
+        """The vertices in m, (V, 3)."""
+        return np.array(self.vertices, float).reshape(-1, 3)
+
+    @cached_property
+    def outlines(self) -> tuple[Floats, ...]:
+        """The vertices of each face, (K, 3) each."""
+        return tuple(self.places[list(face)] for face in self.faces)
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box around it, in m."""
+        return float(np.linalg.norm(np.ptp(self.places, axis=0)))
+
+    @cached_property
+    def _solid(self) -> trimesh.triangles.MassProperties:
+        # Fans from each face's first vertex; triangles behind a reentrant corner count negative.
+        fans = [
+            (corners[0], one, next_one)
+            for corners in self.outlines
+            for one, next_one in pairwise(corners[1:])
+        ]
+        middle = self.places.mean(axis=0)  # about which less is lost to rounding
+        return trimesh.triangles.mass_properties(np.array(fans) - middle)
+
+    @property
+    def volume(self) -> float:
+        """In m3."""
+        return float(self._solid.volume)
+
+    @property
+    def mass(self) -> float:
+        """In kg."""
+        return self.density * self.volume
+
+    @property
+    def weight(self) -> float:
+        """Self-weight in N."""
+        return self.mass * GRAVITY
+
+    @property
+    def centre(self) -> Floats:
+        """Centroid, in m, shape (3,)."""
+        return np.asarray(self._solid.center_mass + self.places.mean(axis=0))
+
+    @property
+    def inertia(self) -> Floats:
+        """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
+        return np.asarray(np.linalg.eigvalsh(self.density * self._solid.inertia))
+
+
+def normal_of(corners: Floats) -> Floats:
+    """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell); shape (3,)."""
+    around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    return np.asarray(around / np.linalg.norm(around))
+
+
+def prism(
+    name: str, base: Sequence[Vector], along: Vector, density: float, *, fixed: bool = False
+) -> Block:
+    """The block that a plane outline ``base``, (K, 3) in m, sweeps when moved by ``along`` (m)."""
+    low = np.array(base, float)
+    if normal_of(low) @ np.array(along) > 0.0:
+        low = low[::-1]  # so that the outline is seen anticlockwise from outside
+    count = len(low)
+    sides = [(k, (k - 1) % count, (k - 1) % count + count, k + count) for k in range(count)]
+    faces = (tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1)), *sides)
+    vertices = tuple((float(x), float(y), float(z)) for x, y, z in (*low, *(low + along)))
+    return Block(name, vertices, faces, density, fixed)

@@ -1,0 +1,121 @@
+"""Interfaces: where faces of two blocks lie in one plane and overlap."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from scipy.spatial import cKDTree
+
+from sidmacib.mechanics.assembly import Floats, Vector
+from sidmacib.structure.blocks import Block, normal_of
+
+NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
+LEAST_AREA = 1e-6  # over the square of that size: a smaller overlap is a touching edge
+
+
+@dataclass(frozen=True, eq=False)
+class Interface:
+    """A region in which two blocks touch.
+
+    ``below`` and ``above``: indices of the blocks; ``axes``: the unit normal from ``below`` to
+    ``above``, then two tangents, (3, 3); ``outline``: the region in coordinates (m) along the
+    tangents from ``middle`` (m), its centroid.
+    """
+
+    below: int
+    above: int
+    axes: Floats
+    middle: Vector
+    outline: shapely.Polygon
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """A face of a block: its corners (m), unit normal, and distance from the origin along it."""
+
+    block: int
+    corners: Floats
+    normal: Floats
+    offset: float
+
+
+def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ...]:
+    """All regions in which ``blocks`` touch, in the order of the blocks.
+
+    ``near``: how far two faces in one plane may be apart, over the mean size of the blocks. A pair
+    of fixed blocks has none. ValueError, with its name, for a free block that touches nothing.
+    """
+    size = float(np.mean([block.size for block in blocks]))
+    found = sorted(
+        _touching(blocks, size, near * size),
+        key=lambda each: (each.below, each.above, each.middle),
+    )
+    touched = {end for each in found for end in (each.below, each.above)}
+    for number, block in enumerate(blocks):
+        if not block.fixed and number not in touched:
+            raise ValueError(
+                f"{block.name}: touches no other block; a gap may be at most {near * size:g} m"
+            )
+    return tuple(found)
+
+
+def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Interface]:
+    centre = np.mean([block.places.mean(axis=0) for block in blocks], axis=0)
+    sides = [
+        _Side(
+            number,
+            corners - centre,
+            normal := normal_of(corners - centre),
+            float((corners - centre).mean(axis=0) @ normal),
+        )
+        for number, block in enumerate(blocks)
+        for corners in block.outlines
+    ]
+    low = np.array([side.corners.min(axis=0) for side in sides]) - near
+    high = np.array([side.corners.max(axis=0) for side in sides]) + near
+    reach = float(np.abs([low, high]).max())
+    # Planes as points: a normal that is off by an angle moves corners by it times the block's size.
+    planes = np.array([[*(side.normal * size), side.offset] for side in sides])
+    opposite = cKDTree(planes).query_ball_point(-planes, near * (1.0 + reach / size))
+    for number, others in enumerate(opposite):
+        one = sides[number]
+        later = np.array([k for k in others if sides[k].block > one.block], dtype=int)
+        boxes = (low[later] <= high[number]).all(axis=1) & (low[number] <= high[later]).all(axis=1)
+        for other in later[boxes].tolist():
+            if blocks[one.block].fixed and blocks[sides[other].block].fixed:
+                continue
+            yield from _overlap(one, sides[other], size, near, centre)
+
+
+def _overlap(
+    one: _Side, other: _Side, size: float, near: float, centre: Floats
+) -> Iterator[Interface]:
+    if np.abs(other.corners @ one.normal - one.offset).max() > near:
+        return
+    axes = np.array([one.normal, *tangents(one.normal)])
+    first, second = (shapely.Polygon(side.corners @ axes[1:].T) for side in (one, other))
+    for part in shapely.get_parts(shapely.intersection(first, second)):
+        if part.geom_type != "Polygon" or part.area <= LEAST_AREA * size**2:
+            continue
+        flat = shapely.get_coordinates(part.centroid)[0]
+        outline = shapely.affinity.translate(_plain(part, near), *(-flat))
+        x, y, z = centre + one.offset * one.normal + flat @ axes[1:]
+        yield Interface(one.block, other.block, axes, (float(x), float(y), float(z)), outline)
+
+
+def _plain(part: shapely.Polygon, near: float) -> shapely.Polygon:
+    """The region without corners on its straight sides, anticlockwise, the lowest corner first."""
+    return shapely.normalize(part.simplify(near)).reverse()
+
+
+def tangents(normal: Floats) -> tuple[Floats, Floats]:
+    """Two unit vectors in a plane, the first as level as it can be; right-handed with ``normal``.
+
+    For a normal along x, y or z they are the next two axes, as on the joint's faces.
+    """
+    largest = int(np.argmax(np.abs(normal)))
+    first = np.eye(3)[(largest + 1) % 3]
+    first = first - (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)

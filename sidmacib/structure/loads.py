@@ -1,0 +1,57 @@
+"""Loads on a structure: self-weight, and an acceleration or a force that is raised."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
+from sidmacib.validation import refused
+
+
+def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
+    """Self-weight, and 1 N along ``direction`` on all free pieces in proportion to their mass.
+
+    A load of k times `free_weight` is a horizontal acceleration of k g, or, in a dry structure, a
+    tilt of atan(k). ValueError unless the direction has a length.
+    """
+    mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
+    variable = np.zeros((len(mass), 6))
+    variable[:, :3] = (mass / mass.sum())[:, None] * _unit(direction)
+    return Loads(_weight_of_free(assembly), variable, free_weight(assembly))
+
+
+def force_at(
+    assembly: Assembly, name: str, point: Sequence[float], direction: Sequence[float]
+) -> Loads:
+    """Self-weight, and 1 N along ``direction`` at a ``point`` (m) of the piece called ``name``.
+
+    ValueError unless there is such a piece, and the direction has a length.
+    """
+    names = [piece.name for piece in assembly.pieces]
+    if name not in names:
+        raise refused("name", name, "the name of a block")
+    number, along = names.index(name), _unit(direction)
+    arm = np.array(point, float) - assembly.pieces[number].centre
+    variable = np.zeros((len(names), 6))
+    variable[number] = [*along, *np.cross(arm, along)]
+    return Loads(_weight_of_free(assembly), variable, free_weight(assembly))
+
+
+def free_weight(assembly: Assembly) -> float:
+    """Weight of all pieces that can move, in N."""
+    return math.fsum(piece.weight for piece in assembly.pieces if not piece.fixed)
+
+
+def _weight_of_free(assembly: Assembly) -> Floats:
+    weight = self_weight(assembly.pieces)
+    weight[[piece.fixed for piece in assembly.pieces]] = 0.0
+    return weight
+
+
+def _unit(direction: Sequence[float]) -> Floats:
+    along = np.array(direction, float)
+    length = float(np.linalg.norm(along))
+    if along.shape != (3,) or not 0.0 < length < math.inf:
+        raise refused("direction", list(direction), "three numbers, not all 0")
+    return along / length

@@ -1,0 +1,202 @@
+"""Structures of blocks against theory, and against the joint as one of them."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from structures import arch, box, dry, moved, tilt
+
+from sidmacib.errors import InfeasibleError
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import posed
+from sidmacib.structure.blocks import Block, prism
+from sidmacib.structure.loads import acceleration, force_at, free_weight
+from sidmacib.structure.structure import structure
+
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0))
+
+
+def factor(assembly: Assembly, direction: Vector = (1.0, 0.0, 0.0)) -> float:
+    """Horizontal acceleration over g that limit analysis allows."""
+    loads = acceleration(assembly, direction)
+    return limit_load(assembly, loads, friction=True).load / free_weight(assembly)
+
+
+@pytest.mark.parametrize(("friction", "expected"), [(0.2, 0.2), (0.84, 0.4)])
+def test_a_block_slides_at_its_friction_or_overturns_at_width_over_height(
+    friction: float, expected: float
+) -> None:
+    model = structure([GROUND, BLOCK], dry(friction))
+    loads = acceleration(model, (1.0, 0.0, 0.0))
+    assert factor(model) == pytest.approx(expected, rel=1e-6)
+    peak = static_peak(model, loads).peak.load / free_weight(model)
+    assert peak == pytest.approx(expected, rel=1e-3)
+
+
+def test_a_bonded_block_is_held_by_its_cohesion() -> None:
+    glue = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6)
+    model = structure([GROUND, BLOCK], glue)
+    loads = acceleration(model, (1.0, 0.0, 0.0))
+    assert limit_load(model, loads).load == pytest.approx(5e3 * 0.4 * 0.6, rel=1e-6)
+
+
+@pytest.mark.parametrize(("thickness", "stands"), [(0.1070, False), (0.1079, True)])
+def test_a_semicircular_arch_stands_above_the_thickness_of_milankovitch(
+    thickness: float, stands: bool
+) -> None:
+    model = structure(arch(40, thickness), dry(3.0))
+    if stands:
+        assert factor(model) > 0.0
+    else:
+        with pytest.raises(InfeasibleError):
+            factor(model)
+
+
+def test_an_arch_tips_at_the_tilt_of_whiting() -> None:
+    assert tilt(structure(arch(100, 0.2), dry(3.0))) == pytest.approx(15.84, abs=0.01)
+
+
+def test_the_static_model_of_an_arch_reaches_the_limit_load_where_friction_is_high() -> None:
+    model = structure(arch(12, 0.2), dry(3.0))
+    peak = static_peak(model, acceleration(model, (1.0, 0.0, 0.0))).peak.load
+    assert peak / free_weight(model) == pytest.approx(factor(model), rel=2e-4)
+
+
+def test_a_point_load_tears_an_arch_as_stockdale_computed() -> None:
+    """27 blocks, inner radius 1.806 m, thickness 0.1661 of it, load at joint 8: 2.751 kN."""
+    inner, thickness, count = 1.806, 0.1661 * 1.806, 27
+    mean = inner + thickness / 2
+    model = structure(arch(count, thickness / mean, mean, 0.25, 1530.0), dry(3.0))
+    angle = math.pi * (count - 8) / count
+    outer = inner + thickness
+    place = outer * math.cos(angle), 0.125, outer * math.sin(angle)
+    loads = force_at(model, "voussoir19", place, (0.0, 0.0, -1.0))
+    assert limit_load(model, loads, friction=True).load == pytest.approx(2751.0, rel=0.003)
+
+
+@settings(max_examples=5, deadline=None)
+@given(
+    turn=st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3),
+    shift=st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
+)
+def test_a_bonded_pair_carries_the_same_wherever_it_is(
+    turn: list[float], shift: list[float]
+) -> None:
+    glue = FaceMaterial(1e10, 5e9, 0.0, 5e3, 4e3)
+    about = Rotation.from_rotvec(turn)
+    blocks = [GROUND, BLOCK]
+    here = structure(blocks, glue)
+    there = structure([moved(block, about, shift) for block in blocks], glue)
+    found = []
+    for model, rotation in ((here, Rotation.identity()), (there, about)):
+        push = acceleration(model, rotation.apply([1.0, 0.5, 0.0]).tolist()).variable
+        found.append(limit_load(model, Loads(np.zeros((2, 6)), push, 1e3)).load)
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("density", [1e-6, 2e3, 1e6])
+def test_the_tilt_of_a_dry_arch_depends_neither_on_its_size_nor_on_its_density(
+    size: float, density: float
+) -> None:
+    model = structure(arch(9, 0.25, size, 0.3 * size, density), dry(0.7))
+    assert factor(model) == pytest.approx(factor(structure(arch(9, 0.25), dry(0.7))), rel=1e-5)
+
+
+def test_an_arch_carries_the_same_from_either_side() -> None:
+    model = structure(arch(9, 0.25), dry(0.6))
+    assert factor(model, (-1.0, 0.0, 0.0)) == pytest.approx(factor(model), rel=1e-6)
+
+
+def test_a_strong_bonded_cut_changes_nothing() -> None:
+    halves = [
+        box("low", (0.0, 0.0, 0.0), (0.4, 0.6, 0.5)),
+        box("high", (0.0, 0.0, 0.5), (0.4, 0.6, 1.0)),
+    ]
+    strong = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
+    cut = structure([GROUND, *halves], dry(0.84), {frozenset({"low", "high"}): strong})
+    assert factor(cut) == pytest.approx(factor(structure([GROUND, BLOCK], dry(0.84))), rel=1e-6)
+
+
+@pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
+def test_the_joint_is_a_structure_of_its_pieces(body: UpperBody) -> None:
+    joint = Joint(3, upper_body=body, hold_down=HoldDown.force(500.0))
+    model, loads = posed(joint, Loading(Direction(0.3)), 0.03, NodeLayout.LOBATTO)
+    blocks = [_block(model, number) for number in range(len(model.pieces))]
+    names = [block.name for block in blocks]
+    laws = {frozenset({names[f.below], names[f.above]}): f.material for f in model.faces}
+    same = structure(blocks, dry(0.0), laws, mesh=0.03, nodes=NodeLayout.LOBATTO)
+    same = replace(same, length=model.length)
+    assert len(same.faces) == len(model.faces)
+    found, expected = static_peak(same, loads), static_peak(model, loads)
+    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=1e-9)
+    assert found.peak.load == pytest.approx(expected.peak.load, rel=1e-9)
+    assert limit_load(same, loads).load == pytest.approx(limit_load(model, loads).load, rel=1e-8)
+
+
+def _block(model: Assembly, number: int) -> Block:
+    piece = model.cuboids[number]
+    density = piece.mass / float(np.prod(piece.size)) or 1.0
+    return box(piece.name, piece.low, piece.high, density, fixed=piece.fixed)
+
+
+# --- blocks and interfaces -----------------------------------------------------------------------
+L_SHAPE = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
+
+
+def test_mass_and_centroid_of_a_block_that_is_not_convex() -> None:
+    corner = prism("corner", L_SHAPE, (0.0, 0.0, 0.5), 100.0)
+    assert corner.mass == pytest.approx(150.0)
+    assert corner.centre == pytest.approx([5 / 6, 5 / 6, 0.25])
+
+
+def test_inertia_of_a_cuboid() -> None:
+    assert sorted(BLOCK.inertia) == pytest.approx(
+        sorted(BLOCK.mass / 12 * np.array([1.36, 1.16, 0.52]))
+    )
+
+
+def test_an_interface_that_is_not_convex_has_nodes_of_its_whole_area() -> None:
+    on_it = prism("corner", L_SHAPE, (0.0, 0.0, 0.5), 100.0)
+    for layout in NodeLayout:
+        model = structure([replace(GROUND, name="g"), on_it], dry(0.5), mesh=0.7, nodes=layout)
+        assert model.nodes.area.sum() == pytest.approx(3.0)
+        middle = model.nodes.area @ model.nodes.position / 3.0
+        assert middle == pytest.approx([5 / 6, 5 / 6, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"faces": BLOCK.faces[1:]}, "block: its faces must close a volume"),
+        ({"faces": tuple(face[::-1] for face in BLOCK.faces)}, "anticlockwise seen from outside"),
+        ({"vertices": (*BLOCK.vertices[:7], (9.0, 9.0, 9.0))}, "block, face .: must be plane"),
+        ({"vertices": (BLOCK.vertices[1], *BLOCK.vertices[1:])}, "block: no two vertices"),
+        ({"density": -1.0}, r"block, density \(kg/m3\)"),
+    ],
+)
+def test_bad_geometry_is_refused_by_name(change: dict[str, object], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        replace(BLOCK, **change)
+
+
+def test_a_block_behind_a_gap_is_refused_by_name() -> None:
+    floating = box("floating", (0.0, 0.0, 0.01), (0.4, 0.6, 1.0))
+    with pytest.raises(ValueError, match=r"floating: touches no other block; a gap may be at most"):
+        structure([GROUND, floating], dry(0.5))
+
+
+def test_laws_of_blocks_that_do_not_touch_are_refused() -> None:
+    other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0))
+    with pytest.raises(ValueError, match="block and other"):
+        structure([GROUND, BLOCK, other], dry(0.5), {frozenset({"block", "other"}): dry(0.1)})
