@@ -225,7 +225,9 @@ def test_the_figure_of_meshes_has_a_panel_for_each_sample_and_tells_the_error(ma
     own = material(FigureSpec("meshes", "meshes"))
     titles = [axes.get_title(loc="left") for axes in meshes(own).axes]
     assert titles == ["n3: 3 locks", "n3_fits: 3 locks"]
-    assert mesh_error_words(own) == "Mesh error, estimated from two meshes: up to 11.3 % at 0.02 m. "
+    assert (
+        mesh_error_words(own) == "Mesh error, estimated from two meshes: up to 11.3 % at 0.02 m. "
+    )
 
 
 def test_the_page_that_puts_all_side_by_side_has_a_row_for_each_sample(material) -> None:
