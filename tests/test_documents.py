@@ -31,7 +31,10 @@ PAGES = [
     ROOT / "CONTRIBUTING.md",
     *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page.name not in MADE),
 ]
-EXAMPLES = {"samples": {"n3": {"locks": 3}}}  # a study for what a page changes of one
+EXAMPLES = {  # a study for what a page changes of one
+    "samples": {"n3": {"locks": 3}},
+    "samplings": {"short": {"joints": 64, "seed": 1}},
+}
 # Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
 WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
 CALIBRATION = {"calibration.csv", "calibration.png", "map.csv", "friction.csv"}

@@ -29,8 +29,9 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.elastic.solver import ElasticSolver
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import solver_of, static_peak
+from sidmacib.mechanics.static.model import solver_of, static_first_failure, static_peak
 from sidmacib.pieces import assemble
+from sidmacib.problem import posed as posed_problem
 
 YOUNG = 1e10
 LAYOUTS = list(NodeLayout)
@@ -255,3 +256,22 @@ def test_joined_columns_are_as_stiff_as_one_piece() -> None:
             for body in (UpperBody.JOINED, UpperBody.MONOLITHIC)
         )
         assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)
+
+
+def test_a_rough_joint_without_weight_does_not_fail_at_once() -> None:
+    """The attack found it: all dry nodes begin without a force, where Newton's method cycled."""
+    joint = Joint(
+        3,
+        *(0.0338, 0.05, 0.022, 0.019),
+        density=0.0,
+        inner=FaceMaterial(1e10, 6.7e9, 0.0, 8e4, 1.232e5),
+        dry=FaceMaterial(1.5e10, 8.1e9, 0.0755, 0.0, 0.0),
+        elastic=Elastic(2.85e11, 0.013),
+    )
+    loading = Loading(Direction(-9.3), push=Push.MINUS_Y)
+    light, heavy = (
+        static_first_failure(*posed_problem(replace(joint, density=density), loading, 0.017))
+        for density in (0.0, 1.0)
+    )
+    assert light.point.load == pytest.approx(heavy.point.load, rel=1e-3)
+    assert light.point.load > 10.0

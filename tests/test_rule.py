@@ -12,8 +12,9 @@ from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.pieces import assemble
+from sidmacib.problem import posed
 from sidmacib.rule.law import RULES, SAFETY, law, safe
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)
@@ -242,3 +243,19 @@ def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> 
     loading = Loading(Direction(12.8128))
     _, found = load_path(joint, loading, joint.least_side / 6)
     assert safe(joint, loading.direction).load < 0.95 * found.first_failure_load
+
+
+def test_the_safe_rule_of_thin_blocks_that_bend_covers_their_mesh() -> None:
+    """The attack's worst joint under pressure: 15.4 N on two cells a lock, 15.0 N on three."""
+    joint = Joint(
+        3,
+        *(0.037782, 0.05, 0.019265, 0.016448),
+        density=0.0,
+        inner=stone(1e10, 5.645e9, 8e4, 2.4945e5),
+        dry=FaceMaterial(3.1794e9, 6.963e8, 0.0, 0.0, 0.0),
+        hold_down=HoldDown.pressure(645.0),
+        elastic=Elastic(1.0844e11, 0.16),
+    )
+    direction, push = Direction(-5.65), Push.MINUS_Y
+    problem = posed(joint, Loading(direction, push=push), joint.least_side / 3)
+    assert safe(joint, direction, push).load < static_first_failure(*problem).point.load

@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.rule.first_failure import FINE, FINEST, first_failure
 from sidmacib.validation import refused, require_positive
 
-SAFETY, SAFETY_ELASTIC = 1.06, 1.12
+SAFETY, SAFETY_ELASTIC = 1.06, 1.20
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 SPANS = {

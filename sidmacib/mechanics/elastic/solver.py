@@ -88,14 +88,30 @@ class ElasticSolver:
     ) -> Equilibrium:
         """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
 
-        Raises `NoEquilibriumError` if Newton's method does not converge, ``thorough`` or not.
+        Raises `NoEquilibriumError` where Newton's method finds none and, if ``thorough``, none from
+        the equilibrium without friction either: from there it also converges where all dry nodes
+        begin without any force.
         """
+        friction = self.contact_law.friction
+        found = self._newton(load, guess, state, friction)
+        if found is None and thorough:
+            smooth = self._newton(load, guess, state, np.zeros_like(friction))
+            if smooth is not None:
+                found = self._newton(load, smooth.unknowns, state, friction)
+        if found is None:
+            raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return found
+
+    def _newton(
+        self, load: float, guess: Floats, state: NodeState, friction: Floats
+    ) -> Equilibrium | None:
+        """Newton's method from a ``guess`` of the jumps; None if it does not converge."""
         elastic = self.forces @ np.array([1.0, load])
         allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
         slip = np.zeros((len(self.contact_law.friction), 3))
         slip[:, 1:] = state.slip
         jump = np.where(state.whole[self.node] == 1.0, slip.ravel()[self.kept], guess)
-        force, tangent, wrong = self._residual(elastic, jump, slip, state.whole)
+        force, tangent, wrong = self._residual(elastic, jump, slip, state.whole, friction)
         size = float(np.linalg.norm(wrong))
         sizes = [size]
         for _ in range(STEPS):
@@ -109,33 +125,32 @@ class ElasticSolver:
             before, start = size, jump
             for share in SHARES:  # at last the whole step, if none reduces the residual
                 jump = start + share * step
-                force, tangent, wrong = self._residual(elastic, jump, slip, state.whole)
+                force, tangent, wrong = self._residual(elastic, jump, slip, state.whole, friction)
                 size = float(np.linalg.norm(wrong))
                 if size <= before:
                     break
             sizes.append(size)
-        raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return None
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
         elastic = self.forces @ np.array([1.0, load])
         slip = np.zeros((len(self.contact_law.friction), 3))
         slip[:, 1:] = point.state.slip
-        _, tangent, wrong = self._residual(elastic, point.unknowns, slip, point.state.whole)
+        whole, friction = point.state.whole, self.contact_law.friction
+        _, tangent, wrong = self._residual(elastic, point.unknowns, slip, whole, friction)
         step = self._step(tangent, wrong, point.unknowns, slip)
         return lifted_part(self.weight, cho_solve(self.factor, self.held.T @ step))
 
     def _residual(
-        self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats
+        self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats, friction: Floats
     ) -> tuple[Floats, Floats, Floats]:
         """Forces by the contact law, their tangents, and balanced forces less those of the law."""
         balanced = elastic - self.influence @ jump
         displacement = np.zeros(slip.size)
         displacement[self.kept] = balanced / self.stiffness + jump
         moved = displacement.reshape(-1, 3) - slip
-        force, tangent = forces_and_tangents(
-            self.node_stiffness, self.contact_law.friction, whole, moved
-        )
+        force, tangent = forces_and_tangents(self.node_stiffness, friction, whole, moved)
         return force, tangent, balanced - force.ravel()[self.kept]
 
     def _step(self, tangent: Floats, wrong: Floats, jump: Floats, slip: Floats) -> Floats:
