@@ -10,20 +10,12 @@ from scipy.spatial.transform import Rotation
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.structure.blocks import Block, prism
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, free_weight
 
 
 def dry(friction: float) -> FaceMaterial:
     return FaceMaterial(1e10, 1e10, friction, 0.0, 0.0)
-
-
-def box(
-    name: str, low: Vector, high: Vector, density: float = 2e3, *, fixed: bool = False
-) -> Block:
-    (x, y, z), (to_x, to_y, to_z) = low, high
-    base = [(x, y, z), (to_x, y, z), (to_x, to_y, z), (x, to_y, z)]
-    return prism(name, base, (0.0, 0.0, to_z - z), density, fixed=fixed)
 
 
 def arch(
@@ -49,8 +41,12 @@ def arch(
         for k, (one, other) in enumerate(pairwise(angles))
     ]
     step, low = radius / 2, (0.0, -radius)
-    left = box("left", (-outer - step, 0.0, low[1]), (-inner + step, depth, 0.0), fixed=True)
-    right = box("right", (inner - step, 0.0, low[1]), (outer + step, depth, 0.0), fixed=True)
+    left = box(
+        "left", (-outer - step, 0.0, low[1]), (-inner + step, depth, 0.0), density, fixed=True
+    )
+    right = box(
+        "right", (inner - step, 0.0, low[1]), (outer + step, depth, 0.0), density, fixed=True
+    )
     return [left, right, *voussoirs]
 
 

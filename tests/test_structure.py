@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from structures import arch, box, dry, moved, tilt
+from structures import arch, dry, moved, tilt
 
 from sidmacib.errors import InfeasibleError
 from sidmacib.hold_down import HoldDown
@@ -18,12 +18,12 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import posed
-from sidmacib.structure.blocks import Block, prism
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.structure import structure
 
-GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), fixed=True)
-BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0))
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 
 
 def factor(assembly: Assembly, direction: Vector = (1.0, 0.0, 0.0)) -> float:
@@ -120,8 +120,8 @@ def test_an_arch_carries_the_same_from_either_side() -> None:
 
 def test_a_strong_bonded_cut_changes_nothing() -> None:
     halves = [
-        box("low", (0.0, 0.0, 0.0), (0.4, 0.6, 0.5)),
-        box("high", (0.0, 0.0, 0.5), (0.4, 0.6, 1.0)),
+        box("low", (0.0, 0.0, 0.0), (0.4, 0.6, 0.5), 2e3),
+        box("high", (0.0, 0.0, 0.5), (0.4, 0.6, 1.0), 2e3),
     ]
     strong = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
     cut = structure([GROUND, *halves], dry(0.84), {frozenset({"low", "high"}): strong})
@@ -191,12 +191,12 @@ def test_bad_geometry_is_refused_by_name(change: dict[str, object], words: str) 
 
 
 def test_a_block_behind_a_gap_is_refused_by_name() -> None:
-    floating = box("floating", (0.0, 0.0, 0.01), (0.4, 0.6, 1.0))
+    floating = box("floating", (0.0, 0.0, 0.01), (0.4, 0.6, 1.0), 2e3)
     with pytest.raises(ValueError, match=r"floating: touches no other block; a gap may be at most"):
         structure([GROUND, floating], dry(0.5))
 
 
 def test_laws_of_blocks_that_do_not_touch_are_refused() -> None:
-    other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0))
+    other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0), 2e3)
     with pytest.raises(ValueError, match="block and other"):
         structure([GROUND, BLOCK, other], dry(0.5), {frozenset({"block", "other"}): dry(0.1)})

@@ -38,6 +38,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock envelope --picture vm.png    its V-M curve
   multilock weights -n 5                 what each lock carries at the peak
   multilock law -n 9 -H 0.06             how many locks work
+  multilock assembly arch.yaml           what an arch or a wall of blocks carries
 
 Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
 completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
@@ -183,6 +184,21 @@ def law(form: str, push: str, **flags: Any) -> None:
     joint = joint_of(flags)
     with _refused_in_one_line():
         click.echo(text_of(law_rows(joint, Push(push)), form))
+
+
+@main.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@_format
+def assembly(file: Path, form: str) -> None:
+    """What a structure of blocks of any shape carries; FILE describes it in YAML.
+
+    limit assumes associated friction, which can overestimate; static follows the load on elastic
+    interfaces, with the history of friction, to the first failure and the peak.
+    """
+    with _refused_in_one_line():
+        from sidmacib.command.structures import structure_rows
+
+        click.echo(text_of(structure_rows(file), form))
 
 
 @main.command()

@@ -134,3 +134,10 @@ def prism(
     faces = (tuple(range(count)), tuple(range(2 * count - 1, count - 1, -1)), *sides)
     vertices = tuple((float(x), float(y), float(z)) for x, y, z in (*low, *(low + along)))
     return Block(name, vertices, faces, density, fixed)
+
+
+def box(name: str, low: Vector, high: Vector, density: float, *, fixed: bool = False) -> Block:
+    """The cuboid between two opposite corners, in m."""
+    (x, y, z), (to_x, to_y, to_z) = low, high
+    base = [(x, y, z), (to_x, y, z), (to_x, to_y, z), (x, to_y, z)]
+    return prism(name, base, (0.0, 0.0, to_z - z), density, fixed=fixed)

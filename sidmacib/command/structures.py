@@ -1,0 +1,37 @@
+"""What the command says of structures of blocks."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from sidmacib.command.answers import Row, reason
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import Problem
+from sidmacib.structure.file import read_structure
+from sidmacib.structure.loads import free_weight
+
+
+def structure_rows(path: Path) -> list[Row]:
+    """The loads that a structure carries after each model; errors of `read_structure`."""
+    return list(_rows(read_structure(path)))
+
+
+def _rows(problem: Problem) -> Iterator[Row]:
+    weight = free_weight(problem.assembly)
+
+    def row(model: str, load: float | None, note: str) -> Row:
+        share = None if load is None else load / weight
+        return {"model": model, "load (N)": load, "load / weight": share, "note": note}
+
+    try:
+        load = limit_load(*problem, friction=True).load
+        yield row("limit", load, "associated friction: may overestimate")
+    except CapacityError as error:
+        yield row("limit", None, reason(error))
+    try:
+        path = static_peak(*problem)
+        yield row("static, first failure", path.first_failure_load, "of a bond, or the peak")
+        yield row("static, peak", path.peak.load, f"ends by: {path.mode}")
+    except CapacityError as error:
+        yield row("static", None, reason(error))

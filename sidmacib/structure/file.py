@@ -1,0 +1,159 @@
+"""A structure and its load from a YAML file; every fault in one line that names the key."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from sidmacib.fields import kinds_of, number_of
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.problem import Problem
+from sidmacib.quantities import Number, choice, shown
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.structure import Pair, structure
+from sidmacib.yaml_text import read_yaml
+
+DENSITY = 2000.0  # kg/m3
+MATERIAL = {  # of interfaces, where a file leaves a number out
+    "normal_stiffness": 1e10,
+    "shear_stiffness": 1e10,
+    "friction": 0.7,
+    "cohesion": 0.0,
+    "tensile_strength": 0.0,
+}
+OPTIONAL = ("interfaces", "special", "mesh", "nodes")
+SHAPES = {  # the keys that give a block's shape
+    frozenset({"vertices", "faces"}): "vertices and faces",
+    frozenset({"low", "high"}): "low and high",
+    frozenset({"outline", "along"}): "outline and along",
+}
+_FINITE, _POSITIVE = Number(), Number(above=0)
+_INDEX = Number(at_least=0, whole=True)
+
+
+def read_structure(path: Path) -> Problem:
+    """The structure that the YAML file ``path`` describes, and its load.
+
+    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
+    """
+    given = _mapping(
+        "the file", read_yaml(path), ("blocks", "load"), ("interfaces", "special", "mesh", "nodes")
+    )
+    blocks = [_block(name, value) for name, value in _named("blocks", given["blocks"]).items()]
+    material = _material("interfaces", given.get("interfaces", {}), MATERIAL)
+    special = _special(_list("special", given.get("special", [])), material)
+    cells: dict[str, Any] = {}
+    if "mesh" in given:
+        cells["mesh"] = _number("mesh", given["mesh"], _POSITIVE)
+    if "nodes" in given:
+        cells["nodes"] = choice(NodeLayout, given["nodes"])
+    assembly = structure(blocks, material, special, **cells)
+    return Problem(assembly, _load(assembly, given["load"]))
+
+
+def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMaterial]:
+    """Materials of single pairs of blocks: ``material`` but for the numbers that they give."""
+    defaults = {name: getattr(material, name) for name in MATERIAL}
+    special = {}
+    for number, value in enumerate(values):
+        key = f"special[{number}]"
+        given = _mapping(key, value, ("between",), MATERIAL)
+        pair = _list(f"{key}.between", given.pop("between"))
+        if len(pair) != 2:
+            raise ValueError(f"{key}.between: must be a list of two blocks")
+        special[frozenset(map(str, pair))] = _material(key, given, defaults)
+    return special
+
+
+def _load(assembly: Assembly, value: Any) -> Loads:
+    load = _mapping("load", value, (), ("acceleration", "force"))
+    if len(load) != 1:
+        raise ValueError("load: must have one key, acceleration or force")
+    if "acceleration" in load:
+        return acceleration(assembly, _vector("load.acceleration", load["acceleration"]))
+    force = _mapping("load.force", load["force"], ("block", "at", "direction"))
+    at, along = (_vector(f"load.force.{name}", force[name]) for name in ("at", "direction"))
+    return force_at(assembly, str(force["block"]), at, along)
+
+
+def _block(name: str, value: Any) -> Block:
+    key = f"blocks.{name}"
+    shapes = sorted(each for shape in SHAPES for each in shape)
+    given = _mapping(key, value, (), (*shapes, "density", "fixed"))
+    shape = frozenset(given) & frozenset(shapes)
+    if shape not in SHAPES:
+        raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}")
+    density = _number(f"{key}.density", given.get("density", DENSITY), _POSITIVE)
+    fixed = given.get("fixed", False)
+    if not isinstance(fixed, bool):
+        raise ValueError(f"{key}.fixed: {shown(fixed)} is not allowed; it must be true or false")
+    if "low" in shape:
+        low, high = (_vector(f"{key}.{end}", given[end]) for end in ("low", "high"))
+        return box(name, low, high, density, fixed=fixed)
+    if "along" in shape:
+        along = _vector(f"{key}.along", given["along"])
+        return prism(
+            name, _vectors(f"{key}.outline", given["outline"]), along, density, fixed=fixed
+        )
+    faces = tuple(
+        tuple(int(_number(f"{key}.faces[{number}]", each, _INDEX)) for each in _list(key, face))
+        for number, face in enumerate(_list(f"{key}.faces", given["faces"]))
+    )
+    return Block(name, _vectors(f"{key}.vertices", given["vertices"]), faces, density, fixed)
+
+
+def _material(key: str, value: Any, defaults: Mapping[str, float]) -> FaceMaterial:
+    given = _mapping(key, value, (), defaults)
+    kinds = kinds_of(FaceMaterial)
+    numbers = {
+        name: _number(f"{key}.{name}", number, number_of(kinds[name]) or _FINITE)
+        for name, number in given.items()
+    }
+    return FaceMaterial(**{**defaults, **numbers})
+
+
+def _vectors(key: str, value: Any) -> tuple[Vector, ...]:
+    return tuple(_vector(f"{key}[{k}]", each) for k, each in enumerate(_list(key, value)))
+
+
+def _vector(key: str, value: Any) -> Vector:
+    numbers = _list(key, value)
+    if len(numbers) != 3:
+        raise ValueError(f"{key}: must be a list of three numbers")
+    x, y, z = (_number(key, number, _FINITE) for number in numbers)
+    return x, y, z
+
+
+def _number(key: str, value: Any, number: Number) -> float:
+    try:
+        return number.read(value)
+    except ValueError as error:
+        raise ValueError(f"{key}: {error}") from None
+
+
+def _list(key: str, value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError(f"{key}: {shown(value)} is not allowed; it must be a list")
+    return value
+
+
+def _named(key: str, value: Any) -> dict[str, Any]:
+    if not isinstance(value, dict) or not value:
+        raise ValueError(f"{key}: {shown(value)} is not allowed; it must be a mapping by name")
+    return {str(name): each for name, each in value.items()}
+
+
+def _mapping(
+    key: str, value: Any, needed: Iterable[str], allowed: Iterable[str] = ()
+) -> dict[str, Any]:
+    """``value`` if it is a mapping with all ``needed`` keys and, beside these, ``allowed`` ones."""
+    if not isinstance(value, dict):
+        raise ValueError(f"{key}: {shown(value)} is not allowed; it must be a mapping")
+    needed, every = list(needed), [*needed, *allowed]
+    for name in value:
+        if name not in every:
+            raise ValueError(f"{key}: unknown key {shown(name)}; valid keys: {', '.join(every)}")
+    for name in needed:
+        if name not in value:
+            raise ValueError(f"{key}: lacks the key {name}")
+    return dict(value)

@@ -1,0 +1,96 @@
+"""Structures from a file, and the command that analyses them."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_runner import answers, run
+from conftest import ROOT
+
+from sidmacib.structure.file import read_structure
+
+GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
+BLOCK = {"low": [0, 0, 0], "high": [0.4, 0.6, 1.0], "density": 2000}
+ON_GROUND: dict[str, Any] = {
+    "blocks": {"ground": GROUND, "block": BLOCK},
+    "interfaces": {"friction": 0.2},
+    "load": {"acceleration": [1, 0, 0]},
+}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "structure.yaml"
+
+
+def test_the_command_tells_what_a_structure_carries(path: Path) -> None:
+    path.write_text(json.dumps(ON_GROUND))
+    rows = {str(row["model"]): row for row in answers("assembly", str(path))}
+    assert rows["limit"]["load / weight"] == pytest.approx(0.2, rel=1e-6)
+    assert rows["static, peak"]["load / weight"] == pytest.approx(0.2, rel=1e-3)
+    assert rows["static, peak"]["note"] == "ends by: mechanism"
+
+
+def test_the_models_of_the_example_bound_each_other() -> None:
+    file = ROOT / "studies/structures/trilith.yaml"
+    rows = {str(row["model"]): row["load (N)"] for row in answers("assembly", str(file))}
+    assert 0 < rows["static, first failure"] <= rows["static, peak"] <= 1.001 * rows["limit"]
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"outline": [[0, 0, 0], [0.4, 0, 0], [0.4, 0.6, 0], [0, 0.6, 0]], "along": [0, 0, 1]},
+        {
+            "vertices": [
+                *([0, 0, 0], [0.4, 0, 0], [0.4, 0.6, 0], [0, 0.6, 0]),
+                *([0, 0, 1], [0.4, 0, 1], [0.4, 0.6, 1], [0, 0.6, 1]),
+            ],
+            "faces": [
+                *([3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4]),
+                *([1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]),
+            ],
+        },
+    ],
+)
+def test_a_block_has_the_same_mass_however_it_is_given(path: Path, shape: dict[str, Any]) -> None:
+    path.write_text(json.dumps({**ON_GROUND, "blocks": {"ground": GROUND, "block": shape}}))
+    assert read_structure(path).assembly.pieces[1].mass == pytest.approx(480.0)
+
+
+def test_a_force_at_a_point_of_a_block(path: Path) -> None:
+    force = {"block": "block", "at": [0.2, 0.3, 1.0], "direction": [2, 0, 0]}
+    path.write_text(json.dumps({**ON_GROUND, "load": {"force": force}}))
+    _, loads = read_structure(path)
+    assert loads.variable[1] == pytest.approx([1, 0, 0, 0, 0.5, 0])
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"blocks": {}}, "blocks: an empty mapping is not allowed"),
+        ({"blocks": {"b": {"low": [0, 0, 0]}}}, "blocks.b: must have either vertices and faces"),
+        ({"blocks": {"b": {**BLOCK, "denisty": 1}}}, "blocks.b: unknown key 'denisty'; valid keys"),
+        ({"blocks": {"b": {**BLOCK, "low": [0, 0]}}}, "blocks.b.low: must be a list of three"),
+        ({"blocks": {"b": {**BLOCK, "fixed": 1}}}, "blocks.b.fixed: 1 is not allowed"),
+        ({"blocks": {"b": {**GROUND}}}, "blocks: at least one must be free to move"),
+        ({"interfaces": {"friction": -1}}, "interfaces.friction: -1 is not allowed"),
+        ({"special": [{"between": ["block"]}]}, r"special\[0\].between: must be a list of two"),
+        ({"load": {}}, "load: must have one key, acceleration or force"),
+        ({"load": {"acceleration": [0, 0, 0]}}, "direction: .* not all 0"),
+        ({"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}}, "name: 'x'"),
+        ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),
+        ({"loads": 1}, "the file: unknown key 'loads'; valid keys: blocks, load"),
+    ],
+)
+def test_a_fault_is_told_in_a_line_that_names_the_key(
+    path: Path, change: dict[str, Any], words: str
+) -> None:
+    path.write_text(json.dumps({**ON_GROUND, **change}))
+    with pytest.raises(ValueError, match=words):
+        read_structure(path)
+    found = run("assembly", str(path))
+    assert found.exit_code == 1
+    assert found.output.startswith("Error: ")
+    assert found.output.count("\n") == 1
