@@ -8,7 +8,10 @@ import pytest
 from command_runner import answers, run
 from conftest import ROOT
 
+from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.file import read_structure
+from sidmacib.structure.forces import interface_forces
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
 BLOCK = {"low": [0, 0, 0], "high": [0.4, 0.6, 1.0], "density": 2000}
@@ -36,6 +39,25 @@ def test_the_models_of_the_example_bound_each_other() -> None:
     file = ROOT / "studies/structures/trilith.yaml"
     rows = {str(row["model"]): row["load (N)"] for row in answers("assembly", str(file))}
     assert 0 < rows["static, first failure"] <= rows["static, peak"] <= 1.001 * rows["limit"]
+
+
+def test_the_interfaces_carry_the_weight_and_slip_where_the_block_slides(path: Path) -> None:
+    path.write_text(json.dumps(ON_GROUND))
+    (row,) = answers("assembly", str(path), "--interfaces")
+    assert row["interface"] == "ground-block"
+    assert row["compression (N)"] == pytest.approx(480.0 * GRAVITY, rel=1e-6)
+    assert row["shear (N)"] == pytest.approx(0.2 * 480.0 * GRAVITY, rel=1e-3)
+    assert row["utilisation"] == pytest.approx(1.0, abs=1e-6)
+    assert row["bonded"] == 0
+
+
+def test_forces_on_a_block_of_the_example_balance_its_weight() -> None:
+    problem = read_structure(ROOT / "studies/structures/trilith.yaml")
+    peak = static_peak(*problem).peak
+    left, lintel = problem.assembly.pieces[1], problem.assembly.pieces[3]
+    found = {f.name: f.normal for f in interface_forces(problem.assembly, peak.force, peak.state)}
+    assert found["left-lintel"] + found["right-lintel"] == pytest.approx(lintel.weight, rel=1e-6)
+    assert found["ground-left"] - found["left-lintel"] == pytest.approx(left.weight, rel=1e-6)
 
 
 @pytest.mark.parametrize(

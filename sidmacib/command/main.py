@@ -188,17 +188,19 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
 @_format
-def assembly(file: Path, form: str) -> None:
+def assembly(file: Path, interfaces: bool, form: str) -> None:
     """What a structure of blocks of any shape carries; FILE describes it in YAML.
 
     limit assumes associated friction, which can overestimate; static follows the load on elastic
     interfaces, with the history of friction, to the first failure and the peak.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import structure_rows
+        from sidmacib.command.structures import interface_rows, structure_rows
 
-        click.echo(text_of(structure_rows(file), form))
+        rows = interface_rows(file) if interfaces else structure_rows(file)
+        click.echo(text_of(rows, form))
 
 
 @main.command()

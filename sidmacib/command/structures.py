@@ -9,12 +9,29 @@ from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.file import read_structure
+from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 
 
 def structure_rows(path: Path) -> list[Row]:
     """The loads that a structure carries after each model; errors of `read_structure`."""
     return list(_rows(read_structure(path)))
+
+
+def interface_rows(path: Path) -> list[Row]:
+    """What each interface carries at the peak of the static model; errors of `read_structure`."""
+    problem = read_structure(path)
+    peak = static_peak(*problem).peak
+    return [
+        {
+            "interface": each.name,
+            "compression (N)": each.normal,
+            "shear (N)": each.shear,
+            "utilisation": each.utilisation,
+            "bonded": each.bonded,
+        }
+        for each in interface_forces(problem.assembly, peak.force, peak.state)
+    ]
 
 
 def _rows(problem: Problem) -> Iterator[Row]:
