@@ -156,10 +156,12 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
 
 def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if need be and print its result; returns why there is none."""
-    from analysis.summary.one_case import describe_record
     from workflow.results.files import read_records
 
     own = read_study_file(config, results)
+    use_writable_caches(Path(own.results))  # before anything is imported that compiles
+    from analysis.summary.one_case import describe_record
+
     if model in CLOSED_FORM:
         return _rule(own, name, model)
     chosen = find_case(own, name, model)
