@@ -236,7 +236,7 @@ def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
         shutil.copytree(ROOT / name, checkout / name)
     for name in ("Snakefile", "config.yaml"):
         shutil.copy(ROOT / name, checkout)
-    edited = checkout / "analysis.summary.summary.py"
+    edited = checkout / "analysis/summary/summary.py"
     edited.write_text(edited.read_text().replace("Published against computed", "MINE"))
     workspace = Workspace(tmp_path / "work", checkout)
     workspace.configure(SOLVED)
