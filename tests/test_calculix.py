@@ -18,6 +18,9 @@ from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
 from sidmacib.pieces import assemble
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
+from workflow.engines.calculix.deck import Deck, line_weights
+from workflow.engines.calculix.process import read_state
+from workflow.engines.calculix.run import State, at_strength, load_at, most_used, raised
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import _material_names, assembly_data, engine_material, script
@@ -31,9 +34,6 @@ from workflow.engines.scripts.assembly import (
     PieceLoad,
     SideLoad,
 )
-from workflow.engines.scripts.calculix_deck import Deck, line_weights
-from workflow.engines.scripts.calculix_process import read_state
-from workflow.engines.scripts.run_calculix import State, at_strength, load_at, most_used, raised
 from workflow.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved

@@ -19,6 +19,16 @@ from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
+from workflow.engines.liggghts.deck import (
+    Deck,
+    common_gravity,
+    handle_forces,
+    patches,
+    pitch,
+    sphere_radii,
+)
+from workflow.engines.liggghts.model import Placement, utilisation
+from workflow.engines.liggghts.process import dumped_rows, printed_values, version_in
 from workflow.engines.render import assembly_data, engine_material
 from workflow.engines.scripts import assembly as scripts
 from workflow.engines.scripts.flatness import (
@@ -29,16 +39,6 @@ from workflow.engines.scripts.flatness import (
     contact_shift,
     spurious_force,
 )
-from workflow.engines.scripts.liggghts_deck import (
-    Deck,
-    common_gravity,
-    handle_forces,
-    patches,
-    pitch,
-    sphere_radii,
-)
-from workflow.engines.scripts.liggghts_model import Placement, utilisation
-from workflow.engines.scripts.liggghts_process import dumped_rows, printed_values, version_in
 from workflow.engines.scripts.records import BONDS, MECHANISM, History, NodeForce, Peak
 
 SEARCH = scripts.Search(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)

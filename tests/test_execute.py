@@ -77,10 +77,9 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
 
 
 def test_a_script_that_gives_a_reason_is_told_from_one_that_breaks_down(tmp_path: Path) -> None:
-    text = "from scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
+    text = "from engines.scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
     folder = folder_with(tmp_path, text)
-    (folder / MODULES.name).rmdir()
-    shutil.copytree(MODULES, folder / MODULES.name)
+    shutil.copytree(MODULES / "scripts", folder / MODULES.name / "scripts")
     with pytest.raises(EngineNoAnswerError, match=r"(?s)^no answer; end of .*\n.*it drifts off$"):
         execute(python_engine(), folder, 60)
     (folder / ENGINES["yade"].script).write_text("raise ValueError")

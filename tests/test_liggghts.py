@@ -79,7 +79,7 @@ def written(tmp_path: Path, locks: int = 2, mesh: float = 0.03, **numerics: int)
 def test_a_broken_input_script_fails_with_liggghts_own_words(
     tmp_path: Path, right: str, wrong: str
 ) -> None:
-    deck = written(tmp_path) / "scripts" / "liggghts_deck.py"
+    deck = written(tmp_path) / "engines" / "liggghts" / "deck.py"
     text = deck.read_text()
     assert right in text
     deck.write_text(text.replace(right, wrong))

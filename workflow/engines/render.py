@@ -7,6 +7,7 @@ import re
 import shutil
 from dataclasses import asdict, fields
 from functools import cache
+from importlib.util import resolve_name
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from workflow.engines.numerics import Numerics
 from workflow.engines.scripts.assembly import Guide, Material
 
 DATA_FILE = "joint.json"
-MODULES = Path(__file__).parent / "scripts"
+MODULES = Path(__file__).parent
 TEMPLATES = Path(__file__).parents[2] / "templates"
 # Of contact spheres, over the length of a lock. Pieces with ductile bonds slip further before they
 # give way, and roundness counts with the square of the slip; see scripts/flatness.py.
@@ -50,8 +51,8 @@ def write_script(
     (folder / engine.script).write_text(text)
     modules = folder / MODULES.name
     shutil.rmtree(modules, ignore_errors=True)
-    modules.mkdir()
     for name in script_modules(text):
+        (modules / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(MODULES / name, modules / name)
 
 
@@ -150,9 +151,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
 
 @cache
 def script_modules(text: str) -> tuple[str, ...]:
-    """Names of the files in `MODULES` that a script of this text imports, directly or not."""
-    names = {"__init__.py"}
-    waiting = _imported(text, MODULES.name + ".")
+    """Files below `MODULES` that a script of this text imports, directly or not."""
+    names: set[str] = set()
+    waiting = _imported(text, "")
     while waiting:
         name = waiting.pop()
         if name not in names:
@@ -162,18 +163,20 @@ def script_modules(text: str) -> tuple[str, ...]:
 
 
 @cache
-def _imported_by(module: str) -> frozenset[str]:
-    return frozenset(_imported((MODULES / module).read_text(), ""))
+def _imported_by(file: str) -> frozenset[str]:
+    package = ".".join((MODULES.name, *Path(file).parent.parts))
+    return frozenset(_imported((MODULES / file).read_text(), package))
 
 
-def _imported(text: str, prefix: str) -> set[str]:
-    """Files of the modules that are imported, from ``prefix`` or (if that is empty) relatively."""
-    return {
-        f"{node.module.removeprefix(prefix)}.py"
+def _imported(text: str, package: str) -> set[str]:
+    """Files below `MODULES` that a module of ``package`` imports, and of their own packages."""
+    names = (
+        resolve_name("." * node.level + node.module, package)
         for node in ast.walk(ast.parse(text))
         if isinstance(node, ast.ImportFrom) and node.module
-        if (node.module.startswith(prefix) if prefix else node.level == 1)
-    }
+    )
+    below = [name.split(".")[1:] for name in names if name.startswith(f"{MODULES.name}.")]
+    return {f"{folder}/{file}.py" for folder, name in below for file in ("__init__", name)}
 
 
 @cache
@@ -187,9 +190,9 @@ def sources(engine: Engine) -> tuple[tuple[str, ...], tuple[str, ...]]:
         found = jinja2.meta.find_referenced_templates(ENVIRONMENT.parse(text))
         waiting += [other for other in found if other]
     texts = "".join((TEMPLATES / name).read_text() for name in files)
-    named = re.findall(rf"^from {MODULES.name}\.(\w+) import", texts, re.MULTILINE)
-    package = ".".join([*__name__.split(".")[:-1], MODULES.name])
-    modules = tuple(f"{package}.{name}" for name in dict.fromkeys(named))
+    named = re.findall(rf"^from ({MODULES.name}[\w.]+) import", texts, re.MULTILINE)
+    root = __name__.removesuffix(f"{MODULES.name}.render")
+    modules = tuple(f"{root}{name}" for name in dict.fromkeys(named))
     return modules, tuple(f"{TEMPLATES.name}/{name}" for name in files)
 
 

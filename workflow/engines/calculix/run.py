@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from .assembly import Assembly, Vector, dot, length, plus, utilisation
-from .calculix_deck import JOB, Deck
-from .calculix_process import CalculixProcess, Displacements
-from .records import FIRST_FAILURE, History, NoAnswerError, NodeForce, Outcome, Peak
+from ..scripts.assembly import Assembly, Vector, dot, length, plus, utilisation
+from ..scripts.records import FIRST_FAILURE, History, NoAnswerError, NodeForce, Outcome, Peak
+from .deck import JOB, Deck
+from .process import CalculixProcess, Displacements
 
 GROWTH = 0.25  # of the load, a step where that is more than the first one
 LARGEST_LOAD = 1e6  # over the first step

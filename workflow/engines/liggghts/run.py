@@ -2,12 +2,12 @@
 
 from pathlib import Path
 
-from .assembly import Assembly, Search
-from .flatness import FLATTER, MARGIN, check_mechanism
-from .liggghts_deck import Deck
-from .liggghts_model import DATA_FILE, INPUT_SCRIPT, Event, LiggghtsModel
-from .next_failure import peak_by_failures
-from .records import MECHANISM, History
+from ..scripts.assembly import Assembly, Search
+from ..scripts.flatness import FLATTER, MARGIN, check_mechanism
+from ..scripts.next_failure import peak_by_failures
+from ..scripts.records import MECHANISM, History
+from .deck import Deck
+from .model import DATA_FILE, INPUT_SCRIPT, Event, LiggghtsModel
 
 
 def find_peak(

@@ -2,12 +2,12 @@
 
 from dataclasses import replace
 
-from .assembly import Assembly, Search
-from .flatness import FLATTER, MARGIN, check_mechanism
-from .increments import STEPS, displacements_towards, peak_by_increments
-from .records import MECHANISM, History
-from .yade_model import Settings, YadeModel
-from .yade_program import VERSION
+from ..scripts.assembly import Assembly, Search
+from ..scripts.flatness import FLATTER, MARGIN, check_mechanism
+from ..scripts.increments import STEPS, displacements_towards, peak_by_increments
+from ..scripts.records import MECHANISM, History
+from .model import Settings, YadeModel
+from .program import VERSION
 
 
 def find_peak(assembly: Assembly, search: Search, settings: Settings) -> None:

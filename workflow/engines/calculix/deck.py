@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
-from .assembly import Assembly, Face, Piece, Vector, cross, plus
+from ..scripts.assembly import Assembly, Face, Piece, Vector, cross, plus
 
 CLOSE = 1e-7  # of a piece's longest edge: grid lines that are no further apart are one
 PER_MESH = 2  # elements in the length of the mesh, at least

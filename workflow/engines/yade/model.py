@@ -9,10 +9,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from .assembly import Assembly, Face, Material, Search
-from .flatness import Motion, check_flat
-from .records import History, NodeForce, Outcome
-from .yade_program import O, Vector3, create_interaction, wrapper
+from ..scripts.assembly import Assembly, Face, Material, Search
+from ..scripts.flatness import Motion, check_flat
+from ..scripts.records import History, NodeForce, Outcome
+from .program import O, Vector3, create_interaction, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
 PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks

@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from .children import ENDS_WITH_PARENT
+from ..scripts.children import ENDS_WITH_PARENT
 
 COMMAND = "ccx"
 WAIT = 0.1  # s, until results are looked for again

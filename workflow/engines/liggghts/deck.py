@@ -9,8 +9,8 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from .assembly import Assembly, Material, Piece, Search, Vector, plus
-from .records import NoAnswerError
+from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, plus
+from ..scripts.records import NoAnswerError
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
 GROUPS = 28  # that LIGGGHTS has left, of its 32

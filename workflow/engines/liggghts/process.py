@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
 
-from .children import ENDS_WITH_PARENT, in_private_network
+from ..scripts.children import ENDS_WITH_PARENT, in_private_network
 
 LIGGGHTS = ("liggghts", "-log", "none")
 # Ranks talk through shared memory: without these, every rank listens on ports of all interfaces.

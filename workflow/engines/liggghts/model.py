@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from .assembly import Vector, dot, length, plus, utilisation
-from .flatness import STILL, Motion, check_flat
-from .liggghts_deck import Deck
-from .liggghts_process import LiggghtsProcess
-from .next_failure import most_used
-from .records import History, NodeForce, Outcome
+from ..scripts.assembly import Vector, dot, length, plus, utilisation
+from ..scripts.flatness import STILL, Motion, check_flat
+from ..scripts.next_failure import most_used
+from ..scripts.records import History, NodeForce, Outcome
+from .deck import Deck
+from .process import LiggghtsProcess
 
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut

@@ -1,0 +1,1 @@
+"""YADE: what it can do (engine), and the modules of its script, copied beside every script."""
