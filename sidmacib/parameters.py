@@ -71,6 +71,7 @@ PARAMETERS = {
         ("normal_stiffness", "normal stiffness of inner faces", "inner.normal_stiffness"),
         ("shear_stiffness", "shear stiffness of inner faces", "inner.shear_stiffness"),
         ("fracture_energy", "fracture energy of bonds that soften", "inner.fracture_energy"),
+        ("bond_friction", "friction of bonds under compression", "inner.bond_friction"),
         (
             "dry_stiffness",
             "stiffness of dry faces, normal and shear",

@@ -15,6 +15,7 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import posed
@@ -48,6 +49,25 @@ def test_a_bonded_block_is_held_by_its_cohesion() -> None:
     model = structure([GROUND, BLOCK], glue)
     loads = acceleration(model, (1.0, 0.0, 0.0))
     assert limit_load(model, loads).load == pytest.approx(5e3 * 0.4 * 0.6, rel=1e-6)
+
+
+def test_friction_of_the_bond_adds_its_share_of_the_weight_to_the_cohesion() -> None:
+    slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
+    glue = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6, bond_friction=0.5)
+    model = structure([GROUND, slab], glue)
+    at_foot = force_at(model, "slab", (0.0, 0.3, 0.0), (1.0, 0.0, 0.0))
+    expected = 5e3 * 0.4 * 0.6 + 0.5 * slab.weight
+    assert limit_load(model, at_foot).load == pytest.approx(expected, rel=1e-6)
+    assert static_peak(model, at_foot).peak.load == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_bond_in_tension_loses_shear_strength_by_its_friction() -> None:
+    law = ContactLaw.of(
+        structure([GROUND, BLOCK], FaceMaterial(1, 1, 0, 10.0, 5.0, bond_friction=0.8))
+    )
+    state, area = NodeState.initial(law), 0.4 * 0.6 / 4
+    force = np.tile([-4.0 * area, 6.8 * area, 0.0], (4, 1))  # c - 0.8 * 4 Pa = 6.8 Pa
+    assert utilisation(law, state, force) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("thickness", "stands"), [(0.1070, False), (0.1079, True)])

@@ -91,6 +91,9 @@ def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, .
         allowed = "columns or monolithic"
         found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
     for place, inner in _inner_faces(study, sample):
+        if inner.bond_friction:
+            name, value = f"{place}.bond_friction", f"{inner.bond_friction:g}"
+            found.append(Need(Ability.BOND_FRICTION, name, value, "0"))
         if inner.normal_stiffness != inner.shear_stiffness:
             found.append(
                 Need(

@@ -21,6 +21,7 @@ class Ability(StrEnum):
     DUCTILE = auto()  # inner faces that keep it
     TWO_STIFFNESSES = auto()  # inner faces whose normal and shear stiffness differ
     FRICTION = auto()  # on dry faces
+    BOND_FRICTION = auto()  # on inner faces while they are bonded
     PROGRESSIVE = auto()  # follows failure from node to node up to the peak
     NUMERICS = auto()  # has settings of its own for the search, dem.numerics
     RIGID = auto()  # pieces

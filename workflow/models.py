@@ -12,7 +12,7 @@ from workflow.model import Ability, ClosedForm, FirstFailureLaw, Model, Returned
 REFERENCE_MODEL = "static"  # every engine is compared with it, on the same nodes
 _OF_THE_PIECES = {
     *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.STRESSES),
-    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
+    *(Ability.RIGID, Ability.ELASTIC, Ability.JOINED, Ability.SHARED, Ability.BOND_FRICTION),
 }
 _OF_ANY_FAILURE = {
     *(Ability.BRITTLE, Ability.SOFTENING, Ability.DUCTILE, Ability.TWO_STIFFNESSES),
@@ -44,7 +44,9 @@ _ALL: tuple[Model, ...] = (
         name="3dec",
         label="3DEC",
         colour=BLACK,
-        abilities=frozenset({*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE}),
+        abilities=frozenset(
+            {*_OF_THE_PIECES, Ability.FRICTION, Ability.PROGRESSIVE} - {Ability.BOND_FRICTION}
+        ),
     ),
     FirstFailureLaw(name="law", label="law", colour=OCHRE, abilities=frozenset(_OF_ANY_FAILURE)),
     FirstFailureLaw(
@@ -57,7 +59,9 @@ _ALL: tuple[Model, ...] = (
         name="sidmacib",
         label="SiDMACIB",
         colour=PURPLE,
-        abilities=frozenset({*_OF_ANY_FAILURE, Ability.SHARED, Ability.JOINED}),
+        abilities=frozenset(  # the friction of bonds is not counted
+            {*_OF_ANY_FAILURE, Ability.SHARED, Ability.JOINED, Ability.BOND_FRICTION}
+        ),
     ),
 )
 MODELS = {model.name: model for model in _ALL}

@@ -40,9 +40,10 @@ class FaceMaterial:
     """Stiffnesses and strengths of a contact face, per unit of area.
 
     ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu. For softening failure,
-    ``residual`` is the fraction of both strengths that remains, and ``fracture_energy`` (J/m2) the
-    work that uses up one of them. ValueError for a number out of its range.
+    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu of a face that is not bonded.
+    While bonded, the shear strength rises by ``bond_friction`` times the compression. For softening
+    failure, ``residual`` is the fraction of both strengths that remains, and ``fracture_energy``
+    (J/m2) the work that uses up one of them. ValueError for a number out of its range.
     """
 
     normal_stiffness: Stiffness
@@ -52,6 +53,7 @@ class FaceMaterial:
     tensile_strength: Strength
     residual: Part = 0.0
     fracture_energy: FractureEnergy = 0.0
+    bond_friction: Friction = 0.0
 
     def __post_init__(self) -> None:
         require_kinds(self)
@@ -268,7 +270,8 @@ class Assembly:
 
     ``length`` (m) converts rotations to displacements and moments to forces. ``failure`` applies
     to all inner faces. ``mesh`` (m) and ``layout`` are those of the nodes; the finite elements of
-    elastic pieces use the same. ValueError unless both lengths are above 0.
+    elastic pieces use the same. ValueError unless both lengths are above 0, and for bonds with
+    friction that are not brittle.
     """
 
     pieces: tuple[Piece, ...]
@@ -284,6 +287,10 @@ class Assembly:
         require_member(NodeLayout, layout=self.layout)
         if not self.mesh > 0.0:
             raise refused("mesh", self.mesh, "more than 0")
+        if self.failure is not Failure.BRITTLE:
+            for face in self.faces:
+                if rough := face.material.bond_friction:
+                    raise refused("bond_friction", rough, f"0, as failure is {self.failure}")
 
     @property
     def cuboids(self) -> tuple[Cuboid, ...]:

@@ -3,8 +3,10 @@
 At a node, delta is the displacement of the piece below relative to the piece above, in the frame of
 `sidmacib.mechanics.equilibrium.face_frames`, and s the force that the piece below exerts on the
 piece above: s_n = K A delta_n, positive in compression, and s_t = K A (delta_t - slip). For a
-bonded node this holds until it fails. Any other node carries no tension, and its shear force stays
-within the circular friction cone, |s_t| <= mu s_n; slip takes the rest, without dilation.
+bonded node this holds until it fails, where |s_t| = c A + mu_b s_n (Mohr-Coulomb, mu_b being 0 in
+the paper) or s_n = -sigma A (tension cut-off). Any other node carries no tension, and its shear
+force stays within the circular friction cone, |s_t| <= mu s_n; slip takes the rest, without
+dilation.
 
 This module holds the constants of a node, its state, and its utilisation. Its forces and their
 derivatives are compiled, see `sidmacib.mechanics.newton`.
@@ -24,7 +26,10 @@ ROUNDING = 1e-9  # of the largest node force; equilibria are ten times more accu
 
 @dataclass(frozen=True)
 class ContactLaw:
-    """Stiffness (N/m), friction coefficient and strengths (N) of each node, all of shape (N,)."""
+    """Stiffness (N/m), friction coefficient and strengths (N) of each node, all of shape (N,).
+
+    ``bond_friction``: of bonded nodes, added to the shear strength under compression.
+    """
 
     normal_stiffness: Floats
     shear_stiffness: Floats
@@ -32,6 +37,7 @@ class ContactLaw:
     shear_strength: Floats
     tensile_strength: Floats
     cohesive: Flags  # whether the node is bonded at the start
+    bond_friction: Floats
 
     @classmethod
     def of(cls, assembly: Assembly) -> "ContactLaw":
@@ -45,6 +51,7 @@ class ContactLaw:
                     each.cohesion,
                     each.tensile_strength,
                     each.friction,
+                    each.bond_friction,
                 )
                 for each in material
             ]
@@ -53,7 +60,9 @@ class ContactLaw:
         per_node = per_face[assembly.nodes.face]
         area = assembly.nodes.area[:, None]
         normal, shear, held, torn = np.ascontiguousarray((per_node[:, :4] * area).T)
-        return cls(normal, shear, per_node[:, 4].copy(), held, torn, inner[assembly.nodes.face])
+        friction, bond_friction = np.ascontiguousarray(per_node[:, 4:].T)
+        cohesive = inner[assembly.nodes.face]
+        return cls(normal, shear, friction, held, torn, cohesive, bond_friction)
 
 
 @dataclass(frozen=True)
@@ -81,13 +90,15 @@ class NodeState:
 def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Floats:
     """Shear or tension over strength at each bonded node, whichever is larger; 0 at others, (N,).
 
-    ``force``: in N, (N, 3). At a node without strength the result is infinite for any force above
-    the rounding error of the largest force.
+    ``force``: in N, (N, 3). Where the bond has friction, the shear counts that this leaves to the
+    cohesion. At a node without strength the result is infinite for any force above the rounding
+    error of the largest force.
     """
     noise = ROUNDING * float(np.abs(force).max(initial=0.0))
-    shear = _over(np.hypot(force[:, 1], force[:, 2]), contact_law.shear_strength, noise)
-    tension = _over(-force[:, 0], contact_law.tensile_strength, noise)
-    return np.where(state.bonded, np.maximum(shear, tension), 0.0)
+    shear = np.hypot(force[:, 1], force[:, 2]) - contact_law.bond_friction * force[:, 0]
+    by_shear = _over(shear, contact_law.shear_strength, noise)
+    by_tension = _over(-force[:, 0], contact_law.tensile_strength, noise)
+    return np.where(state.bonded, np.maximum(np.maximum(by_shear, by_tension), 0.0), 0.0)
 
 
 def _over(force: Floats, strength: Floats, noise: float) -> Floats:

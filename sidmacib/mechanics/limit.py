@@ -1,7 +1,8 @@
 """Limit analysis of an assembly: the pieces and nodes of the distinct elements, rigid-plastic.
 
 The static theorem: the largest load for which node forces exist that keep every piece in
-equilibrium and exceed no strength. At inner nodes |s_t| <= tau A and s_n >= -sigma A. Dry nodes
+equilibrium and exceed no strength. At inner nodes |s_t| <= tau A + mu_b s_n and s_n >= -sigma A,
+where mu_b, the friction of bonds, is 0 in the paper. Dry nodes
 carry no tension, and shear only if friction is asked for, |s_t| <= mu s_n (associated: sliding
 would dilate, so it overestimates). Forces redistribute freely: the geometry alone decides how far
 each lock is used, without a reduction rule.
@@ -117,6 +118,7 @@ class _Programme:
         )
         self.friction = contact_law.friction
         rough = ~contact_law.cohesive & friction & (contact_law.friction > 0.0)
+        self.bond_friction = contact_law.bond_friction
         self.inner, self.rough = np.flatnonzero(contact_law.cohesive), np.flatnonzero(rough)
         self.smooth = np.flatnonzero(~contact_law.cohesive & ~rough)
 
@@ -131,12 +133,18 @@ class _Programme:
         return [
             # ``force`` acts on the pieces above, the matrix is for those below: hence no minus.
             self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
-            size(inner) <= self.shear[inner],
+            size(inner) <= self._held(inner, normal),
             normal[inner] >= -self.tension[inner],
             size(rough) <= cp.multiply(self.friction[rough], normal[rough]),
             shear[smooth] == 0,
             normal[smooth] >= 0,
         ]
+
+    def _held(self, inner: Integers, normal: cp.Expression) -> Floats | cp.Expression:
+        """Shear strength of inner nodes, which may depend on their normal force."""
+        if not self.bond_friction[inner].any():
+            return np.asarray(self.shear[inner])
+        return self.shear[inner] + cp.multiply(self.bond_friction[inner], normal[inner])
 
 
 def _scaled(matrix: csr_array, rows: Floats, columns: Floats) -> csr_array:

@@ -121,6 +121,7 @@ def _require_row(joint: Joint) -> None:
         (bool(joint.different), "different", "locks that differ", "none"),
         (joint.upper_body is UpperBody.JOINED, "upper_body", "joined", "columns or monolithic"),
         (bond.friction > 0.0, "inner.friction", f"{bond.friction:g}", "0"),
+        (bond.bond_friction > 0.0, "inner.bond_friction", f"{bond.bond_friction:g}", "0"),
         (bond.cohesion == 0.0, "inner.cohesion", 0, "more than 0"),
         (bond.tensile_strength == 0.0, "inner.tensile_strength", 0, "more than 0"),
     )

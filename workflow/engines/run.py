@@ -46,6 +46,8 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
         return "pieces are elastic; it knows only rigid ones"
     for face in assembly.faces:
         law = face.material
+        if law.bond_friction and face.kind is Kind.INNER:
+            return f"{face.name} has a bond_friction of {law.bond_friction:g}; it must be 0"
         unequal = law.normal_stiffness != law.shear_stiffness
         one_stiffness = Ability.TWO_STIFFNESSES not in engine.abilities
         if one_stiffness and face.kind is Kind.INNER and unequal:
