@@ -6,8 +6,9 @@ At point i of lock j act a normal force r_n, a force along the lock r_t1 and one
 
 in equilibrium with the loads on the upper block, C_eq r + E = 0. E contains the self-weight of the
 block, an overload against rocking, the shear V at the block's centroid and the torque M. T0_j is
-the strength of lock j, without the friction that its bond may have; w_j is 1, or less if a reduction applies to the lock. The paper raises V in
-steps and checks feasibility; the linear programme here maximises the load, with the same result.
+the strength of lock j, without the friction that its bond may have; w_j is 1, or less if a
+reduction applies to the lock. The paper raises V in steps and checks feasibility; the linear
+programme here maximises the load, with the same result.
 """
 
 import math

@@ -87,6 +87,7 @@ class Kind(StrEnum):
     INNER = "inner"  # cohesive: it joins two pieces until it fails
     DRY = "dry"  # frictional and unilateral
     PLATE = "plate"  # frictionless and unilateral, under a fixed plate
+    LOCKED = "locked"  # contact points in place of locks: friction along these, strength across
 
 
 class NodeLayout(StrEnum):

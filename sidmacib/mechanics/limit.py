@@ -2,10 +2,11 @@
 
 The static theorem: the largest load for which node forces exist that keep every piece in
 equilibrium and exceed no strength. At inner nodes |s_t| <= tau A + mu_b s_n and s_n >= -sigma A,
-where mu_b, the friction of bonds, is 0 in the paper. Dry nodes
-carry no tension, and shear only if friction is asked for, |s_t| <= mu s_n (associated: sliding
-would dilate, so it overestimates). Forces redistribute freely: the geometry alone decides how far
-each lock is used, without a reduction rule.
+where mu_b, the friction of bonds, is 0 in the paper. Dry nodes carry no tension, and shear only if
+friction is asked for, |s_t| <= mu s_n (associated: sliding would dilate, so it overestimates).
+Contact points in place of locks carry no tension, friction along the locks if that is asked for,
+and up to tau A across them. Forces redistribute freely: the geometry alone decides how far each
+lock is used, without a reduction rule.
 
 A first programme finds the load. Many states of forces carry it; a second programme, with a small
 penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique.
@@ -117,10 +118,14 @@ class _Programme:
             contact_law.tensile_strength / self.unit,
         )
         self.friction = contact_law.friction
-        rough = ~contact_law.cohesive & friction & (contact_law.friction > 0.0)
         self.bond_friction = contact_law.bond_friction
+        locked = np.array([face.kind is Kind.LOCKED for face in assembly.faces])
+        of_locks = locked[assembly.nodes.face]
+        dry = ~contact_law.cohesive & ~of_locks
+        rough = dry & friction & (contact_law.friction > 0.0)
         self.inner, self.rough = np.flatnonzero(contact_law.cohesive), np.flatnonzero(rough)
-        self.smooth = np.flatnonzero(~contact_law.cohesive & ~rough)
+        self.smooth, self.locked = np.flatnonzero(dry & ~rough), np.flatnonzero(of_locks)
+        self.along = friction * contact_law.friction[of_locks]
 
     def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
         """Equilibrium under ``load``, and the strengths of the nodes."""
@@ -138,6 +143,22 @@ class _Programme:
             size(rough) <= cp.multiply(self.friction[rough], normal[rough]),
             shear[smooth] == 0,
             normal[smooth] >= 0,
+            *self._locks(normal, shear),
+        ]
+
+    def _locks(self, normal: cp.Expression, shear: cp.Expression) -> list[cp.Constraint]:
+        """The limits of contact points in place of locks: along these and across them."""
+        if not len(self.locked):
+            return []
+        pressed, along, across = (f[self.locked] for f in (normal, shear[:, 0], shear[:, 1]))
+        limit = cp.multiply(self.along, pressed)
+        strength = self.shear[self.locked]
+        return [
+            pressed >= 0,
+            along <= limit,
+            -along <= limit,
+            across <= strength,
+            -across <= strength,
         ]
 
     def _held(self, inner: Integers, normal: cp.Expression) -> Floats | cp.Expression:

@@ -66,10 +66,30 @@ class Polygon:
         """Points in space, (K, 3) in m, of points along the tangents, (K, 2) in m."""
         return np.asarray(self.middle + flat @ self.axes[1:])
 
+    def nodes(self, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+        """Places along the tangents (m), (K, 2), and areas (m2), (K,), of its nodes."""
+        return _nodes(self.outline, mesh, layout)
+
+
+@dataclass(frozen=True, eq=False)
+class CondensedLocks(Polygon):
+    """A face whose locks are condensed into contact points: its nodes.
+
+    The tangents are along the locks and across them. ``places`` along these (m), (K, 2), and
+    ``areas`` (m2), (K,): of the points.
+    """
+
+    places: Floats
+    areas: Floats
+
+    def nodes(self, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+        """The contact points, whatever the mesh."""
+        return self.places, self.areas
+
 
 def polygon_nodes(faces: tuple[Polygon, ...], mesh: float, layout: NodeLayout) -> Nodes:
     """Nodes of ``layout`` on cells of ``faces`` no longer than ``mesh`` (m, may be infinite)."""
-    flat = [_nodes(face.outline, mesh, layout) for face in faces]
+    flat = [face.nodes(mesh, layout) for face in faces]
     index = np.repeat(np.arange(len(faces)), [len(area) for _, area in flat])
     places = [face.at(place) for face, (place, _) in zip(faces, flat, strict=True)]
     return Nodes(index, np.concatenate(places), np.concatenate([area for _, area in flat]))

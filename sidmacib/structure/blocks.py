@@ -1,5 +1,6 @@
 """Blocks: polyhedra given by vertices and faces, with mass, centroid and inertia of their shape."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -111,9 +112,65 @@ class Block:
         return np.asarray(self._solid.center_mass + self.places.mean(axis=0))
 
     @property
+    def inertia_tensor(self) -> Floats:
+        """About the centroid, in kg m2, shape (3, 3)."""
+        return np.asarray(self.density * self._solid.inertia)
+
+    @property
     def inertia(self) -> Floats:
         """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
-        return np.asarray(np.linalg.eigvalsh(self.density * self._solid.inertia))
+        return np.asarray(np.linalg.eigvalsh(self.inertia_tensor))
+
+
+@dataclass(frozen=True)
+class Compound:
+    """A piece of several solids that touch and move as one; see `Block`."""
+
+    name: str
+    solids: tuple[Block, ...]
+    fixed: bool = False
+    elastic: Elastic | None = None
+
+    @property
+    def volume(self) -> float:
+        """In m3."""
+        return math.fsum(solid.volume for solid in self.solids)
+
+    @property
+    def mass(self) -> float:
+        """In kg."""
+        return math.fsum(solid.mass for solid in self.solids)
+
+    @property
+    def weight(self) -> float:
+        """Self-weight in N."""
+        return self.mass * GRAVITY
+
+    @cached_property
+    def centre(self) -> Floats:
+        """Centroid, in m, shape (3,)."""
+        return np.asarray(sum(solid.mass * solid.centre for solid in self.solids) / self.mass)
+
+    @property
+    def inertia_tensor(self) -> Floats:
+        """About the centroid, in kg m2, shape (3, 3)."""
+        tensor = np.zeros((3, 3))
+        for solid in self.solids:  # Huygens and Steiner
+            arm = solid.centre - self.centre
+            tensor += solid.inertia_tensor
+            tensor += solid.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        return tensor
+
+    @property
+    def inertia(self) -> Floats:
+        """Principal moments of inertia about the centroid, in kg m2, shape (3,)."""
+        return np.asarray(np.linalg.eigvalsh(self.inertia_tensor))
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the box around it, in m."""
+        places = np.concatenate([solid.places for solid in self.solids])
+        return float(np.linalg.norm(np.ptp(places, axis=0)))
 
 
 def normal_of(corners: Floats) -> Floats:

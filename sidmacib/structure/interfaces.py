@@ -1,7 +1,7 @@
 """Interfaces: where faces of two blocks lie in one plane and overlap."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -46,18 +46,80 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     ``near``: how far two faces in one plane may be apart, over the mean size of the blocks. A pair
     of fixed blocks has none. ValueError, with its name, for a free block that touches nothing.
     """
-    size = float(np.mean([block.size for block in blocks]))
-    found = sorted(
-        _touching(blocks, size, near * size),
-        key=lambda each: (each.below, each.above, each.middle),
-    )
+    found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
     for number, block in enumerate(blocks):
         if not block.fixed and number not in touched:
             raise ValueError(
-                f"{block.name}: touches no other block; a gap may be at most {near * size:g} m"
+                f"{block.name}: touches no other block; a gap may be at most "
+                f"{near * mean_size(blocks):g} m"
             )
-    return tuple(found)
+    return found
+
+
+def touching(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ...]:
+    """`interfaces`, whether or not every block touches another."""
+    size = mean_size(blocks)
+    return tuple(
+        sorted(
+            _touching(blocks, size, near * size),
+            key=lambda each: (each.below, each.above, each.middle),
+        )
+    )
+
+
+def mean_size(blocks: Sequence[Block]) -> float:
+    """Mean size of ``blocks``, in m."""
+    return float(np.mean([block.size for block in blocks]))
+
+
+def joined(found: Sequence[Interface], pieces: Sequence[int], near: float) -> tuple[Interface, ...]:
+    """Interfaces between pieces from ``found`` ones between the solids that these consist of.
+
+    ``pieces``: index of each solid's piece. Regions of two pieces that lie in one plane and share
+    an edge become one; ``near`` in m.
+    """
+    regions: dict[tuple[int, int], list[Interface]] = {}
+    for each in found:
+        below, above = pieces[each.below], pieces[each.above]
+        if below != above:
+            regions.setdefault((below, above), []).append(replace(each, below=below, above=above))
+    return tuple(
+        sorted(
+            (whole for same in regions.values() for whole in _whole(same, near)),
+            key=lambda each: (each.below, each.above, each.middle),
+        )
+    )
+
+
+def _whole(parts: list[Interface], near: float) -> Iterator[Interface]:
+    """``parts`` of the interfaces of two pieces, put together where they share an edge."""
+    planes: list[list[Interface]] = []
+    for part in parts:
+        for plane in planes:
+            apart = (np.array(part.middle) - plane[0].middle) @ plane[0].axes[0]
+            if abs(apart) <= near and np.allclose(part.axes[0], plane[0].axes[0], atol=1e-6):
+                plane.append(part)
+                break
+        else:
+            planes.append([part])
+    for plane in planes:
+        if len(plane) == 1:
+            yield plane[0]
+            continue
+        axes, middle = plane[0].axes, np.array(plane[0].middle)
+        outlines: list[shapely.Polygon] = []
+        for part in plane:
+            corners = shapely.get_coordinates(part.outline) @ part.axes[1:] + part.middle - middle
+            outline = shapely.Polygon(corners @ axes[1:].T)
+            for other in outlines:
+                outline = shapely.snap(outline, other, near)
+            outlines.append(outline)
+        for region in shapely.get_parts(shapely.union_all(outlines)):
+            flat = shapely.get_coordinates(region.centroid)[0]
+            x, y, z = middle + flat @ axes[1:]
+            outline = shapely.affinity.translate(_plain(region, near), *(-flat))
+            yield replace(plane[0], middle=(float(x), float(y), float(z)), outline=outline)
 
 
 def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Interface]:

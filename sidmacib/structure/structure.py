@@ -1,9 +1,11 @@
 """A structure: blocks, the interfaces found between them, and the law of each interface."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -12,9 +14,17 @@ from sidmacib.mechanics.assembly import (
     Kind,
     NodeLayout,
 )
-from sidmacib.mechanics.polygons import Polygon, polygon_nodes
-from sidmacib.structure.blocks import Block
-from sidmacib.structure.interfaces import NEAR, Interface, interfaces
+from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
+from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.interfaces import (
+    NEAR,
+    Interface,
+    interfaces,
+    joined,
+    mean_size,
+    touching,
+)
+from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points, cut_out
 from sidmacib.validation import refused
 
 Pair = frozenset[str]  # names of two blocks
@@ -24,6 +34,7 @@ def structure(
     blocks: Sequence[Block],
     material: FaceMaterial,
     special: Mapping[Pair, FaceMaterial] | None = None,
+    locked: Mapping[Pair, Locks] | None = None,
     *,
     mesh: float = math.inf,
     nodes: NodeLayout = NodeLayout.VERTICES,
@@ -33,9 +44,10 @@ def structure(
     """The assembly of ``blocks`` with an interface wherever two of them touch.
 
     ``material``: of all interfaces but those between pairs of blocks in ``special``. One with
-    cohesion or tensile strength is bonded, any other dry. ``nodes`` on cells no longer than
-    ``mesh`` (m); without one, a convex interface is one cell. ``near``: see `interfaces`.
-    ValueError for two blocks of one name, a pair that does not touch, or no free block.
+    cohesion or tensile strength is bonded, any other dry. ``locked``: the locks of pairs of convex
+    blocks that touch in one region. ``nodes`` on cells no longer than ``mesh`` (m); without one, a
+    convex interface is one cell. ``near``: see `interfaces`. ValueError for two blocks of one name,
+    a pair that does not touch, or no free block.
     """
     names = [block.name for block in blocks]
     if len(set(names)) < len(names):
@@ -43,23 +55,136 @@ def structure(
     free = [block.size for block in blocks if not block.fixed]
     if not free:
         raise ValueError("blocks: at least one must be free to move")
-    found, special = interfaces(blocks, near), dict(special or {})
+    special, rows = dict(special or {}), {}
+    found = interfaces(blocks, near)
     pairs = [frozenset((names[each.below], names[each.above])) for each in found]
-    for pair in special:
-        if pair not in pairs:
-            raise refused("special", " and ".join(sorted(pair)), "two blocks that touch")
-    faces = tuple(
-        _face(each, names, special.get(pair, material), pairs[:number].count(pair))
-        for number, (each, pair) in enumerate(zip(found, pairs, strict=True))
-    )
+    for key, given in (("special", special), ("locks", locked or {})):
+        for pair in given:
+            if pair not in pairs:
+                raise refused(key, " and ".join(sorted(pair)), "two blocks that touch")
+    for pair, locks in (locked or {}).items():
+        rows[pair] = _row(
+            pair, locks, [each for each, p in zip(found, pairs, strict=True) if p == pair], names
+        )
+    parts = _Parts.of(blocks, rows)
+    if len(parts.solids) > len(blocks):
+        size = near * mean_size(parts.solids)
+        found = joined(touching(parts.solids, near), parts.piece, size)
+    faces = tuple(_faces(found, parts, material, special, rows))
     of_faces = polygon_nodes(faces, mesh, nodes)
-    return Assembly(tuple(blocks), faces, of_faces, float(np.mean(free)), failure, mesh, nodes)
+    length = float(np.mean(free))
+    return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
 
 
-def _face(each: Interface, names: list[str], material: FaceMaterial, before: int) -> Polygon:
-    """The face of an interface; ``before``: interfaces of the same two blocks before it."""
-    bonded = material.cohesion > 0.0 or material.tensile_strength > 0.0
-    kind = Kind.INNER if bonded else Kind.DRY
-    name = f"{names[each.below]}-{names[each.above]}" + (f"-{before + 1}" if before else "")
+def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> Row:
+    name = f"locks of {' and '.join(sorted(pair))}"
+    if len(found) != 1 or len(found[0].outline.interiors):
+        raise ValueError(f"{name}: the blocks must touch in one region without a hole")
+    if locks.first is not None and locks.first not in pair:
+        raise refused(f"{name}: first", locks.first, "one of the two blocks")
+    below = names[found[0].below]
+    first = replace(locks, first=locks.first or below)
+    return Row.of(first, found[0], name)
+
+
+@dataclass(frozen=True)
+class _Parts:
+    """The pieces that blocks are cut into.
+
+    ``solids`` and the index of each one's ``piece``; ``owner``: of each piece, the name of the
+    block that it belongs to; ``row``: of each piece that is a lock, the pair of its blocks.
+    """
+
+    pieces: tuple[Block | Compound, ...]
+    solids: tuple[Block, ...]
+    piece: tuple[int, ...]
+    owner: tuple[str, ...]
+    row: tuple[Pair | None, ...]
+
+    @classmethod
+    def of(cls, blocks: Sequence[Block], rows: Mapping[Pair, Row]) -> "_Parts":
+        """``blocks`` with the locks of ``rows`` that are not condensed cut out."""
+        left = {block.name: [block] for block in blocks}
+        by_name = {block.name: block for block in blocks}
+        locks: list[tuple[str, list[Block], str, Pair]] = []
+        for pair, row in rows.items():
+            if row.locks.condensed:
+                continue
+            below, above = (blocks[end].name for end in (row.interface.below, row.interface.above))
+            left[below], left[above], cut = cut_out(row, left[below], left[above])
+            for number, solids in enumerate(cut):
+                other = above if row.locks.first == below else below
+                owner = str(row.locks.first if number % 2 == 0 else other)
+                name = f"{below}-{above}-lock{number + 1}"
+                if not solids:
+                    raise ValueError(f"{name}: has no part of the blocks; use fewer locks")
+                own = [
+                    replace(solid, name=name, density=by_name[owner].density, fixed=False)
+                    for solid in solids
+                ]
+                locks.append((name, own, owner, pair))
+            for name in (below, above):
+                if not left[name]:
+                    raise refused(
+                        f"{name}: height of locks", row.locks.height, "less than the block's"
+                    )
+        every = [(name, solids, name, None) for name, solids in left.items()] + locks
+        pieces = tuple(
+            solids[0] if len(solids) == 1 else Compound(name, tuple(solids), solids[0].fixed)
+            for name, solids, _, _ in every
+        )
+        return cls(
+            pieces,
+            tuple(solid for _, solids, _, _ in every for solid in solids),
+            tuple(number for number, each in enumerate(every) for _ in each[1]),
+            tuple(owner for _, _, owner, _ in every),
+            tuple(pair for _, _, _, pair in every),
+        )
+
+
+def _faces(
+    found: Sequence[Interface],
+    parts: _Parts,
+    material: FaceMaterial,
+    special: Mapping[Pair, FaceMaterial],
+    rows: Mapping[Pair, Row],
+) -> Iterator[Polygon]:
+    """The faces between pieces, each with its law and a name of its own."""
+    before: dict[str, int] = {}
+    for each in found:
+        ends = each.below, each.above
+        name = "-".join(parts.pieces[end].name for end in ends)
+        before[name] = number = before.get(name, 0) + 1
+        name += f"-{number}" if number > 1 else ""
+        one, other = (parts.owner[end] for end in ends)
+        pair = frozenset((one, other))
+        row = rows.get(pair)
+        if one == other:  # a lock and its own block, or two locks of it
+            of_lock = next(filter(None, (parts.row[end] for end in ends)))
+            yield _face(each, name, Kind.INNER, rows[of_lock].locks.inner)
+        elif row and row.locks.condensed:
+            yield _condensed(row, row.locks.condensed, name)
+        elif row:
+            yield _face(each, name, Kind.DRY, row.locks.dry)
+        else:
+            law = special.get(pair, material)
+            bonded = law.cohesion > 0.0 or law.tensile_strength > 0.0
+            yield _face(each, name, Kind.INNER if bonded else Kind.DRY, law)
+
+
+def _face(each: Interface, name: str, kind: Kind, law: FaceMaterial) -> Polygon:
     ends = each.below, each.above
-    return Polygon(name, kind, material, *ends, each.axes, each.middle, each.outline)
+    return Polygon(name, kind, law, *ends, each.axes, each.middle, each.outline)
+
+
+def _condensed(row: Row, condensed: Condensed, name: str) -> CondensedLocks:
+    """The face of locks that are condensed: as strong as those that work."""
+    locks, each = row.locks, row.interface
+    share = 1.0 if condensed.working is None else condensed.working / locks.count
+    law = replace(locks.inner, cohesion=share * locks.inner.cohesion, friction=locks.dry.friction)
+    axes = np.array([each.axes[0], row.run, row.across])
+    outline = shapely.Polygon(
+        shapely.get_coordinates(each.outline.exterior) @ each.axes[1:] @ axes[1:].T
+    )
+    ends, points = (each.below, each.above), condensed_points(row, condensed)
+    return CondensedLocks(name, Kind.LOCKED, law, *ends, axes, each.middle, outline, *points)

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sidmacib.mechanics.assembly import Assembly, Failure, Kind
+from sidmacib.mechanics.assembly import Assembly, Face, Failure, Kind
 from sidmacib.problem import Problem
 from workflow.engines.engine import Engine
 from workflow.engines.execute import EngineNoAnswerError, execute
@@ -44,15 +44,19 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
         return "pieces are rigid; it knows only elastic ones"
     if any(deforms) and not engine.elastic:
         return "pieces are elastic; it knows only rigid ones"
-    for face in assembly.faces:
-        law = face.material
-        if law.bond_friction and face.kind is Kind.INNER:
-            return f"{face.name} has a bond_friction of {law.bond_friction:g}; it must be 0"
-        unequal = law.normal_stiffness != law.shear_stiffness
-        one_stiffness = Ability.TWO_STIFFNESSES not in engine.abilities
-        if one_stiffness and face.kind is Kind.INNER and unequal:
-            return (
-                f"{face.name} has a normal stiffness of {law.normal_stiffness:g} Pa/m and a shear "
-                f"stiffness of {law.shear_stiffness:g} Pa/m; inner faces must have one stiffness"
-            )
+    reasons = (_bond_refusal(engine, face) for face in assembly.faces if face.kind is Kind.INNER)
+    return next(filter(None, reasons), None)
+
+
+def _bond_refusal(engine: Engine, face: Face) -> str | None:
+    """Why the engine cannot compute an inner face; None if it can."""
+    law = face.material
+    if law.bond_friction:
+        return f"{face.name} has a bond_friction of {law.bond_friction:g}; it must be 0"
+    unequal = law.normal_stiffness != law.shear_stiffness
+    if unequal and Ability.TWO_STIFFNESSES not in engine.abilities:
+        return (
+            f"{face.name} has a normal stiffness of {law.normal_stiffness:g} Pa/m and a shear "
+            f"stiffness of {law.shear_stiffness:g} Pa/m; inner faces must have one stiffness"
+        )
     return None

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import Flags, utilisation
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import (
@@ -45,7 +45,15 @@ TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 
 
 def solver_of(assembly: Assembly, loads: Loads) -> Solver:
-    """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic."""
+    """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic.
+
+    ValueError for contact points in place of locks, which have no stiffness.
+    """
+    for face in assembly.faces:
+        if face.kind is Kind.LOCKED:
+            raise ValueError(
+                f"{face.name}: condensed locks are for limit analysis only; resolve them"
+            )
     if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
         # Imported here: finite elements take longer to import than most joints to solve.
         elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")

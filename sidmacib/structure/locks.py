@@ -1,0 +1,181 @@
+"""Interfaces with locks: cut out of the blocks, or condensed into contact points.
+
+A row of locks lies across the plane of an interface, half of their height on either side. They
+belong to the two blocks in turn, as in a `sidmacib.joint.Joint`: each meets its own block across a
+bonded inner face, and the other block and its neighbours across dry faces.
+"""
+
+import math
+from dataclasses import dataclass, field
+from itertools import accumulate
+
+import numpy as np
+import shapely
+
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.joint import DRY, INNER
+from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
+from sidmacib.structure.blocks import Block
+from sidmacib.structure.cutting import clipped, cut, require_convex
+from sidmacib.structure.interfaces import Interface
+from sidmacib.validation import refused, require_positive, require_whole
+
+SHORT = 1e-6  # over the size of an interface: rounding of widths that are to fill it
+
+
+@dataclass(frozen=True)
+class Locks:
+    """A row of locks across an interface of two blocks.
+
+    ``count``: number of locks. ``height`` in m. ``row``: the direction in which locks follow one
+    another, and which they block, or else ``run``: the direction in which each runs; either need
+    not lie in the interface and is projected onto it. ``first``: name of the block that lock 1
+    belongs to; by default the one below. ``widths`` along the row in m, which fill the interface;
+    by default equal. ``inner``: of the faces across which locks meet their own block; ``dry``: of
+    all other faces of locks. ``condensed``: contact points, which limit analysis only can use;
+    None: each lock is a piece of its own, cut out of the blocks. ValueError for a number out of its
+    range.
+    """
+
+    count: int
+    height: float
+    row: Vector | None = None
+    run: Vector | None = None
+    first: str | None = None
+    widths: tuple[float, ...] | None = None
+    inner: FaceMaterial = INNER
+    dry: FaceMaterial = DRY
+    condensed: "Condensed | None" = None
+
+    def __post_init__(self) -> None:
+        require_whole(1, count=self.count)
+        require_positive(height=self.height)
+        if (self.row is None) == (self.run is None):
+            raise ValueError("locks: must have either row or run")
+        if self.widths is not None and len(self.widths) != self.count:
+            raise refused("widths", list(self.widths), f"one for each of the {self.count} locks")
+        require_positive(
+            **{f"width of lock {k}": width for k, width in enumerate(self.widths or (), start=1)}
+        )
+
+
+@dataclass(frozen=True)
+class Condensed:
+    """Contact points of SiDMACIB in place of locks.
+
+    ``working``: how many locks work, at most all; None for all. ``option``: where the points are.
+    """
+
+    working: float | None = None
+    option: ContactOption = field(default=OPTIONS["option3"])
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """Where the locks of an interface are.
+
+    ``run``, ``across``: unit vectors along each lock and along the row, (3,). ``edges``: between
+    locks, along the row from the interface's middle, in m, (n + 1,).
+    """
+
+    locks: Locks
+    interface: Interface
+    run: Floats
+    across: Floats
+    edges: Floats
+
+    @classmethod
+    def of(cls, locks: Locks, interface: Interface, name: str) -> "Row":
+        """The row of ``locks`` on ``interface``, called ``name``; ValueError if it has no room."""
+        normal = interface.axes[0]
+        given = np.array(locks.row if locks.run is None else locks.run, float)
+        flat = given - (given @ normal) * normal
+        if not np.linalg.norm(flat) > SHORT * np.linalg.norm(given):
+            key = "run" if locks.row is None else "row"
+            raise refused(f"{name}: {key}", given.tolist(), "a direction not across the interface")
+        flat /= np.linalg.norm(flat)
+        run, across = (
+            (flat, np.cross(normal, flat))
+            if locks.row is None
+            else (
+                np.cross(flat, normal),
+                flat,
+            )
+        )
+        along = shapely.get_coordinates(interface.outline) @ interface.axes[1:] @ across
+        low, high = float(along.min()), float(along.max())
+        widths = locks.widths or ((high - low) / locks.count,) * locks.count
+        if abs(math.fsum(widths) - (high - low)) > SHORT * (high - low):
+            raise refused(
+                f"{name}: widths", list(widths), f"numbers that add up to {high - low:g} m"
+            )
+        edges = low + np.array([0.0, *accumulate(widths)])
+        return cls(locks, interface, run, across, edges)
+
+    @property
+    def middle(self) -> Floats:
+        """Centroid of the interface, in m, (3,)."""
+        return np.array(self.interface.middle)
+
+    def strips(self, solid: Block) -> list[tuple[int, Block]]:
+        """The parts of ``solid`` that lie in each lock, with the number of the lock, from 0."""
+        found = []
+        rest: Block | None = solid
+        for number, edge in enumerate(self.edges[1:-1].tolist()):
+            if rest is None:
+                break
+            here, rest = cut(rest, self.middle + edge * self.across, self.across)
+            found += [(number, here)] if here else []
+        return [*found, (self.locks.count - 1, rest)] if rest else found
+
+
+def cut_out(
+    row: Row, below: list[Block], above: list[Block]
+) -> tuple[list[Block], list[Block], list[list[Block]]]:
+    """What is left of the two blocks' solids, and the solids of each lock.
+
+    ValueError unless both blocks are convex, and the locks lower than the blocks.
+    """
+    normal, half = row.interface.axes[0], row.locks.height / 2
+    corners = shapely.get_coordinates(row.interface.outline.exterior)[:-1]
+    if not shapely.is_ccw(row.interface.outline.exterior):
+        corners = corners[::-1]
+    outline = row.middle + corners @ row.interface.axes[1:]
+    locks: list[list[Block]] = [[] for _ in range(row.locks.count)]
+
+    def cut_off(solids: list[Block], side: float) -> list[Block]:
+        left = []
+        for solid in solids:
+            require_convex(solid)
+            near, far = cut(solid, row.middle + side * half * normal, side * normal)
+            left += [far] if far else []
+            if near is None:
+                continue
+            inside, beside = clipped(near, outline, normal)
+            left += beside
+            for number, part in row.strips(inside) if inside else ():
+                locks[number].append(part)
+        return left
+
+    return cut_off(below, -1.0), cut_off(above, 1.0), locks
+
+
+def condensed_points(row: Row, condensed: Condensed) -> tuple[Floats, Floats]:
+    """Places (m) of the contact points along run and row from the middle, (K, 2), and areas (m2).
+
+    The area of a point is its share of its lock's, so that the cohesion times it is the strength.
+    """
+    option = condensed.option
+    axes = np.array([row.run, row.across])
+    flat = shapely.get_coordinates(row.interface.outline.exterior) @ row.interface.axes[1:]
+    outline = shapely.Polygon(flat @ axes.T)
+    low, _, high, _ = outline.bounds
+    places, areas = [], []
+    for start, end in zip(row.edges[:-1].tolist(), row.edges[1:].tolist(), strict=True):
+        strip = outline.intersection(shapely.box(low, start, high, end))
+        left, _, right, _ = strip.bounds
+        centre = shapely.get_coordinates(strip.centroid)[0]
+        for position, portion in zip(option.positions, option.portions, strict=True):
+            places.append((centre[0] + position * (right - left), centre[1]))
+            areas.append(portion * strip.area)
+    return np.array(places), np.array(areas)

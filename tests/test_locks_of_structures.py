@@ -1,0 +1,160 @@
+"""Locks in the interfaces of structures: cut out of the blocks, and condensed."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from structures import arch, dry
+
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.loading import Loading
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import Problem, posed
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.cutting import cut
+from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.structure import Pair, structure
+
+PAIR: Pair = frozenset(("lower", "upper"))
+PUSH = 3000.0  # N, on the top
+
+
+def two_blocks(joint: Joint) -> list[Block]:
+    half, width, middle = joint.a / 2, joint.total_width, joint.h / 2
+    return [
+        box("lower", (-half, 0.0, -joint.H), (half, width, middle), joint.density, fixed=True),
+        box("upper", (-half, 0.0, middle), (half, width, joint.h + joint.H), joint.density),
+    ]
+
+
+def locks_of(joint: Joint, condensed: Condensed | None = None) -> Locks:
+    return Locks(
+        joint.locks,
+        joint.h,
+        row=(0.0, 1.0, 0.0),
+        first="upper",
+        inner=joint.inner,
+        dry=joint.dry,
+        condensed=condensed,
+    )
+
+
+def with_loads_of(problem: Problem, other: Assembly) -> Loads:
+    """The loads on the pieces of ``other``, which are those of ``problem`` in another order."""
+    centres = np.array([piece.centre for piece in other.pieces])
+    permanent, variable = np.zeros((2, len(centres), 6))
+    for number, piece in enumerate(problem.assembly.pieces):
+        if not piece.fixed:
+            same = int(np.argmin(np.linalg.norm(centres - piece.centre, axis=1)))
+            assert other.pieces[same].mass == pytest.approx(piece.mass)
+            permanent[same] = problem.loads.permanent[number]
+            variable[same] = problem.loads.variable[number]
+    return Loads(permanent, variable, problem.loads.scale)
+
+
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
+def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: float) -> None:
+    joint = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
+    problem = posed(joint, Loading(Direction(eccentricity)), 0.02)
+    cells = {"mesh": 0.02, "nodes": NodeLayout.LOBATTO}
+    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint)}, **cells)
+    loads = with_loads_of(problem, two)
+    here, there = static_peak(*problem), static_peak(two, loads)
+    assert there.first_failure_load == pytest.approx(here.first_failure_load, rel=1e-10)
+    assert there.peak.load == pytest.approx(here.peak.load, rel=1e-10)
+    for friction in (False, True):
+        ours = limit_load(two, loads, friction=friction).load
+        assert ours == pytest.approx(limit_load(*problem, friction=friction).load, rel=1e-8)
+
+
+@pytest.mark.parametrize("option", ["option1", "option4"])
+@pytest.mark.parametrize("working", [None, 2.0])
+def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float | None) -> None:
+    joint = Joint(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
+    condensed = Condensed(working, OPTIONS[option])
+    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
+    strength = None if working is None else (working / joint.locks,) * joint.locks
+    model = Sidmacib(joint, OPTIONS[option], strength)
+    permanent, variable = np.zeros((2, 2, 6))
+    permanent[1, 2] = -PUSH
+    for eccentricity in (0.0, 0.5, math.inf):
+        direction = Direction(eccentricity)
+        variable[1, 1], variable[1, 5] = direction.shear, direction.torque * joint.a
+        found = limit_load(two, Loads(permanent, variable, joint.T0), friction=True)
+        assert found.load == pytest.approx(capacity(model, direction).load, rel=1e-7)
+
+
+def test_the_parts_of_a_cut_block_have_its_volume_and_centroid() -> None:
+    block = arch(7, 0.3)[4]
+    normal = np.array([1.0, 2.0, -0.5]) / math.sqrt(5.25)
+    parts = [part for part in cut(block, block.centre + 0.01, normal) if part]
+    assert len(parts) == 2
+    assert sum(part.volume for part in parts) == pytest.approx(block.volume)
+    moment = sum(part.mass * part.centre for part in parts)
+    assert moment == pytest.approx(block.mass * block.centre)
+
+
+def test_locks_take_nothing_from_the_mass_of_an_arch_and_alternate() -> None:
+    blocks = arch(5, 0.3)
+    pairs = [frozenset((f"voussoir{k}", f"voussoir{k + 1}")) for k in range(4)]
+    locks = Locks(3, 0.02, run=(0.0, 1.0, 0.0))
+    model = structure(blocks, dry(0.5), locked=dict.fromkeys(pairs, locks))
+    assert sum(piece.mass for piece in model.pieces) == pytest.approx(sum(b.mass for b in blocks))
+    assert sum("-lock" in piece.name for piece in model.pieces) == 12
+    roots = [face.name for face in model.faces if face.kind is Kind.INNER]
+    assert "voussoir0-voussoir0-voussoir1-lock1" in roots
+    assert "voussoir1-voussoir0-voussoir1-lock2" in roots
+    assert len(roots) == 12
+
+
+def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
+    def brick(name: str, x: float, z: float, *, fixed: bool) -> Block:
+        return box(name, (x, 0.0, z), (x + 0.4, 0.3, z + 0.2), 2e3, fixed=fixed)
+
+    bricks = [
+        brick("left", 0.0, 0.0, fixed=True),
+        brick("right", 0.4, 0.0, fixed=True),
+        brick("top", 0.2, 0.2, fixed=False),
+    ]
+    locks = Locks(3, 0.02, row=(0.0, 1.0, 0.0))
+    pairs = [frozenset(("left", "top")), frozenset(("right", "top"))]
+    model = structure(bricks, dry(0.5), locked=dict.fromkeys(pairs, locks))
+    # In each interface the lock of the top, of 0.1 x 0.2 m, bears on one of the block below.
+    variable = np.zeros((len(model.pieces), 6))
+    variable[2] = [0.0, 1.0, 0.0, 0.1, 0.0, 0.0]  # 1 N in the plane of the interfaces
+    found = limit_load(model, Loads(np.zeros_like(variable), variable, 1e3))
+    assert found.load == pytest.approx(2 * locks.inner.cohesion * 0.1 * 0.2, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"row": None}, "must have either row or run"),
+        ({"row": (0.0, 0.0, 1.0)}, "row: .* a direction not across the interface"),
+        ({"count": 0}, "count: 0 is not allowed"),
+        ({"height": 0.2}, "height of locks: 0.2 is not allowed; it must be less than"),
+        ({"first": "roof"}, "first: 'roof' is not allowed; it must be one of the two blocks"),
+        ({"widths": (0.1,) * 5}, "widths: .* add up to 0.25 m"),
+        ({"widths": (0.1, 0.15)}, "widths: .* one for each of the 5 locks"),
+    ],
+)
+def test_locks_that_do_not_fit_are_refused_by_name(change: dict, message: str) -> None:
+    joint = Joint(5, upper_body=UpperBody.MONOLITHIC)
+    with pytest.raises(ValueError, match=message):
+        locks = replace(locks_of(joint), **change)
+        structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
+
+
+def test_condensed_locks_are_refused_by_the_static_model() -> None:
+    joint = Joint(3, upper_body=UpperBody.MONOLITHIC)
+    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed())})
+    variable = np.zeros((2, 6))
+    variable[1, 1] = 1.0
+    with pytest.raises(ValueError, match="condensed locks are for limit analysis only"):
+        static_peak(two, Loads(np.zeros((2, 6)), variable, 1.0))
