@@ -9,6 +9,7 @@ from structures import arch, dry
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
+from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading
@@ -156,5 +157,5 @@ def test_condensed_locks_are_refused_by_the_static_model() -> None:
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed())})
     variable = np.zeros((2, 6))
     variable[1, 1] = 1.0
-    with pytest.raises(ValueError, match="condensed locks are for limit analysis only"):
+    with pytest.raises(CapacityError, match="condensed locks are for limit analysis only"):
         static_peak(two, Loads(np.zeros((2, 6)), variable, 1.0))

@@ -21,6 +21,8 @@ ON_GROUND: dict[str, Any] = {
     "load": {"acceleration": [1, 0, 0]},
 }
 
+LOCKS: dict[str, Any] = {"between": "all", "count": 3, "height": 0.02, "row": [0, 1, 0]}
+
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
@@ -88,6 +90,18 @@ def test_a_force_at_a_point_of_a_block(path: Path) -> None:
     assert loads.variable[1] == pytest.approx([1, 0, 0, 0, 0.5, 0])
 
 
+def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alone(
+    path: Path,
+) -> None:
+    path.write_text(json.dumps({**ON_GROUND, "locks": [LOCKS]}))
+    pieces = [piece.name for piece in read_structure(path).assembly.pieces]
+    assert pieces == ["ground", "block", *(f"ground-block-lock{k}" for k in (1, 2, 3))]
+    path.write_text(json.dumps({**ON_GROUND, "locks": [LOCKS | {"condensed": {"working": 1}}]}))
+    rows = {str(row["model"]): row for row in answers("assembly", str(path))}
+    assert rows["limit"]["load (N)"] > 0
+    assert "condensed locks are for limit analysis only" in rows["static"]["note"]
+
+
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -99,6 +113,15 @@ def test_a_force_at_a_point_of_a_block(path: Path) -> None:
         ({"blocks": {"b": {**GROUND}}}, "blocks: at least one must be free to move"),
         ({"interfaces": {"friction": -1}}, "interfaces.friction: -1 is not allowed"),
         ({"special": [{"between": ["block"]}]}, r"special\[0\].between: must be a list of two"),
+        ({"locks": [{"between": "all", "count": 3}]}, r"locks\[0\]: lacks the key height"),
+        ({"locks": [LOCKS | {"count": 0}]}, r"locks\[0\].count: 0 is not allowed"),
+        (
+            {"locks": [LOCKS | {"run": [1, 0, 0]}]},
+            r"locks\[0\]: locks: must have either row or run",
+        ),
+        ({"locks": [LOCKS | {"row": [0, 0, 1]}]}, "ground: row: .* not across the interface"),
+        ({"locks": [LOCKS | {"condensed": {"option": "x"}}]}, "condensed.option: 'x' is not"),
+        ({"locks": [LOCKS | {"condensed": {"working": 4}}]}, r"working: 4.* at most 3"),
         ({"load": {}}, "load: must have one key, acceleration or force"),
         ({"load": {"acceleration": [0, 0, 0]}}, "direction: .* not all 0"),
         ({"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}}, "name: 'x'"),

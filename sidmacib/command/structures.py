@@ -3,9 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.file import read_structure
@@ -42,8 +46,11 @@ def _rows(problem: Problem) -> Iterator[Row]:
         return {"model": model, "load (N)": load, "load / weight": share, "note": note}
 
     try:
-        load = limit_load(*problem, friction=True).load
-        yield row("limit", load, "associated friction: may overestimate")
+        state = limit_load(*problem, friction=True)
+        moves = f"{_moves_most(problem.assembly, state)} moves most"
+        yield row("limit", state.load, f"associated friction: may overestimate; {moves}")
+        sliding = sliding_limit(*problem).state
+        yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
     except CapacityError as error:
         yield row("limit", None, reason(error))
     try:
@@ -52,3 +59,9 @@ def _rows(problem: Problem) -> Iterator[Row]:
         yield row("static, peak", path.peak.load, f"ends by: {path.mode}")
     except CapacityError as error:
         yield row("static", None, reason(error))
+
+
+def _moves_most(assembly: Assembly, state: LimitState) -> str:
+    """The piece whose centroid moves most in the mechanism of a limit state."""
+    size = np.linalg.norm(state.mechanism[:, :3], axis=1)
+    return assembly.pieces[int(np.argmax(size))].name

@@ -33,6 +33,7 @@ ACCURACIES = {1e-9: 9, 1e-7: 7}
 SMALL = (1e-5, 1e-7, 1e-9)
 LOST = 1e-8  # relative loss of load by the penalty, at most
 LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
+MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
 MOST_MEMORY = 2**31  # bytes, for the equations of equilibrium
 
@@ -42,17 +43,32 @@ class LimitState:
     """The limit load, and the forces that carry it with the least sum of s^2 / A.
 
     ``load``: along the direction, in N. ``force``: (N, 3) in N, what the piece below each node
-    exerts on the piece above, in the frame of the face (normal, two tangents).
+    exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
+    the pieces move when the load exceeds its limit, as the multipliers of the equations of
+    equilibrium tell: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Pieces
+    may move in several ways at once; this is one of them.
     """
 
     load: float
     force: Floats
+    mechanism: Floats
 
 
-def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> LimitState:
+@dataclass(frozen=True)
+class Sliding:
+    """Friction limits of rough nodes: ``limit`` (N) plus ``slope`` times compression, both (N,)."""
+
+    limit: Floats
+    slope: Floats
+
+
+def limit_load(
+    assembly: Assembly, loads: Loads, *, friction: bool = False, sliding: Sliding | None = None
+) -> LimitState:
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
-    Accurate to 1e-9, sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
+    ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. Accurate to 1e-9,
+    sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
     rounded to that. ValueError for ``friction`` under a fixed plate, whose force has no limit: use
     a given force instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no
     largest load.
@@ -63,11 +79,11 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
             "or replace the plate by a force"
         )
     _require_room(assembly)
-    programme = _Programme(assembly, loads, friction)
+    programme = _Programme(assembly, loads, friction, sliding)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = programme.constraints(load, force)
     met = solve(cp.Problem(cp.Maximize(load), constraints), WHAT, *ACCURACIES)
-    largest = float(load.value)
+    largest, mechanism = float(load.value), programme.mechanism(constraints[0].dual_value)
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     for small in SMALL:
@@ -82,6 +98,7 @@ def limit_load(assembly: Assembly, loads: Loads, *, friction: bool = False) -> L
         _rounded(largest * programme.scale, programme.scale, ACCURACIES[met]),
         # Rounded to remove noise; plus 0 turns -0 into 0.
         programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, digits) + 0.0),
+        mechanism,
     )
 
 
@@ -99,7 +116,9 @@ def _require_room(assembly: Assembly) -> None:
 class _Programme:
     """The constraints that both programmes share, in units in which their numbers are about 1."""
 
-    def __init__(self, assembly: Assembly, loads: Loads, friction: bool) -> None:
+    def __init__(
+        self, assembly: Assembly, loads: Loads, friction: bool, sliding: "Sliding | None" = None
+    ) -> None:
         contact_law, rows = ContactLaw.of(assembly), free_rows(assembly)
         area = assembly.nodes.area
         self.share = area / area.sum()
@@ -110,6 +129,7 @@ class _Programme:
         # Forces over the scale, and moments over the scale times the length, are about 1.
         size = row_units(assembly) * self.scale
         columns = np.repeat(self.unit, 3)
+        self.rows, self.size, self.pieces = rows, size, len(assembly.pieces)
         self.balance = _scaled(equilibrium_matrix(assembly)[rows], size, columns)
         self.permanent = loads.permanent.ravel()[rows] / size
         self.variable = loads.variable.ravel()[rows] / size * self.scale
@@ -126,6 +146,7 @@ class _Programme:
         self.inner, self.rough = np.flatnonzero(contact_law.cohesive), np.flatnonzero(rough)
         self.smooth, self.locked = np.flatnonzero(dry & ~rough), np.flatnonzero(of_locks)
         self.along = friction * contact_law.friction[of_locks]
+        self.sliding = sliding
 
     def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
         """Equilibrium under ``load``, and the strengths of the nodes."""
@@ -140,11 +161,25 @@ class _Programme:
             self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
             size(inner) <= self._held(inner, normal),
             normal[inner] >= -self.tension[inner],
-            size(rough) <= cp.multiply(self.friction[rough], normal[rough]),
+            size(rough) <= self._friction_limit(rough, normal),
             shear[smooth] == 0,
             normal[smooth] >= 0,
+            *([] if self.sliding is None else [normal[rough] >= 0]),
             *self._locks(normal, shear),
         ]
+
+    def _friction_limit(self, rough: Integers, normal: cp.Expression) -> cp.Expression:
+        if self.sliding is None:
+            return cp.multiply(self.friction[rough], normal[rough])
+        given = self.sliding.limit[rough] / self.unit[rough]
+        return given + cp.multiply(self.sliding.slope[rough], normal[rough])
+
+    def mechanism(self, multipliers: Floats) -> Floats:
+        """Motion of the pieces, (P, 6), from the multipliers of the equations of equilibrium."""
+        motion = np.zeros(6 * self.pieces)
+        work = float(np.sum(multipliers * self.variable))
+        motion[self.rows] = multipliers / work * (self.scale / self.size)
+        return np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0
 
     def _locks(self, normal: cp.Expression, shear: cp.Expression) -> list[cp.Constraint]:
         """The limits of contact points in place of locks: along these and across them."""

@@ -4,13 +4,18 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from sidmacib.contact_points.options import OPTIONS
 from sidmacib.fields import kinds_of, number_of
+from sidmacib.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
+from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
 DENSITY = 2000.0  # kg/m3
@@ -20,8 +25,11 @@ MATERIAL = {  # of interfaces, where a file leaves a number out
     "friction": 0.7,
     "cohesion": 0.0,
     "tensile_strength": 0.0,
+    "bond_friction": 0.0,
 }
-OPTIONAL = ("interfaces", "special", "mesh", "nodes")
+OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes")
+ALL = "all"  # pairs of blocks that touch
+LOCKS = ("row", "run", "first", "widths", "inner", "dry", "condensed")
 SHAPES = {  # the keys that give a block's shape
     frozenset({"vertices", "faces"}): "vertices and faces",
     frozenset({"low", "high"}): "low and high",
@@ -36,18 +44,17 @@ def read_structure(path: Path) -> Problem:
 
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
-    given = _mapping(
-        "the file", read_yaml(path), ("blocks", "load"), ("interfaces", "special", "mesh", "nodes")
-    )
+    given = _mapping("the file", read_yaml(path), ("blocks", "load"), OPTIONAL)
     blocks = [_block(name, value) for name, value in _named("blocks", given["blocks"]).items()]
     material = _material("interfaces", given.get("interfaces", {}), MATERIAL)
     special = _special(_list("special", given.get("special", [])), material)
+    locked = _locked(_list("locks", given.get("locks", [])), blocks)
     cells: dict[str, Any] = {}
     if "mesh" in given:
         cells["mesh"] = _number("mesh", given["mesh"], _POSITIVE)
     if "nodes" in given:
         cells["nodes"] = choice(NodeLayout, given["nodes"])
-    assembly = structure(blocks, material, special, **cells)
+    assembly = structure(blocks, material, special, locked, **cells)
     return Problem(assembly, _load(assembly, given["load"]))
 
 
@@ -58,11 +65,68 @@ def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMateri
     for number, value in enumerate(values):
         key = f"special[{number}]"
         given = _mapping(key, value, ("between",), MATERIAL)
-        pair = _list(f"{key}.between", given.pop("between"))
-        if len(pair) != 2:
-            raise ValueError(f"{key}.between: must be a list of two blocks")
-        special[frozenset(map(str, pair))] = _material(key, given, defaults)
+        pair = _pair(key, given.pop("between"))
+        special[pair] = _material(key, given, defaults)
     return special
+
+
+def _locked(values: list[Any], blocks: list[Block]) -> dict[Pair, Locks]:
+    """Locks of pairs of blocks; of a pair that is named twice, the last."""
+    locked: dict[Pair, Locks] = {}
+    for number, value in enumerate(values):
+        key = f"locks[{number}]"
+        given = _mapping(key, value, ("between", "count", "height"), LOCKS)
+        between = given.pop("between")
+        if between == ALL:
+            pairs = [
+                frozenset((blocks[each.below].name, blocks[each.above].name))
+                for each in interfaces(blocks)
+            ]
+        else:
+            pairs = [_pair(key, between)]
+        locked |= dict.fromkeys(pairs, _locks(key, given))
+    return locked
+
+
+def _locks(key: str, given: dict[str, Any]) -> Locks:
+    numbers: dict[str, Any] = {
+        "count": int(_number(f"{key}.count", given["count"], Number(at_least=1, whole=True))),
+        "height": _number(f"{key}.height", given["height"], _POSITIVE),
+    }
+    for name in {"row", "run"} & given.keys():
+        numbers[name] = _vector(f"{key}.{name}", given[name])
+    if "first" in given:
+        numbers["first"] = str(given["first"])
+    if "widths" in given:
+        widths = _list(f"{key}.widths", given["widths"])
+        numbers["widths"] = tuple(_number(f"{key}.widths", each, _POSITIVE) for each in widths)
+    for name, default in (("inner", INNER), ("dry", DRY)):
+        defaults = {field: getattr(default, field) for field in MATERIAL}
+        numbers[name] = _material(f"{key}.{name}", given.get(name, {}), defaults)
+    if "condensed" in given:
+        numbers["condensed"] = _condensed(f"{key}.condensed", given["condensed"])
+    try:
+        return Locks(**numbers)
+    except ValueError as error:
+        raise ValueError(f"{key}: {error}") from None
+
+
+def _condensed(key: str, value: Any) -> Condensed:
+    given = _mapping(key, value, (), ("working", "option"))
+    working = None
+    if "working" in given:
+        working = _number(f"{key}.working", given["working"], _POSITIVE)
+    option = given.get("option", "option3")
+    if option not in OPTIONS:
+        raise refused(f"{key}.option", option, f"one of {', '.join(OPTIONS)}")
+    return Condensed(working, OPTIONS[option])
+
+
+def _pair(key: str, value: Any) -> Pair:
+    pair = _list(f"{key}.between", value)
+    if len(pair) != 2:
+        raise ValueError(f"{key}.between: must be a list of two blocks")
+    return frozenset(map(str, pair))
 
 
 def _load(assembly: Assembly, value: Any) -> Loads:

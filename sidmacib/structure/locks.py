@@ -54,6 +54,8 @@ class Locks:
             raise ValueError("locks: must have either row or run")
         if self.widths is not None and len(self.widths) != self.count:
             raise refused("widths", list(self.widths), f"one for each of the {self.count} locks")
+        if self.condensed and (self.condensed.working or 0.0) > self.count:
+            raise refused("working", self.condensed.working, f"at most {self.count}")
         require_positive(
             **{f"width of lock {k}": width for k, width in enumerate(self.widths or (), start=1)}
         )
@@ -64,10 +66,15 @@ class Condensed:
     """Contact points of SiDMACIB in place of locks.
 
     ``working``: how many locks work, at most all; None for all. ``option``: where the points are.
+    ValueError unless some lock works.
     """
 
     working: float | None = None
     option: ContactOption = field(default=OPTIONS["option3"])
+
+    def __post_init__(self) -> None:
+        if self.working is not None:
+            require_positive(working=self.working)
 
 
 @dataclass(frozen=True, eq=False)

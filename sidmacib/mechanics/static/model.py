@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.errors import NoEquilibriumError, UnboundedError
+from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import Flags, utilisation
 from sidmacib.mechanics.rigid.solver import RigidSolver
@@ -47,11 +47,11 @@ TOGETHER = 1e-5  # nodes whose utilisations differ by less fail together
 def solver_of(assembly: Assembly, loads: Loads) -> Solver:
     """The solver for ``assembly``: the one for elastic pieces if any free piece is elastic.
 
-    ValueError for contact points in place of locks, which have no stiffness.
+    `CapacityError` for contact points in place of locks, which have no stiffness.
     """
     for face in assembly.faces:
         if face.kind is Kind.LOCKED:
-            raise ValueError(
+            raise CapacityError(
                 f"{face.name}: condensed locks are for limit analysis only; resolve them"
             )
     if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
