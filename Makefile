@@ -78,7 +78,7 @@ bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
 	@exec $(BIN)/python -m benchmarks.bench $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses 2 --dist worksteal
 
 test-slurm: .venv/test.ready .venv/slurm.ready
 	@sh workflow/system.sh slurm

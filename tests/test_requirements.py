@@ -21,14 +21,15 @@ LOCKS = {
 PIN = re.compile(
     r"^([A-Za-z0-9._-]+)==(\S+)((?: ;[^\\]*)? \\\n(?:    --hash=\S+(?: \\)?\n)+)", re.M
 )
-# Used, but not by an import: programs, a plugin of a page's theme, an engine of pandas; and what
-# builds this project.
+# Used, but not by an import: programs, plugins of pytest and of a theme, an engine of pandas; and
+# what builds this project.
 NOT_IMPORTED = {
     *(
         "furo",
         "import-linter",
         "mypy",
         "myst-parser",
+        "pytest-xdist",
         "ruff",
         "snakefmt",
         "sphinx",

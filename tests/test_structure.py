@@ -21,7 +21,7 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import posed
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
-from sidmacib.structure.structure import structure
+from sidmacib.structure.structure import refined, structure
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
@@ -62,12 +62,32 @@ def test_friction_of_the_bond_adds_its_share_of_the_weight_to_the_cohesion() -> 
 
 
 def test_a_bond_in_tension_loses_shear_strength_by_its_friction() -> None:
-    law = ContactLaw.of(
-        structure([GROUND, BLOCK], FaceMaterial(1, 1, 0, 10.0, 5.0, bond_friction=0.8))
-    )
-    state, area = NodeState.initial(law), 0.4 * 0.6 / 4
-    force = np.tile([-4.0 * area, 6.8 * area, 0.0], (4, 1))  # c - 0.8 * 4 Pa = 6.8 Pa
+    model = structure([GROUND, BLOCK], FaceMaterial(1, 1, 0, 10.0, 5.0, bond_friction=0.8))
+    law = ContactLaw.of(model)
+    state = NodeState.initial(law)
+    force = np.outer(model.nodes.area, [-4.0, 6.8, 0.0])  # c - 0.8 * 4 Pa = 6.8 Pa
     assert utilisation(law, state, force) == pytest.approx(1.0)
+
+
+def test_a_bonded_block_tears_off_where_the_stress_of_a_beam_reaches_its_strength() -> None:
+    glue = FaceMaterial(1e10, 1e10, 0.0, 1e9, 2e4)
+    model = structure([GROUND, BLOCK], glue)
+    first = static_peak(model, acceleration(model, (1.0, 0.0, 0.0))).first_failure_load
+    section, arm = 0.6 * 0.4**2 / 6, 0.5  # load at mid-height
+    expected = (2e4 + BLOCK.weight / (0.4 * 0.6)) * section / arm
+    assert first == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_refined_structure_has_each_cell_divided_and_the_same_faces() -> None:
+    model = structure(arch(5, 0.3), dry(0.7), mesh=0.1)
+    fine = refined(model)
+    assert fine.faces == model.faces
+    assert fine.mesh == model.mesh / 2
+    areas = [np.bincount(each.nodes.face, each.nodes.area) for each in (model, fine)]
+    assert areas[1] == pytest.approx(areas[0])
+    # Vertices of p x q cells are (p + 1)(q + 1): 2 x 3 cells become 4 x 6.
+    assert {*np.bincount(model.nodes.face)} == {4 * 4}
+    assert {*np.bincount(fine.nodes.face)} == {7 * 7}
 
 
 @pytest.mark.parametrize(("thickness", "stands"), [(0.1070, False), (0.1079, True)])

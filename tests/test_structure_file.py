@@ -37,6 +37,18 @@ def test_the_command_tells_what_a_structure_carries(path: Path) -> None:
     assert rows["static, peak"]["note"] == "ends by: mechanism"
 
 
+def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> None:
+    bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": 0.6}
+    path.write_text(json.dumps(ON_GROUND | {"interfaces": bonded}))
+    coarse = {str(row["model"]): row for row in answers("assembly", str(path))}
+    path.write_text(json.dumps(ON_GROUND | {"interfaces": bonded, "mesh": 0.05}))
+    fine = {str(row["model"]): row for row in answers("assembly", str(path))}
+    for model, most in (("static, first failure", 0.01), ("static, peak", 0.5)):
+        change = abs(coarse[model]["load (N)"] / fine[model]["load (N)"] - 1.0)
+        assert change <= coarse[model]["mesh error / load"] < most
+    assert fine["limit"]["mesh error / load"] is None
+
+
 def test_the_models_of_the_example_bound_each_other() -> None:
     file = ROOT / "studies/structures/trilith.yaml"
     rows = {str(row["model"]): row["load (N)"] for row in answers("assembly", str(file))}

@@ -29,7 +29,7 @@ RANGES = [
     ("shear_stiffness", [5e-324], [0.0, -1.0], STIFFNESS),
     *((name, [0.0], [-1e-9], STRENGTH) for name in ("cohesion", "tensile_strength")),
     ("fracture_energy", [0.0], [-1e-9], "at least 0 (J/m2)"),
-    ("friction", [0.0], [-1e-9], "at least 0"),
+    *((name, [0.0], [-1e-9], "at least 0") for name in ("friction", "bond_friction")),
     ("density", [0.0], [-1.0], "at least 0 (kg/m3)"),
     ("young", [5e-324], [0.0], "greater than 0 (Pa)"),
     ("poisson", [0.0, 0.4999], [-0.1, 0.5, 0.7], "at least 0 and less than 0.5"),

@@ -66,9 +66,12 @@ class Polygon:
         """Points in space, (K, 3) in m, of points along the tangents, (K, 2) in m."""
         return np.asarray(self.middle + flat @ self.axes[1:])
 
-    def nodes(self, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
-        """Places along the tangents (m), (K, 2), and areas (m2), (K,), of its nodes."""
-        return _nodes(self.outline, mesh, layout)
+    def nodes(self, mesh: float, layout: NodeLayout, divided: int = 1) -> tuple[Floats, Floats]:
+        """Places along the tangents (m), (K, 2), and areas (m2), (K,), of its nodes.
+
+        Cells no longer than ``mesh`` (m), each side of which is ``divided`` into that many.
+        """
+        return _nodes(self.outline, mesh, layout, divided)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,29 +85,36 @@ class CondensedLocks(Polygon):
     places: Floats
     areas: Floats
 
-    def nodes(self, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+    def nodes(self, mesh: float, layout: NodeLayout, divided: int = 1) -> tuple[Floats, Floats]:
         """The contact points, whatever the mesh."""
         return self.places, self.areas
 
 
-def polygon_nodes(faces: tuple[Polygon, ...], mesh: float, layout: NodeLayout) -> Nodes:
-    """Nodes of ``layout`` on cells of ``faces`` no longer than ``mesh`` (m, may be infinite)."""
-    flat = [face.nodes(mesh, layout) for face in faces]
+def polygon_nodes(
+    faces: tuple[Polygon, ...], mesh: float, layout: NodeLayout, divided: int = 1
+) -> Nodes:
+    """Nodes of ``layout`` on cells of ``faces`` no longer than ``mesh`` (m, may be infinite).
+
+    Each side of these cells is ``divided`` into that many.
+    """
+    flat = [face.nodes(mesh, layout, divided) for face in faces]
     index = np.repeat(np.arange(len(faces)), [len(area) for _, area in flat])
     places = [face.at(place) for face, (place, _) in zip(faces, flat, strict=True)]
     return Nodes(index, np.concatenate(places), np.concatenate([area for _, area in flat]))
 
 
-def _nodes(outline: shapely.Polygon, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+def _nodes(
+    outline: shapely.Polygon, mesh: float, layout: NodeLayout, divided: int
+) -> tuple[Floats, Floats]:
     """Places (m), (K, 2), and areas (m2), (K,), of the nodes on an outline."""
     corners = shapely.get_coordinates(outline.exterior)[:-1]
     size = float(np.ptp(corners, axis=0).max())
     convex = outline.convex_hull.area - outline.area <= CLOSE * size**2
     if convex and len(corners) == 4 and _right_angled(corners):
-        return _on_rectangle(corners, mesh, layout)
+        return _on_rectangle(corners, mesh, layout, divided)
     triangles = _around_centroid(outline, corners) if convex else _delaunay(outline)
     longest = max(float(np.hypot(*(t - np.roll(t, 1, axis=0)).T).max()) for t in triangles)
-    cells = int(cells_along(np.array([longest]), mesh)[0])
+    cells = divided * int(cells_along(np.array([longest]), mesh)[0])
     if convex and cells == 1 and layout is NodeLayout.VERTICES:
         # Half of the triangles at either side, which balances about the centroid.
         areas = np.array([_area(triangle) for triangle in triangles])
@@ -122,10 +132,13 @@ def _right_angled(corners: Floats) -> bool:
     return bool(across.max() <= CLOSE * np.square(sides).sum())
 
 
-def _on_rectangle(corners: Floats, mesh: float, layout: NodeLayout) -> tuple[Floats, Floats]:
+def _on_rectangle(
+    corners: Floats, mesh: float, layout: NodeLayout, divided: int
+) -> tuple[Floats, Floats]:
     first, second = corners[1] - corners[0], corners[3] - corners[0]
     lengths = np.hypot(*np.array([first, second]).T)
-    (p, wp), (q, wq) = (side_rule(layout, int(count)) for count in cells_along(lengths, mesh))
+    counts = divided * cells_along(lengths, mesh)
+    (p, wp), (q, wq) = (side_rule(layout, count) for count in counts.tolist())
     places = corners[0] + p[:, None, None] * first + q[:, None] * second
     return places.reshape(-1, 2), math.prod(lengths.tolist()) * np.outer(wp, wq).ravel()
 

@@ -37,7 +37,7 @@ def structure(
     locked: Mapping[Pair, Locks] | None = None,
     *,
     mesh: float = math.inf,
-    nodes: NodeLayout = NodeLayout.VERTICES,
+    nodes: NodeLayout | None = None,
     failure: Failure = Failure.BRITTLE,
     near: float = NEAR,
 ) -> Assembly:
@@ -46,8 +46,9 @@ def structure(
     ``material``: of all interfaces but those between pairs of blocks in ``special``. One with
     cohesion or tensile strength is bonded, any other dry. ``locked``: the locks of pairs of convex
     blocks that touch in one region. ``nodes`` on cells no longer than ``mesh`` (m); without one, a
-    convex interface is one cell. ``near``: see `interfaces`. ValueError for two blocks of one name,
-    a pair that does not touch, or no free block.
+    convex interface is one cell; by default Lobatto's, which integrate the stresses of bonds
+    exactly, or vertices if everything is dry. ``near``: see `interfaces`. ValueError for two blocks
+    of one name, a pair that does not touch, or no free block.
     """
     names = [block.name for block in blocks]
     if len(set(names)) < len(names):
@@ -71,9 +72,19 @@ def structure(
         size = near * mean_size(parts.solids)
         found = joined(touching(parts.solids, near), parts.piece, size)
     faces = tuple(_faces(found, parts, material, special, rows))
+    if nodes is None:
+        bonded = any(face.kind is Kind.INNER for face in faces)
+        nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
     length = float(np.mean(free))
     return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
+
+
+def refined(assembly: Assembly) -> Assembly:
+    """The structure on cells of half the size, for an estimate of its mesh errors."""
+    faces = tuple(face for face in assembly.faces if isinstance(face, Polygon))
+    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided=2)
+    return replace(assembly, nodes=nodes, mesh=assembly.mesh / 2)
 
 
 def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> Row:

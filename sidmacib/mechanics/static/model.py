@@ -11,6 +11,7 @@ they slide, as sliding along plane faces lifts nothing.
 """
 
 import importlib
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -164,7 +165,7 @@ def _raised(
     Returns the path to there and the nodes that fail: none if the load cannot rise further. The
     increment is halved where no equilibrium is found, as Newton's method may fail from afar and
     converge from nearby, and doubled again where one is. If it becomes too small, the solver is
-    thorough from there on.
+    thorough from there on; a load at which it then fails is not reached again.
     """
 
     def utilisation_at(point: Equilibrium) -> Floats:
@@ -177,12 +178,14 @@ def _raised(
     used = utilisation_at(path[-1])
     above: Equilibrium | None = None  # at a load that is too high: a bond is overstressed
     used_above = used
+    lost = math.inf  # the least load at which the thorough solver found no equilibrium
     while path[-1].load <= MOST_LOAD * scale:
         low, most = path[-1], used.max()
         if most >= 1.0 - LEAST_INCREMENT:
             return path, used >= most * (1.0 - TOGETHER)
         if above and above.load - low.load <= least(above.load):
             return path, used_above >= 1.0
+        increment = min(increment, (lost - low.load) / 2)
         if increment <= least(low.load + increment):
             if thorough:
                 return path, np.zeros(len(low.force), bool)
@@ -197,6 +200,7 @@ def _raised(
             point = solver.solve(load, _guess(load, path, above), low.state, thorough=thorough)
         except NoEquilibriumError:
             increment = (load - low.load) / 2
+            lost = load if thorough else lost
             continue
         used_here = utilisation_at(point)
         if used_here.max() > 1.0:
