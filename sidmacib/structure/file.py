@@ -1,6 +1,7 @@
 """A structure and its load from a YAML file; every fault in one line that names the key."""
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import Pair, structure
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
@@ -45,7 +47,11 @@ def read_structure(path: Path) -> Problem:
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
     given = _mapping("the file", read_yaml(path), ("blocks", "load"), OPTIONAL)
-    blocks = [_block(name, value) for name, value in _named("blocks", given["blocks"]).items()]
+    blocks = [
+        block
+        for name, value in _named("blocks", given["blocks"]).items()
+        for block in _blocks(name, value, path.parent)
+    ]
     material = _material("interfaces", given.get("interfaces", {}), MATERIAL)
     special = _special(_list("special", given.get("special", [])), material)
     locked = _locked(_list("locks", given.get("locks", [])), blocks)
@@ -140,13 +146,38 @@ def _load(assembly: Assembly, value: Any) -> Loads:
     return force_at(assembly, str(force["block"]), at, along)
 
 
+def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
+    """The block that is called ``name``, or those of a mesh file, whose path is from ``folder``."""
+    if not isinstance(value, dict) or "file" not in value:
+        return [_block(name, value)]
+    key = f"blocks.{name}"
+    given = _mapping(key, value, ("file",), ("density", "fixed", "scale"))
+    density = _number(f"{key}.density", given.get("density", DENSITY), _POSITIVE)
+    scale = _number(f"{key}.scale", given.get("scale", 1), _POSITIVE)
+    try:
+        bodies = blocks_from_mesh(folder / str(given["file"]), density, scale)
+    except ValueError as error:
+        raise ValueError(f"{key}.{error}") from None
+    fixed = given.get("fixed", False)
+    if not isinstance(fixed, bool) and not (
+        isinstance(fixed, list) and bodies.keys() >= set(map(str, fixed))
+    ):
+        allowed = f"true, false, or a list of {', '.join(bodies)}"
+        raise ValueError(f"{key}.fixed: {shown(fixed)} is not allowed; it must be {allowed}")
+    held = set(bodies) if fixed is True else set(map(str, fixed or []))
+    return [
+        replace(body, name=name if len(bodies) == 1 else f"{name}-{each}", fixed=each in held)
+        for each, body in bodies.items()
+    ]
+
+
 def _block(name: str, value: Any) -> Block:
     key = f"blocks.{name}"
     shapes = sorted(each for shape in SHAPES for each in shape)
     given = _mapping(key, value, (), (*shapes, "density", "fixed"))
     shape = frozenset(given) & frozenset(shapes)
     if shape not in SHAPES:
-        raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}")
+        raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}, or file")
     density = _number(f"{key}.density", given.get("density", DENSITY), _POSITIVE)
     fixed = given.get("fixed", False)
     if not isinstance(fixed, bool):

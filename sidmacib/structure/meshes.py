@@ -1,0 +1,114 @@
+"""Blocks from files of triangle meshes: OBJ, PLY and STL."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.validation import refused
+
+SUFFIXES = (".obj", ".ply", ".stl")
+# Largest angle between triangles of one plane: coordinates in STL files have seven digits.
+SAME_PLANE = 1e-4
+
+
+def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str, Block]:
+    """The bodies in a file, by the name of each object of an OBJ file, or by number from 1.
+
+    ``density`` in kg/m3; ``scale``: m per unit of the file. Triangles in one plane become one face.
+    In PLY and STL files, triangles that share an edge with no third one are of one body. ValueError
+    if the file has no such mesh, or a body is not closed.
+    """
+    if not path.is_file():
+        raise refused("file", str(path), "a file that is there")
+    if path.suffix.lower() not in SUFFIXES:
+        raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
+    try:
+        loaded = trimesh.load_scene(path, process=False, split_objects=True, group_material=False)
+    except (OSError, ValueError, IndexError, KeyError, TypeError):
+        raise ValueError(f"file: {path.name}: is no mesh that can be read") from None
+    objects = {
+        name: mesh for name, mesh in loaded.geometry.items() if isinstance(mesh, trimesh.Trimesh)
+    }
+    if path.suffix.lower() != ".obj" or len(objects) == 1:
+        bodies = [body for mesh in objects.values() for body in _bodies(mesh)]
+        objects = {str(number): body for number, body in enumerate(bodies, 1)}
+    if not objects:
+        raise ValueError(f"file: {path.name}: has no triangles")
+    found = {}
+    for name, mesh in sorted(objects.items()):
+        try:
+            found[name] = _block(name, mesh, density, scale)
+        except ValueError as error:
+            hint = "; bodies that share corners need an OBJ file with an object for each"
+            raise ValueError(
+                f"file: {path.name}: {error}{hint * (not mesh.is_watertight)}"
+            ) from None
+    return found
+
+
+def _bodies(mesh: trimesh.Trimesh) -> Iterator[trimesh.Trimesh]:
+    """Parts of ``mesh`` that hang together by edges of two triangles, in the order of the file.
+
+    Corners at one place are joined, unless the parts are closed without that.
+    """
+    apart = _parts(mesh)
+    if not all(part.is_watertight for part in apart):
+        mesh = mesh.copy()
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        apart = _parts(mesh)
+    yield from apart
+
+
+def _parts(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
+    labels = _grouped(len(mesh.faces), mesh.face_adjacency)
+    return [
+        trimesh.Trimesh(mesh.vertices, mesh.faces[labels == label], process=False)
+        for label in range(labels.max(initial=-1) + 1)
+    ]
+
+
+def _grouped(count: int, pairs: Integers) -> Integers:
+    """Groups, from 0, of ``count`` triangles that ``pairs``, (K, 2), connect; (count,)."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+def _block(name: str, mesh: trimesh.Trimesh, density: float, scale: float) -> Block:
+    mesh = mesh.copy()
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    mesh.update_faces(mesh.nondegenerate_faces())
+    mesh.remove_unreferenced_vertices()
+    with np.errstate(invalid="ignore", divide="ignore"):  # of a mesh without volume: told below
+        if mesh.volume < 0.0:
+            mesh.invert()
+    labels = _grouped(len(mesh.faces), mesh.face_adjacency[mesh.face_adjacency_angles < SAME_PLANE])
+    faces = [
+        face
+        for label in range(labels.max(initial=-1) + 1)
+        for face in _outline(mesh.vertices, mesh.faces[labels == label])
+    ]
+    vertices = tuple(
+        (float(x), float(y), float(z)) for x, y, z in scale * np.asarray(mesh.vertices)
+    )
+    return Block(name, vertices, tuple(faces), density)
+
+
+def _outline(places: Floats, triangles: Integers) -> list[tuple[int, ...]]:
+    """The outline of ``triangles``, (K, 3); these themselves if it has a hole or is not plane."""
+    edges = {(a, b) for t in triangles.tolist() for a, b in zip(t, (*t[1:], t[0]), strict=True)}
+    border = [(a, b) for a, b in edges if (b, a) not in edges]
+    onward, outline = dict(border), [min(a for a, _ in border or edges)]
+    while len(outline) < len(border) and (after := onward[outline[-1]]) != outline[0]:
+        outline.append(after)
+    corners = places[outline]
+    if len(outline) == len(border) and onward[outline[-1]] == outline[0]:
+        off = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
+        if off < FLAT * np.ptp(corners, axis=0).max():
+            return [tuple(outline)]
+    return [tuple(triangle) for triangle in triangles.tolist()]

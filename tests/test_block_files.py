@@ -1,0 +1,117 @@
+"""Blocks from OBJ, PLY and STL files, against the same blocks by their corners."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from command_runner import answers, run
+from scipy.spatial.transform import Rotation
+from structures import arch, dry, moved
+
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.file import read_structure
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.meshes import blocks_from_mesh
+from sidmacib.structure.structure import structure
+
+LOW = box("low", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 2e3)
+HIGH = box("high", (0.0, 0.0, 1.0), (1.0, 1.0, 2.0), 2e3)
+
+
+def mesh_of(block: Block) -> trimesh.Trimesh:
+    """A convex block's faces, cut into triangles."""
+    fans = [(f[0], f[k], f[k + 1]) for f in block.faces for k in range(1, len(f) - 1)]
+    return trimesh.Trimesh(block.places, fans, process=False)
+
+
+def write(path: Path, blocks: list[Block]) -> Path:
+    if path.suffix == ".obj":
+        scene = trimesh.Scene()
+        for block in blocks:
+            scene.add_geometry(mesh_of(block), geom_name=block.name)
+        scene.export(path)
+    else:
+        trimesh.util.concatenate([mesh_of(block) for block in blocks]).export(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply", ".stl"])
+def test_a_turned_block_has_its_faces_and_its_volume(suffix: str, tmp_path: Path) -> None:
+    turned = moved(LOW, Rotation.from_euler("xyz", (20, 30, 40), degrees=True), (1.0, 2.0, 3.0))
+    (found,) = blocks_from_mesh(write(tmp_path / f"b{suffix}", [turned]), 2e3).values()
+    assert len(found.faces) == 6
+    assert found.volume == pytest.approx(1.0, rel=1e-6)
+    assert found.centre == pytest.approx(turned.centre, rel=1e-6)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".ply"])
+def test_bodies_that_touch_stay_apart(suffix: str, tmp_path: Path) -> None:
+    found = blocks_from_mesh(write(tmp_path / f"b{suffix}", [LOW, HIGH]), 2e3)
+    assert [*found] == (["high", "low"] if suffix == ".obj" else ["1", "2"])
+    assert sum(block.volume for block in found.values()) == pytest.approx(2.0)
+
+
+def test_bodies_that_share_corners_in_an_stl_file_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"share corners need an OBJ file with an object for each"):
+        blocks_from_mesh(write(tmp_path / "b.stl", [LOW, HIGH]), 2e3)
+
+
+def test_a_body_with_a_groove_keeps_its_faces_and_one_with_a_hole_its_volume(
+    tmp_path: Path,
+) -> None:
+    corners = np.array([(0, 0), (3, 0), (3, 1), (2, 1), (2, 0.5), (1, 0.5), (1, 1), (0, 1)])
+    triangles = [(0, 1, 4), (0, 4, 5), (0, 5, 7), (5, 6, 7), (1, 2, 4), (2, 3, 4)]
+    groove = trimesh.creation.extrude_triangulation(corners, np.array(triangles), height=1.0)
+    groove.export(tmp_path / "groove.ply")
+    (block,) = blocks_from_mesh(tmp_path / "groove.ply", 2e3).values()
+    assert len(block.faces) == 10
+    assert block.volume == pytest.approx(2.5)
+    ring = trimesh.creation.annulus(0.5, 1.0, 1.0, sections=8)
+    ring.export(tmp_path / "ring.stl")
+    (block,) = blocks_from_mesh(tmp_path / "ring.stl", 2e3).values()
+    assert block.volume == pytest.approx(ring.volume, rel=1e-6)
+
+
+def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Path) -> None:
+    blocks = arch(7, 0.3)
+    write(tmp_path / "arch.obj", blocks)
+    text = {
+        "blocks": {"arch": {"file": "arch.obj", "density": 2000, "fixed": ["left", "right"]}},
+        "interfaces": {"friction": 0.7},
+        "load": {"acceleration": [1, 0, 0]},
+    }
+    (tmp_path / "arch.yaml").write_text(json.dumps(text))
+    model = structure(blocks, dry(0.7))
+    expected = limit_load(model, acceleration(model, (1.0, 0.0, 0.0)), friction=True).load
+    found = limit_load(*read_structure(tmp_path / "arch.yaml"), friction=True).load
+    assert found == pytest.approx(expected, rel=1e-6)
+    rows = answers("assembly", str(tmp_path / "arch.yaml"))
+    assert rows[0]["load (N)"] == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("block", "line"),
+    [
+        ({"file": "none.obj"}, "blocks.b.file: .*none.obj' is not allowed; it must be a file that"),
+        ({"file": "b.txt"}, "blocks.b.file: 'b.txt' is not allowed; .* ends in .obj, .ply, .stl"),
+        ({"file": "empty.obj"}, "blocks.b.file: empty.obj: has no triangles"),
+        ({"file": "b.obj", "fixed": ["x"]}, "blocks.b.fixed: .* a list of high, low"),
+        ({"file": "b.obj", "scale": 0}, "blocks.b.scale: 0 is not allowed"),
+    ],
+)
+def test_a_fault_is_one_line_that_names_the_key(
+    block: dict[str, object], line: str, tmp_path: Path
+) -> None:
+    write(tmp_path / "b.obj", [LOW, HIGH])
+    (tmp_path / "b.txt").write_text("")
+    (tmp_path / "empty.obj").write_text("# nothing\n")
+    text = {"blocks": {"b": block}, "load": {"acceleration": [1, 0, 0]}}
+    path = tmp_path / "structure.yaml"
+    path.write_text(json.dumps(text))
+    ended = run("assembly", str(path))
+    assert ended.exit_code == 1
+    assert re.search(line, ended.output.splitlines()[-1])
