@@ -1,6 +1,7 @@
 """Structures from a file, and the command that analyses them."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -47,6 +48,21 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
         change = abs(coarse[model]["load (N)"] / fine[model]["load (N)"] - 1.0)
         assert change <= coarse[model]["mesh error / load"] < most
     assert fine["limit"]["mesh error / load"] is None
+
+
+def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> None:
+    path.write_text(json.dumps({**ON_GROUND, "load": {"tilt": {"axis": [0, 1, 0]}}}))
+    rows = {str(row["model"]): row for row in answers("assembly", str(path))}
+    slides = math.degrees(math.atan(0.2))
+    assert rows["limit"]["tilt (degrees)"] == pytest.approx(slides, rel=1e-6)
+    assert rows["static, last equilibrium"]["tilt (degrees)"] == pytest.approx(slides, rel=2e-4)
+    assert rows["static, last equilibrium"]["note"] == "ends by: sliding; block moves most"
+    (row,) = answers("assembly", str(path), "--interfaces")
+    assert row["compression (N)"] == pytest.approx(
+        480.0 * GRAVITY * math.cos(math.radians(slides)), rel=1e-4
+    )
+    with pytest.raises(ValueError, match="not tilt"):
+        read_structure(path)
 
 
 def test_the_models_of_the_example_bound_each_other() -> None:
@@ -134,7 +150,9 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"locks": [LOCKS | {"row": [0, 0, 1]}]}, "ground: row: .* not across the interface"),
         ({"locks": [LOCKS | {"condensed": {"option": "x"}}]}, "condensed.option: 'x' is not"),
         ({"locks": [LOCKS | {"condensed": {"working": 4}}]}, r"working: 4.* at most 3"),
-        ({"load": {}}, "load: must have one key, acceleration or force"),
+        ({"load": {}}, "load: must have one key, acceleration, force or tilt"),
+        ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
+        ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
         ({"load": {"acceleration": [0, 0, 0]}}, "direction: .* not all 0"),
         ({"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}}, "name: 'x'"),
         ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),

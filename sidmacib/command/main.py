@@ -194,7 +194,8 @@ def assembly(file: Path, interfaces: bool, form: str) -> None:
     """What a structure of blocks of any shape carries; FILE describes it in YAML.
 
     limit assumes associated friction, which can overestimate; static follows the load on elastic
-    interfaces, with the history of friction, to the first failure and the peak.
+    interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
+    both give the angle beyond which there is no equilibrium.
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, structure_rows

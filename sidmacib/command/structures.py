@@ -9,27 +9,38 @@ import numpy as np
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.problem import Problem
-from sidmacib.structure.file import read_structure
+from sidmacib.structure.file import read_loaded_or_tilted
 from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.structure import refined
+from sidmacib.structure.tilt import TiltProblem, limit_tilt, moves_most, static_tilt
 
 
 def structure_rows(path: Path) -> list[Row]:
-    """The loads that a structure carries after each model; errors of `read_structure`."""
-    return list(_rows(read_structure(path)))
+    """What a structure carries after each model: loads, or angles if gravity turns.
+
+    Errors of `read_loaded_or_tilted`.
+    """
+    problem = read_loaded_or_tilted(path)
+    return list(_tilts(problem) if isinstance(problem, TiltProblem) else _rows(problem))
 
 
 def interface_rows(path: Path) -> list[Row]:
-    """What each interface carries at the peak of the static model; errors of `read_structure`."""
-    problem = read_structure(path)
-    peak = static_peak(*problem).peak
+    """What each interface carries at the last equilibrium of the static model.
+
+    Errors of `read_loaded_or_tilted`, and `CapacityError` if the model has no answer.
+    """
+    problem = read_loaded_or_tilted(path)
+    if isinstance(problem, TiltProblem):
+        peak = static_tilt(*problem).path[-1]
+    else:
+        peak = static_peak(*problem).peak
     return [
         {
             "interface": each.name,
@@ -57,7 +68,7 @@ def _rows(problem: Problem) -> Iterator[Row]:
 
     try:
         state = limit_load(*problem, friction=True)
-        moves = f"{_moves_most(problem.assembly, state)} moves most"
+        moves = f"{moves_most(problem.assembly, state.mechanism)} moves most"
         yield row("limit", state.load, f"associated friction: may overestimate; {moves}")
         sliding = sliding_limit(*problem).state
         yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
@@ -95,7 +106,24 @@ def _mesh_errors(
     return errors[0], errors[1]
 
 
-def _moves_most(assembly: Assembly, state: LimitState) -> str:
-    """The piece whose centroid moves most in the mechanism of a limit state."""
-    size = np.linalg.norm(state.mechanism[:, :3], axis=1)
-    return assembly.pieces[int(np.argmax(size))].name
+def _tilts(problem: TiltProblem) -> Iterator[Row]:
+    def row(model: str, angle: float | None, note: str) -> Row:
+        return {"model": model, "tilt (degrees)": angle, "note": note}
+
+    try:
+        limit = limit_tilt(*problem)
+        note = "associated friction: may overestimate"
+        if limit.mechanism is not None:
+            note += f"; {moves_most(problem.assembly, limit.mechanism)} moves most"
+        yield row("limit", limit.angle, note)
+    except CapacityError as error:
+        yield row("limit", None, reason(error))
+    try:
+        static = static_tilt(*problem)
+        note = f"ends by: {static.motion}"
+        if static.mechanism is not None:
+            note += f"; {moves_most(problem.assembly, static.mechanism)} moves most"
+        yield row("static, first failure", static.first_failure, "of a bond, or no equilibrium")
+        yield row("static, last equilibrium", static.angle, note)
+    except CapacityError as error:
+        yield row("static", None, reason(error))

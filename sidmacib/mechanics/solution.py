@@ -31,8 +31,8 @@ class Equilibrium:
     state: NodeState
 
 
-class Solver(Protocol):
-    """Finds equilibria of an assembly."""
+class Equilibria(Protocol):
+    """Finds equilibria of an assembly along a path of loading."""
 
     @property
     def contact_law(self) -> ContactLaw:
@@ -49,6 +49,10 @@ class Solver(Protocol):
         Raises `NoEquilibriumError` if none is found. ``thorough``: try every method of the solver
         before giving up, which takes longer.
         """
+
+
+class Solver(Equilibria, Protocol):
+    """Finds equilibria under a load that is raised, and how pieces move beyond the last."""
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""

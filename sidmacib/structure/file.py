@@ -17,6 +17,7 @@ from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import Pair, structure
+from sidmacib.structure.tilt import Tilt, TiltProblem
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
@@ -44,6 +45,18 @@ _INDEX = Number(at_least=0, whole=True)
 def read_structure(path: Path) -> Problem:
     """The structure that the YAML file ``path`` describes, and its load.
 
+    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one; ValueError
+    as well if gravity turns there, see `read_loaded_or_tilted`.
+    """
+    problem = read_loaded_or_tilted(path)
+    if isinstance(problem, TiltProblem):
+        raise ValueError("load: must have one key, acceleration or force; not tilt")
+    return problem
+
+
+def read_loaded_or_tilted(path: Path) -> Problem | TiltProblem:
+    """The structure that the YAML file ``path`` describes, with its load or tilt.
+
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
     given = _mapping("the file", read_yaml(path), ("blocks", "load"), OPTIONAL)
@@ -61,7 +74,20 @@ def read_structure(path: Path) -> Problem:
     if "nodes" in given:
         cells["nodes"] = choice(NodeLayout, given["nodes"])
     assembly = structure(blocks, material, special, locked, **cells)
-    return Problem(assembly, _load(assembly, given["load"]))
+    load = _mapping("load", given["load"], (), ("acceleration", "force", "tilt"))
+    if len(load) != 1:
+        raise ValueError("load: must have one key, acceleration, force or tilt")
+    if "tilt" in load:
+        return TiltProblem(assembly, _tilt(load["tilt"]))
+    return Problem(assembly, _load(assembly, load))
+
+
+def _tilt(value: Any) -> Tilt:
+    axis = _vector("load.tilt.axis", _mapping("load.tilt", value, ("axis",))["axis"])
+    try:
+        return Tilt(axis)
+    except ValueError as error:
+        raise ValueError(f"load.tilt.{error}") from None
 
 
 def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMaterial]:
@@ -135,10 +161,7 @@ def _pair(key: str, value: Any) -> Pair:
     return frozenset(map(str, pair))
 
 
-def _load(assembly: Assembly, value: Any) -> Loads:
-    load = _mapping("load", value, (), ("acceleration", "force"))
-    if len(load) != 1:
-        raise ValueError("load: must have one key, acceleration or force")
+def _load(assembly: Assembly, load: dict[str, Any]) -> Loads:
     if "acceleration" in load:
         return acceleration(assembly, _vector("load.acceleration", load["acceleration"]))
     force = _mapping("load.force", load["force"], ("block", "at", "direction"))

@@ -5,6 +5,7 @@ of the matrices in Newton's method depends on the number of pieces only, not on 
 """
 
 import math
+from copy import copy
 
 import numpy as np
 
@@ -41,11 +42,21 @@ class RigidSolver:
         self.place = np.arange(springs.unknowns[-1])
         self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
         self.units = springs.units
-        self.weight = self._inside(loads.permanent.ravel()[rows] / self.units)
-        self.load = self._inside(loads.variable.ravel()[rows] / self.units)
+        self.rows = rows
         per_face = np.add.reduceat(self.contact_law.normal_stiffness, springs.start[:-1])
         self.stiffness = float(per_face.max())
         self.floor, self.drag = FLOOR * self.stiffness, DRAG * self.stiffness
+        self._carry(loads)
+
+    def under(self, loads: Loads) -> "RigidSolver":
+        """The solver of the same assembly under other ``loads``; it shares what both compute in."""
+        other = copy(self)
+        other._carry(loads)
+        return other
+
+    def _carry(self, loads: Loads) -> None:
+        self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
+        self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
         self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
         self.largest_step = LARGEST_STEP * float(np.abs(self.rest).max() + np.abs(reach).max())
 
@@ -84,6 +95,14 @@ class RigidSolver:
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
+        return lifted_part(self.weight, self._pushed(point, load))
+
+    def motion(self, point: Equilibrium, load: float) -> Floats:
+        """Displacements (m, rad) of the free pieces when they move away under ``load`` (N)."""
+        return self._outside(self._pushed(point, load))
+
+    def _pushed(self, point: Equilibrium, load: float) -> Floats:
+        """Motion from ``point`` under a ``load`` (N) that nothing but drag carries."""
         target = load * self.load + self.weight
         begin = self._inside(point.unknowns * self.units)
         # With drag in place of the floor: as nothing carries the load, Newton's steps go on.
@@ -92,7 +111,7 @@ class RigidSolver:
         _, end, _, _ = equilibrium(
             self.structure, self.matrix, target, begin, state.slip, state.whole, limits
         )
-        return lifted_part(self.weight, end - begin)
+        return np.asarray(end - begin)
 
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""

@@ -12,7 +12,7 @@ they slide, as sliding along plane faces lifts nothing.
 
 import importlib
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from sidmacib.mechanics.contact_law import Flags, utilisation
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
+    Equilibria,
     Equilibrium,
     FirstFailure,
     Mode,
@@ -90,18 +91,47 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     if assembly.failure is not Failure.BRITTLE:
         return _softened(assembly, loads)
     solver = solver_of(assembly, loads)
-    path, failing, refinement = _to_first_failure(solver, loads.scale)
-    first_failure, mode = path[-1].load, Mode.BONDS
+    found = brittle_path(solver, loads.scale)
+    mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], loads.scale)
+    return StaticSolution(found.first_failure_load, found.path[: found.peak + 1], mode)
+
+
+@dataclass(frozen=True)
+class BrittlePath:
+    """A path on which bonds fail, until the load cannot rise.
+
+    ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
+    equilibria; those after the ``peak`` have its load, with more bonds broken. ``by_bonds``:
+    whether it ends as bonds fail and no equilibrium follows.
+    """
+
+    first_failure_load: float
+    path: tuple[Equilibrium, ...]
+    by_bonds: bool
+
+    @property
+    def peak(self) -> int:
+        """Index of the first equilibrium at the largest load."""
+        return int(np.argmax([point.load for point in self.path]))
+
+
+def brittle_path(
+    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
+) -> BrittlePath:
+    """Raise the load of ``solver`` from 0 until no equilibrium follows.
+
+    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load. Errors of
+    ``solver``, and `UnboundedError` if the assembly carries any load.
+    """
+    path, failing, refinement = _to_first_failure(solver, scale, precision)
+    first_failure = path[-1].load
     while failing.any():
         try:
             path.append(_redistributed(solver, path[-1], failing))
         except NoEquilibriumError:
             break
-        path, failing = _raised(solver, path, loads.scale, refinement)
-    else:
-        mode = _motion(solver, path[-1], loads.scale)
-    peak = int(np.argmax([point.load for point in path]))  # bonds fail at the peak, at that load
-    return StaticSolution(first_failure, tuple(path[: peak + 1]), mode)
+        path, failing = _raised(solver, path, scale, refinement, precision)
+    return BrittlePath(first_failure, tuple(path), bool(failing.any()))
 
 
 def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
@@ -138,7 +168,9 @@ def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
     return Mode.ROCKING if solver.lift(point, load) > LIFT else Mode.MECHANISM
 
 
-def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], Flags, float]:
+def _to_first_failure(
+    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
+) -> tuple[list[Equilibrium], Flags, float]:
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
@@ -146,9 +178,9 @@ def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], 
     on which the solver gives up before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
-    path, failing = _raised(solver, [start], scale)
+    path, failing = _raised(solver, [start], scale, precision=precision)
     while refinement > LEAST_REFINEMENT and any(point.state.slip.any() for point in path):
-        finer_path, finer_failing = _raised(solver, [start], scale, refinement / 2)
+        finer_path, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
         gave_up = failing.any() and not finer_failing.any()
         if gave_up or abs(finer_path[-1].load - path[-1].load) <= HISTORY * path[-1].load:
             break
@@ -157,22 +189,27 @@ def _to_first_failure(solver: Solver, scale: float) -> tuple[list[Equilibrium], 
 
 
 def _raised(
-    solver: Solver, path: list[Equilibrium], scale: float, refinement: float = 1.0
+    solver: Equilibria,
+    path: list[Equilibrium],
+    scale: float,
+    refinement: float = 1.0,
+    precision: float = LEAST_INCREMENT,
 ) -> tuple[list[Equilibrium], Flags]:
     """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
 
     ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
-    Returns the path to there and the nodes that fail: none if the load cannot rise further. The
-    increment is halved where no equilibrium is found, as Newton's method may fail from afar and
-    converge from nearby, and doubled again where one is. If it becomes too small, the solver is
-    thorough from there on; a load at which it then fails is not reached again.
+    ``precision``: the least increment over the load. Returns the path to there and the nodes that
+    fail: none if the load cannot rise further. The increment is halved where no equilibrium is
+    found, as Newton's method may fail from afar and converge from nearby, and doubled again where
+    one is. If it becomes too small, the solver is thorough from there on; a load at which it then
+    fails is not reached again.
     """
 
     def utilisation_at(point: Equilibrium) -> Floats:
         return utilisation(solver.contact_law, point.state, point.force)
 
     def least(load: float) -> float:
-        return LEAST_INCREMENT * max(load, LEAST_LOAD * scale)
+        return precision * max(load, LEAST_LOAD * scale)
 
     path, increment, thorough = list(path), refinement * INCREMENT * scale, False
     used = utilisation_at(path[-1])
@@ -222,7 +259,7 @@ def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> F
     return low.unknowns + onward * (other.unknowns - low.unknowns)
 
 
-def _redistributed(solver: Solver, point: Equilibrium, failing: Flags) -> Equilibrium:
+def _redistributed(solver: Equilibria, point: Equilibrium, failing: Flags) -> Equilibrium:
     """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
 
     Raises `NoEquilibriumError` if there is none.

@@ -1,0 +1,283 @@
+"""Gravity that turns: the angle at which a structure that is tilted has no equilibrium.
+
+Gravity turns about a horizontal or any other axis, from straight down, by the right-hand rule. To
+turn a structure about an axis by an angle is to turn gravity by the opposite angle. Blocks weigh
+the same throughout; as everywhere in the models, they are where they were built, so that only
+motions much smaller than the blocks are described.
+
+`static_tilt` follows the history of friction; `limit_tilt` asks only whether any admissible forces
+carry gravity at an angle. These do not exist above its angle, so with friction that is associated
+it is an upper bound: blocks that wedge each other carry any load in limit analysis, but in a path
+of loading only if something presses them together first.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.equilibrium import free_rows
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.static.model import BEYOND, INCREMENT, brittle_path
+from sidmacib.structure.loads import free_weight
+from sidmacib.validation import refused
+
+LARGEST = 180.0  # degrees
+STEP = 0.25  # degrees: largest increment, or a hundredth of the angle where that is more
+PRECISION = 1e-4  # of an angle, over itself
+LEAST_EXCESS = 0.1  # degrees beyond the critical angle, at which the motion of the blocks is seen
+CLOSED = 1e-3  # of the largest relative motion: a node that opens by less stays closed
+SECTOR = 60.0  # degrees that one programme of limit analysis sees
+SCAN = 5.0  # degrees between programmes where what they see is no sector
+UPRIGHT = 1e-6  # of the weight: accuracy with which limit analysis sees that blocks stand upright
+LIMIT_PRECISION = 1e-4  # degrees
+LEVEL = 1e-9  # of an axis: its part along gravity that counts as none
+
+
+class Motion(StrEnum):
+    """How the blocks move where equilibrium is lost."""
+
+    SLIDING = "sliding"  # where blocks stay in contact they slide, at least as far as others open
+    ROCKING = "rocking"  # joints open further than any that stays closed slides
+    BONDS = "bonds"  # bonds fail, and no equilibrium follows
+
+
+@dataclass(frozen=True)
+class Tilt:
+    """Gravity that turns about ``axis``, which need not be of unit length.
+
+    ValueError unless the axis has a length and is not vertical.
+    """
+
+    axis: tuple[float, float, float]
+
+    def __post_init__(self) -> None:
+        size = float(np.linalg.norm(self.axis))
+        if len(self.axis) != 3 or not 0.0 < size < math.inf:
+            raise refused("axis", list(self.axis), "three numbers, not all 0")
+        if math.hypot(*self.axis[:2]) <= LEVEL * size:
+            raise refused("axis", list(self.axis), "a direction that is not vertical")
+
+    @property
+    def level(self) -> bool:
+        """Whether the axis is horizontal."""
+        return abs(self.axis[2]) <= LEVEL * float(np.linalg.norm(self.axis))
+
+    @property
+    def unit(self) -> Floats:
+        """The axis, of length 1, (3,)."""
+        return np.array(self.axis) / np.linalg.norm(self.axis)
+
+    def gravity(self, angle: float) -> Floats:
+        """Direction of gravity after it has turned by ``angle`` (degrees), of length 1, (3,)."""
+        turn = Rotation.from_rotvec(math.radians(angle) * self.unit)
+        return np.asarray(turn.apply([0.0, 0.0, -1.0]))
+
+
+class TiltProblem(NamedTuple):
+    """A structure, and how gravity turns."""
+
+    assembly: Assembly
+    tilt: Tilt
+
+
+@dataclass(frozen=True)
+class StaticTilt:
+    """The path of the static model as gravity turns; angles in degrees.
+
+    ``first_failure``: where the first bond fails, or the critical angle if none does. ``path``:
+    equilibria, whose ``load`` is the angle. ``motion``: how the blocks move beyond the last.
+    ``mechanism``: these motions, displacements (m) and rotations (rad), (P, 6), the largest
+    displacement or rotation times the assembly's length being 1 m; None where bonds fail.
+    """
+
+    first_failure: float
+    path: tuple[Equilibrium, ...]
+    motion: Motion
+    mechanism: Floats | None
+
+    @property
+    def angle(self) -> float:
+        """The critical angle: of the last equilibrium."""
+        return self.path[-1].load
+
+
+@dataclass(frozen=True)
+class LimitTilt:
+    """The angle (degrees) up to which admissible forces exist, and the mechanism there, (P, 6).
+
+    Without a mechanism they exist up to 180 degrees.
+    """
+
+    angle: float
+    mechanism: Floats | None = None
+
+
+def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
+    """The weight of all free pieces under gravity that has turned by ``angle`` (degrees)."""
+    weight = np.array([0.0 if piece.fixed else piece.weight for piece in assembly.pieces])
+    permanent = np.zeros((len(weight), 6))
+    permanent[:, :3] = weight[:, None] * tilt.gravity(angle)
+    return Loads(permanent, np.zeros_like(permanent), free_weight(assembly))
+
+
+def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
+    """Turn gravity until the static model of ``assembly``, of rigid pieces, has no equilibrium.
+
+    Accurate to 1e-4 of the angle for the path with friction that the increments follow; these are
+    halved until the first failure converges. `NoEquilibriumError` if the assembly does not stand
+    upright, `UnboundedError` if it is in equilibrium up to 180 degrees, `CapacityError` for elastic
+    pieces and for contact points in place of locks.
+    """
+    if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
+        raise CapacityError("tilt: pieces must be rigid; leave out their elastic material")
+    solver = _Turning(assembly, tilt)
+    found = brittle_path(solver, STEP / INCREMENT, PRECISION)
+    to_peak = found.path[: found.peak + 1]
+    if found.by_bonds:
+        return StaticTilt(found.first_failure_load, to_peak, Motion.BONDS, None)
+    mechanism = solver.mechanism(found.path[-1])
+    motion = motion_of(assembly, mechanism)
+    return StaticTilt(found.first_failure_load, to_peak, motion, mechanism)
+
+
+class _Turning:
+    """Equilibria under gravity that turns; the load is the angle in degrees."""
+
+    def __init__(self, assembly: Assembly, tilt: Tilt) -> None:
+        self.assembly, self.tilt = assembly, tilt
+        self.upright = RigidSolver(assembly, turned(assembly, tilt, 0.0))
+
+    @property
+    def contact_law(self) -> ContactLaw:
+        return self.upright.contact_law
+
+    def at(self, angle: float) -> RigidSolver:
+        return self.upright.under(turned(self.assembly, self.tilt, angle))
+
+    def start(self) -> Equilibrium:
+        try:
+            return self.upright.start()
+        except NoEquilibriumError:
+            raise NoEquilibriumError("no equilibrium before gravity turns") from None
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        if load > LARGEST:
+            raise UnboundedError(f"in equilibrium up to {LARGEST:g} degrees")
+        point = self.at(load).solve(0.0, guess, state, thorough=thorough)
+        return replace(point, load=load)
+
+    def mechanism(self, point: Equilibrium) -> Floats:
+        """Motions of the pieces beyond the last equilibrium, (P, 6), see `StaticTilt`."""
+        beyond = point.load + max(BEYOND * point.load, LEAST_EXCESS)
+        moved = np.zeros(6 * len(self.assembly.pieces))
+        moved[free_rows(self.assembly)] = self.at(beyond).motion(point, 0.0)
+        motion = moved.reshape(-1, 6)
+        scaled = np.abs(motion) * ([1.0] * 3 + [self.assembly.length] * 3)
+        return np.asarray(motion / scaled.max())
+
+
+def motion_of(assembly: Assembly, mechanism: Floats) -> Motion:
+    """Whether blocks that move as a ``mechanism``, (P, 6), slide or rock."""
+    apart = (equilibrium_matrix(assembly).T @ mechanism.ravel()).reshape(-1, 3)
+    opening, sliding = -apart[:, 0], np.hypot(apart[:, 1], apart[:, 2])
+    largest = float(np.hypot(opening, sliding).max())
+    closed = opening <= CLOSED * largest
+    slides = float(sliding[closed].max(initial=0.0))
+    return Motion.SLIDING if slides >= float(opening.max()) else Motion.ROCKING
+
+
+def moves_most(assembly: Assembly, mechanism: Floats) -> str:
+    """The piece whose centroid moves most in a ``mechanism``, (P, 6)."""
+    size = np.linalg.norm(mechanism[:, :3], axis=1)
+    return assembly.pieces[int(np.argmax(size))].name
+
+
+def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
+
+    Friction is associated. Angles without such forces that are less than 5 degrees apart may be
+    missed where there are bonds, or where the axis is not horizontal. `InfeasibleError` if there
+    are no forces before gravity turns; other errors of `limit_load`.
+    """
+    for side in (-1.0, 1.0):
+        state = _across(assembly, tilt, 0.0, side)
+        if state is not None and state.load < -UPRIGHT * free_weight(assembly):
+            raise InfeasibleError("limit analysis: no forces balance gravity before it turns")
+    if tilt.level and not ContactLaw.of(assembly).cohesive.any():
+        return _by_sectors(assembly, tilt)
+    return _by_scan(assembly, tilt)
+
+
+def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """`limit_tilt` of a dry assembly about a horizontal axis.
+
+    Directions of gravity that admissible forces carry are a convex cone, in the plane in which
+    gravity turns a sector. Its end is the largest tangent of an angle: one programme.
+    """
+    weight = free_weight(assembly)
+    for begin in np.arange(0.0, LARGEST, SECTOR).tolist():
+        state = _across(assembly, tilt, begin)
+        if state is None:
+            continue
+        further = math.degrees(math.atan(state.load / weight))
+        if further < SECTOR:
+            return LimitTilt(begin + max(further, 0.0), state.mechanism)
+    return LimitTilt(LARGEST)
+
+
+def _across(assembly: Assembly, tilt: Tilt, angle: float, side: float = 1.0) -> LimitState | None:
+    """The largest load along which gravity at ``angle`` (degrees) turns, beside it; None for any.
+
+    ``side``: -1 for the opposite direction.
+    """
+    gravity = turned(assembly, tilt, angle)
+    beside = np.zeros_like(gravity.permanent)
+    beside[:, :3] = np.cross(side * tilt.unit, gravity.permanent[:, :3]) / gravity.scale
+    loads = replace(gravity, variable=beside)
+    try:
+        return limit_load(assembly, loads, friction=True)
+    except UnboundedError:
+        return None
+
+
+def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """`limit_tilt` of any assembly: angles one after the other, then bisection."""
+    low = high = 0.0
+    state: LimitState | None = None
+    while state is None:
+        low, high = high, high + SCAN
+        if high > LARGEST:
+            return LimitTilt(LARGEST)
+        state = _short_of(assembly, tilt, high)
+    while high - low > LIMIT_PRECISION:
+        middle = (low + high) / 2
+        found = _short_of(assembly, tilt, middle)
+        low, high, state = (middle, high, state) if found is None else (low, middle, found)
+    return LimitTilt(low, state.mechanism)
+
+
+def _short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+    """The limit state on the way from upright gravity to that at ``angle``; None if it gets there.
+
+    The way is straight. It leads to ``angle`` if that has admissible forces, as the directions and
+    sizes of gravity that have them are a convex set.
+    """
+    upright, weight = turned(assembly, tilt, 0.0), free_weight(assembly)
+    change = turned(assembly, tilt, angle).permanent - upright.permanent
+    try:
+        state = limit_load(assembly, replace(upright, variable=change / weight), friction=True)
+    except UnboundedError:
+        return None
+    return None if state.load >= weight else state

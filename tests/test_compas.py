@@ -1,0 +1,100 @@
+"""Assemblies of COMPAS, read without it."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.compas import read_compas
+
+GROUND = box("block0", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+CUBE = box("block3", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+KIND = "compas_cra.datastructures/CRA_Assembly"
+
+
+def mesh(block: Block) -> dict[str, Any]:
+    """As COMPAS writes it: keys of vertices are texts, and need not begin at 0."""
+    vertex = {str(7 + k): dict(zip("xyz", v, strict=True)) for k, v in enumerate(block.vertices)}
+    face = {str(k): [7 + v for v in outline] for k, outline in enumerate(block.faces)}
+    return {
+        "dtype": "compas_assembly.datastructures/Block",
+        "data": {"vertex": vertex, "face": face},
+    }
+
+
+def assembly() -> dict[str, Any]:
+    nodes = {"3": {"block": mesh(CUBE)}, "0": {"block": mesh(GROUND), "is_support": True}}
+    graph = {"dtype": "compas.datastructures/Graph", "data": {"node": nodes, "edge": {}}}
+    return {"dtype": KIND, "data": {"graph": graph}}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "assembly.json"
+
+
+def test_blocks_are_read_in_the_order_of_their_nodes_and_supports_are_fixed(path: Path) -> None:
+    path.write_text(json.dumps(assembly()))
+    assert read_compas(path, 2e3) == (GROUND, CUBE)
+
+
+def test_fixed_nodes_take_the_place_of_the_supports_in_the_file(path: Path) -> None:
+    path.write_text(json.dumps(assembly()))
+    assert [block.fixed for block in read_compas(path, 2e3, fixed=[3])] == [False, True]
+
+
+def test_a_face_that_is_not_plane_is_cut_into_triangles(path: Path) -> None:
+    given = assembly()
+    given["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["vertex"]["13"]["z"] += 0.1
+    path.write_text(json.dumps(given))
+    block = read_compas(path, 2e3)[1]
+    assert sorted(map(len, block.faces)) == [3] * 2 + [4] * 5
+    assert block.volume > CUBE.volume
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "words"),
+    [
+        (("dtype",), "compas_dem.models/BlockModel", "assembly.json: dtype 'compas_dem"),
+        (("data", "graph"), 3, "assembly.json: graph: 3 is not allowed; it must be a mapping"),
+        (("data", "graph", "data"), {}, "assembly.json: lacks the key node"),
+        (("data", "graph", "data", "node", "3"), {}, "block3: lacks the key block"),
+        (
+            ("data", "graph", "data", "node", "3", "block", "dtype"),
+            "compas.datastructures/Mesh",
+            "block3: block: dtype 'compas.datastructures/Mesh' is not allowed; it must be",
+        ),
+        (
+            ("data", "graph", "data", "node", "3", "block", "data", "face", "0"),
+            [1, 2, 3],
+            "block3: a vertex or face is not understood",
+        ),
+        (("data", "graph", "data", "node", "0", "is_support"), False, "calls no node a support"),
+        (("data", "graph", "data", "node", "x"), {}, "node: 'x' is not allowed; it must be a"),
+    ],
+)
+def test_what_is_not_understood_is_named_in_one_line(
+    path: Path, keys: tuple[str, ...], value: Any, words: str
+) -> None:
+    given = inside = assembly()
+    for key in keys[:-1]:
+        inside = inside[key]
+    inside[keys[-1]] = value
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match=words) as caught:
+        read_compas(path, 2e3)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_fixed_node_that_is_not_there_is_refused(path: Path) -> None:
+    path.write_text(json.dumps(assembly()))
+    with pytest.raises(ValueError, match="fixed: 1 is not allowed; it must be a node of 0, 3"):
+        read_compas(path, 2e3, fixed=[1])
+
+
+def test_a_file_that_is_no_json_is_named(path: Path) -> None:
+    path.write_text("{")
+    with pytest.raises(ValueError, match=r"assembly.json: is no JSON"):
+        read_compas(path, 2e3)

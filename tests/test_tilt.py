@@ -1,0 +1,251 @@
+"""Gravity that turns, against theory and under changes that mean nothing."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+from structures import arch, dry, moved
+
+from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.structure import Pair, structure
+from sidmacib.structure.tilt import (
+    Motion,
+    Tilt,
+    limit_tilt,
+    motion_of,
+    moves_most,
+    static_tilt,
+    turned,
+)
+
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+STRONG = FaceMaterial(1e10, 1e10, 0.0, 1e9, 1e9)
+Y = Tilt((0.0, 1.0, 0.0))
+
+
+def degrees(slope: float) -> float:
+    return math.degrees(math.atan(slope))
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, -2.0, 0.0), (math.sqrt(3), 1.0, 0.0)])
+def test_a_block_on_a_slope_slides_at_the_angle_of_friction(
+    axis: tuple[float, float, float],
+) -> None:
+    model = structure([GROUND, BLOCK], dry(0.2))
+    found = static_tilt(model, Tilt(axis))
+    assert found.angle == pytest.approx(degrees(0.2), abs=0.01)
+    assert found.angle == found.first_failure
+    assert found.motion is Motion.SLIDING
+    assert limit_tilt(model, Tilt(axis)).angle == pytest.approx(degrees(0.2), rel=1e-6)
+
+
+@pytest.mark.parametrize(("axis", "width"), [((0.0, 1.0, 0.0), 0.4), ((1.0, 0.0, 0.0), 0.6)])
+def test_a_tall_block_overturns_at_width_over_height(
+    axis: tuple[float, float, float], width: float
+) -> None:
+    model = structure([GROUND, BLOCK], dry(0.84))
+    found, limit = static_tilt(model, Tilt(axis)), limit_tilt(model, Tilt(axis))
+    assert found.angle == pytest.approx(degrees(width), abs=0.01)
+    assert found.motion is Motion.ROCKING
+    assert limit.angle == pytest.approx(degrees(width), rel=1e-6)
+    assert limit.mechanism is not None
+    assert motion_of(model, limit.mechanism) is Motion.ROCKING
+    assert moves_most(model, limit.mechanism) == "block"
+
+
+def test_a_block_slides_where_the_slope_is_steepest_about_an_axis_that_is_not_level() -> None:
+    """Gravity on a cone about an axis at 45 degrees: its angle to the normal of the plane."""
+    tilt, model = Tilt((0.0, 1.0, 1.0)), structure([GROUND, BLOCK], dry(0.2))
+    angle = limit_tilt(model, tilt).angle
+    x, y, z = tilt.gravity(angle)
+    assert math.hypot(x, y) / -z == pytest.approx(0.2, rel=1e-4)
+    assert static_tilt(model, tilt).angle == pytest.approx(angle, abs=0.01)
+
+
+def test_an_arch_rocks_at_the_tilt_of_whiting_after_both_models() -> None:
+    model = structure(arch(60, 0.2), dry(3.0))
+    found = static_tilt(model, Y)
+    assert found.angle == pytest.approx(15.84, abs=0.1)
+    assert found.motion is Motion.ROCKING
+    assert limit_tilt(model, Y).angle == pytest.approx(found.angle, abs=0.01)
+
+
+def test_a_bonded_block_hangs_until_its_bond_is_torn_off() -> None:
+    """The bond carries shear only: at its angle the weight's part along it is the cohesion."""
+    slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
+    cohesion = 0.5 * slab.weight / (0.4 * 0.6)
+    model = structure([GROUND, slab], FaceMaterial(1e10, 1e10, 0.0, cohesion, 1e6))
+    found = static_tilt(model, Y)
+    assert found.first_failure == pytest.approx(30.0, abs=0.01)
+    assert found.angle == pytest.approx(30.0, abs=0.01)
+    assert found.motion is Motion.BONDS
+    assert found.mechanism is None
+    assert limit_tilt(model, Y).angle == pytest.approx(30.0, abs=1e-3)
+
+
+def test_friction_holds_what_a_bond_lets_go() -> None:
+    """The brittle bond fails at 10 degrees, and the block then slides at its friction angle."""
+    slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
+    cohesion = math.sin(math.radians(10.0)) * slab.weight / (0.4 * 0.6)
+    law = FaceMaterial(1e10, 1e10, 0.5, cohesion, 1e6)
+    found = static_tilt(structure([GROUND, slab], law), Y)
+    assert found.first_failure == pytest.approx(10.0, abs=0.01)
+    assert found.angle == pytest.approx(degrees(0.5), abs=0.01)
+    assert found.motion is Motion.SLIDING
+
+
+def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
+    model = structure([GROUND, BLOCK], STRONG)
+    assert limit_tilt(model, Y).angle == 180.0
+    with pytest.raises(UnboundedError, match="up to 180 degrees"):
+        static_tilt(model, Y)
+
+
+def test_a_block_that_falls_over_upright_is_told() -> None:
+    leaning = prism(
+        "leaning",
+        [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.4, 0.0, 1.0), (1.0, 0.0, 1.0)],
+        (0.0, 0.6, 0.0),
+        2e3,
+    )
+    model = structure([GROUND, leaning], dry(0.7))
+    with pytest.raises(NoEquilibriumError, match="before gravity turns"):
+        static_tilt(model, Y)
+    with pytest.raises(InfeasibleError):
+        limit_tilt(model, Y)
+    with pytest.raises(InfeasibleError):
+        limit_tilt(model, Tilt((0.0, 1.0, 1.0)))
+
+
+def test_elastic_pieces_are_refused() -> None:
+    model = structure([GROUND, replace(BLOCK, elastic=Elastic(1e9))], dry(0.7))
+    with pytest.raises(CapacityError, match="pieces must be rigid"):
+        static_tilt(model, Y)
+
+
+def test_gravity_turns_by_the_right_hand_rule_and_keeps_its_size() -> None:
+    assert Y.gravity(90.0) == pytest.approx([-1.0, 0.0, 0.0])
+    assert Y.gravity(180.0) == pytest.approx([0.0, 0.0, 1.0])
+    model = structure([GROUND, BLOCK], dry(0.7))
+    weight = turned(model, Tilt((1.0, 2.0, 0.5)), 70.0).permanent
+    assert np.linalg.norm(weight[1]) == pytest.approx(BLOCK.weight)
+    assert not weight[0].any()
+
+
+def leaning_stack() -> list[Block]:
+    """Three blocks, each a little further along x and y than the one below."""
+    return [
+        box(
+            f"block{k}",
+            (0.05 * k, 0.03 * k, 0.3 * k),
+            (0.05 * k + 0.5, 0.03 * k + 0.4, 0.3 * k + 0.3),
+            2e3,
+        )
+        for k in range(3)
+    ]
+
+
+def wedge() -> list[Block]:
+    """A block in a notch between two fixed ones."""
+    flanks = [
+        prism(
+            name,
+            [(0.0, 0.0, 0.0), (sign * 1.0, 0.0, 0.0), (sign * 1.0, 0.0, 1.0)],
+            (0.0, 1.0, 0.0),
+            2e3,
+            fixed=True,
+        )
+        for name, sign in (("left", -1.0), ("right", 1.0))
+    ]
+    key = [(0.0, 0.0, 0.0), (0.7, 0.0, 0.7), (-0.7, 0.0, 0.7)]
+    return [*flanks, prism("key", key, (0.0, 1.0, 0.0), 2e3)]
+
+
+SHAPES = {"stack": [GROUND, *leaning_stack()], "arch": arch(9, 0.25), "wedge": wedge()}
+MATERIAL = dry(0.4)
+
+
+def both(
+    blocks: list[Block], tilt: Tilt, special: dict[Pair, FaceMaterial] | None = None
+) -> tuple[float, float]:
+    model = structure(blocks, MATERIAL, special)
+    return static_tilt(model, tilt).angle, limit_tilt(model, tilt).angle
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@settings(max_examples=3, deadline=None)
+@given(
+    about=st.floats(-3.0, 3.0),
+    shift=st.lists(st.floats(-9.0, 9.0), min_size=3, max_size=3),
+)
+def test_turned_and_shifted_coordinates_change_nothing(
+    shape: str, about: float, shift: list[float]
+) -> None:
+    """Turned about the vertical, as gravity begins along -z."""
+    axis = np.array([0.3, 1.0, 0.0])
+    here = both(SHAPES[shape], Tilt((0.3, 1.0, 0.0)))
+    turn = Rotation.from_rotvec([0.0, 0.0, about])
+    x, y, z = turn.apply(axis).tolist()
+    there = both([moved(block, turn, shift) for block in SHAPES[shape]], Tilt((x, y, z)))
+    assert there == pytest.approx(here, rel=5e-4)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_mirror_image_tilts_the_other_way(shape: str) -> None:
+    def mirrored(block: Block) -> Block:
+        return replace(
+            block,
+            vertices=tuple((-x, y, z) for x, y, z in block.vertices),
+            faces=tuple(face[::-1] for face in block.faces),
+        )
+
+    here = both(SHAPES[shape], Tilt((0.3, 1.0, 0.0)))
+    there = both([mirrored(block) for block in SHAPES[shape]], Tilt((0.3, -1.0, 0.0)))
+    assert there == pytest.approx(here, rel=5e-4)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-3, 1e3, 1e6])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_size_changes_nothing_over_twelve_orders_of_magnitude(shape: str, size: float) -> None:
+    def scaled(block: Block) -> Block:
+        return replace(
+            block, vertices=tuple((size * x, size * y, size * z) for x, y, z in block.vertices)
+        )
+
+    here = both(SHAPES[shape], Y)
+    assert both([scaled(block) for block in SHAPES[shape]], Y) == pytest.approx(here, rel=5e-4)
+
+
+def test_a_strong_bonded_cut_changes_nothing() -> None:
+    """The lowest block of the stack, in two halves."""
+    ground, lowest, *rest = SHAPES["stack"]
+    (x, y, z), (to_x, to_y, to_z) = lowest.places.min(axis=0), lowest.places.max(axis=0)
+    middle = (z + to_z) / 2
+    halves = [
+        box("low", (x, y, z), (to_x, to_y, middle), 2e3),
+        box("high", (x, y, middle), (to_x, to_y, to_z), 2e3),
+    ]
+    cut = both([ground, *halves, *rest], Y, {frozenset({"low", "high"}): STRONG})
+    assert cut == pytest.approx(both(SHAPES["stack"], Y), rel=5e-4)
+
+
+def test_a_stack_as_one_block_overturns_where_its_lowest_joint_opens() -> None:
+    """Straight stacks of n blocks: atan(b / (n h)) while friction is high."""
+    for count in (1, 2, 4):
+        edges = np.arange(count + 1) * 0.3
+        stack = [
+            box(f"block{k}", (0.0, 0.0, low), (0.5, 0.4, high), 2e3)
+            for k, (low, high) in enumerate(pairwise(edges.tolist()))
+        ]
+        model = structure([GROUND, *stack], dry(3.0))
+        expected = degrees(0.5 / (0.3 * count))
+        assert static_tilt(model, Y).angle == pytest.approx(expected, abs=0.01)
+        assert limit_tilt(model, Y).angle == pytest.approx(expected, rel=1e-6)
