@@ -44,7 +44,15 @@ def read_structure(path: Path) -> Problem:
 
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
-    given = _mapping("the file", read_yaml(path), ("blocks", "load"), OPTIONAL)
+    return structure_of(read_yaml(path))
+
+
+def structure_of(description: Any, what: str = "the file") -> Problem:
+    """The structure and the load of a ``description``, plain values as in a file.
+
+    ValueError that names the key, or ``what`` where there is none.
+    """
+    given = _mapping(what, description, ("blocks", "load"), OPTIONAL)
     blocks = [_block(name, value) for name, value in _named("blocks", given["blocks"]).items()]
     material = _material("interfaces", given.get("interfaces", {}), MATERIAL)
     special = _special(_list("special", given.get("special", [])), material)

@@ -35,11 +35,8 @@ def run_engine(
 
 def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> str | None:
     """Why the engine cannot compute ``assembly`` under ``loads``; None if it can."""
-    if loads is not None and type(loads) is not Loads:
-        return f"loads are of the kind {type(loads).__name__}; it knows only loads in proportion"
-    for face in assembly.faces:
-        if face.kind is Kind.LOCKED:
-            return f"{face.name} has condensed locks, which have no stiffness; cut them out"
+    if reason := _structure_refusal(engine, assembly, loads):
+        return reason
     if assembly.failure is Failure.SOFTENING:
         return f"inner faces are {assembly.failure}; no engine has bonds that fade"
     if Ability.DUCTILE not in engine.abilities and assembly.failure is not Failure.BRITTLE:
@@ -47,12 +44,22 @@ def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> s
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
     if engine.elastic and not all(deforms):
         return "pieces are rigid; it knows only elastic ones"
-    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
-        return "pieces are polyhedra; it knows only cuboids along the axes"
     if any(deforms) and not engine.elastic:
         return "pieces are elastic; it knows only rigid ones"
     reasons = (_bond_refusal(engine, face) for face in assembly.faces if face.kind is Kind.INNER)
     return next(filter(None, reasons), None)
+
+
+def _structure_refusal(engine: Engine, assembly: Assembly, loads: Loads | None) -> str | None:
+    """Why the engine cannot compute loads, faces or pieces of this kind; None if it can."""
+    if loads is not None and type(loads) is not Loads:
+        return f"loads are of the kind {type(loads).__name__}; it knows only loads in proportion"
+    if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
+        return "pieces are polyhedra; it knows only cuboids along the axes"
+    for face in assembly.faces:
+        if face.kind is Kind.LOCKED:
+            return f"{face.name} has condensed locks, which have no stiffness; cut them out"
+    return None
 
 
 def _bond_refusal(engine: Engine, face: Face) -> str | None:
