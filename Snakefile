@@ -12,6 +12,7 @@ from workflow.planning.batches import case_jobs
 from workflow.configuration import ConfigError, load_configuration, read_study
 from workflow.models import detailed
 from workflow.planning.snakefile import plan_from
+from workflow.structures.cases import structure_jobs
 
 # Snakemake has read the configuration too, and merges it with defaults; this reader checks every key,
 # and does not mix two studies. `workflow.planning.snakefile.plan_of` hands over a study that it has.
@@ -25,6 +26,7 @@ try:
             CONFIG = load_configuration(path, CONFIG)
     STUDY = GIVEN or read_study(CONFIG)
     CASES = case_jobs(STUDY)
+    STRUCTURES = structure_jobs(STUDY)
 except ConfigError as error:
     if GIVEN is not None:
         raise
@@ -35,24 +37,35 @@ DETAILED = detailed(STUDY.model_names)
 
 
 include: "workflow/rules/common.smk"
-include: "workflow/rules/cases.smk"
-include: "workflow/rules/tables.smk"
-include: "workflow/rules/pages.smk"
-include: "workflow/rules/on_request.smk"
+STUDY_FILES = []
+if STUDY.samples:
+
+    include: "workflow/rules/cases.smk"
+    include: "workflow/rules/tables.smk"
+    include: "workflow/rules/pages.smk"
+    include: "workflow/rules/on_request.smk"
+
+    STUDY_FILES += [
+        *OF_CASES,
+        *rules.collect.output,
+        *rules.capacity.output,
+        *rules.fit.output,
+        *rules.variants.output,
+        *rules.validation.output,
+        *rules.figures.output,
+        *rules.summary.output,
+        *rules.report.output,
+        *rules.complete.output,
+    ]
 
 
-STUDY_FILES = [
-    *OF_CASES,
-    *rules.collect.output,
-    *rules.capacity.output,
-    *rules.fit.output,
-    *rules.variants.output,
-    *rules.validation.output,
-    *rules.figures.output,
-    *rules.summary.output,
-    *rules.report.output,
-    *rules.complete.output,
-]
+if STUDY.structures:
+
+    include: "workflow/rules/structures.smk"
+
+    STUDY_FILES += STRUCTURE_FILES
+
+
 if STUDY.measured is not None:
 
     include: "workflow/rules/measured.smk"
@@ -80,4 +93,4 @@ rule all:
         STUDY_FILES,
 
 
-PLAN = plan_from(workflow.rules, STUDY, CASES, WILDCARDS)
+PLAN = plan_from(workflow.rules, STUDY, CASES, WILDCARDS, STRUCTURES.cases)

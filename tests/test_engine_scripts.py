@@ -205,7 +205,9 @@ def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.Assembl
 
 
 def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None:
-    many = as_read(*tilted_stack(15), tmp_path)
+    stack = as_read(*tilted_stack(15), tmp_path)
+    uneven = replace(stack.loads[0], force=(1.0, 0.0, 0.0))  # no acceleration of all alike
+    many = replace(stack, loads=[uneven, *stack.loads[1:]])
     with pytest.raises(SystemExit, match="30 places to put the loads; it can have 28"):
         list(Deck(many, SEARCH, 0.4).input_script())
 

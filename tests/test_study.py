@@ -43,7 +43,9 @@ def test_config_yaml_spells_out_the_defaults() -> None:
     study = read_study(config)
     default = read_study({"samples": config["samples"], "variants": config["variants"]})
     assert study == default.model_copy(update={"nodes": NodeLayout.VERTICES})  # 3DEC's
-    assert set(config) == set(type(study).model_fields) - {"samplings", "campaign", "measured"}
+    assert set(config) == set(type(study).model_fields) - {
+        *("samplings", "campaign", "measured", "structures")
+    }
     assert study.joint("n3") == Joint(3)
     assert {k: o.contact_option() for k, o in study.sidmacib.options.items()} == OPTIONS
 

@@ -33,7 +33,8 @@ from workflow.schema import Study
 
 CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
-SUMMARY = "summary"  # the job of that name, and its rule
+# Of joints, and of structures: the job of that name, and its rule, by the file that it writes.
+SUMMARIES = {"summary.txt": "summary", "structures.txt": "structure_summary"}
 PATIENCE = 10.0  # s, for Snakemake to clean up when it is told to end
 MANY = 5000  # cases, which take a while to plan
 TOLD = 3  # reasons at the end of a run that is incomplete
@@ -119,14 +120,17 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
     if profile is None:  # a cluster's front end is not for computing
         _first_report(config, own, engines)
     whole = snakemake(config, own.results, (), engines, profile)
-    path = Path(own.results, "summary.txt")
-    ours = whole or progress.last_run().is_made(SUMMARY)
-    if ours and path.is_file():
-        print(path.read_text(), end="")
-    if whole:
-        return None
-    old = f" ({path.name} is of an earlier run)" if path.is_file() and not ours else ""
-    return f"{own.results}: the study is incomplete{old}{_because()}"
+    old = ""
+    for name, rule in SUMMARIES.items():
+        if not (own.samples if rule == "summary" else own.structures):
+            continue
+        path = Path(own.results, name)
+        ours = whole or progress.last_run().is_made(rule)
+        if ours and path.is_file():
+            print(path.read_text(), end="")
+        elif path.is_file():
+            old += f" ({name} is of an earlier run)"
+    return None if whole else f"{own.results}: the study is incomplete{old}{_because()}"
 
 
 def _because() -> str:
@@ -146,7 +150,7 @@ def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
     Only if there is none yet: what it shows is made again when the engines have ended.
     """
     path = Path(own.results, REPORT)
-    if engines and REFERENCE_MODEL in own.models and not path.exists():
+    if own.samples and engines and REFERENCE_MODEL in own.models and not path.exists():
         print("First, a report without the engines", file=sys.stderr)
         # In a process of its own, whose lock of the results folder ends with it.
         told = ["report", str(config), f"--results={own.results}"]
@@ -158,7 +162,7 @@ def case(config: Path, results: str | None, name: str, model: str | None) -> str
     """Run one case if need be and print its result; returns why there is none."""
     from workflow.results.files import read_records
 
-    own = read_study_file(config, results)
+    own = _with_joints(config, results)
     use_writable_caches(Path(own.results))  # before anything is imported that compiles
     from analysis.summary.one_case import describe_record
 
@@ -195,9 +199,17 @@ def _rule(own: Study, name: str, model: str) -> str | None:
     return None
 
 
+def _with_joints(config: Path, results: str | None) -> Study:
+    """The study in ``config``; `ConfigError` if it has no joints."""
+    own = read_study_file(config, results)
+    if not own.samples:
+        raise ConfigError("samples: missing; this is made of joints, and the study has structures")
+    return own
+
+
 def report(config: Path, results: str | None, engines: bool = True) -> str | None:
     """Write the report, without engines of what needs none; returns why there is no report."""
-    own = read_study_file(config, results)
+    own = _with_joints(config, results)
     path = str(Path(own.results, REPORT))
     if not snakemake(config, own.results, (path,), installed_engines(own) if engines else ()):
         return f"no report{_because()}"
@@ -207,7 +219,7 @@ def report(config: Path, results: str | None, engines: bool = True) -> str | Non
 
 def decks(config: Path, results: str | None) -> str | None:
     """Write the decks for 3DEC; returns why there are none."""
-    own = read_study_file(config, results)
+    own = _with_joints(config, results)
     if not snakemake(config, own.results, ("decks",), list(own.dem.engines)):
         return f"no decks{_because()}"
     print(f"Decks: {own.results}/decks/3dec")

@@ -55,9 +55,10 @@ def read_study_file(path: Path, results: str | None = None) -> Study:
 def load_configuration(path: Path, changes: Mapping[str, Any]) -> dict[str, Any]:
     """The keys and values in the YAML file ``path`` with ``changes``, section by section.
 
-    Raises `ConfigError` if the file cannot be read; `read_study` checks whether it is a study.
+    Files of structures are read too. Raises `ConfigError` if a file cannot be read; `read_study`
+    checks whether it is a study.
     """
-    return _merged(read_config_text(path), changes)
+    return _with_descriptions(_merged(read_config_text(path), changes), path)
 
 
 def read_config_text(path: Path) -> dict[str, Any]:
@@ -113,6 +114,25 @@ def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
         if isinstance(value, Mapping) and isinstance(config.get(key), Mapping)
     }
     return {**config, **changes, **both}
+
+
+def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
+    """``config`` with what the files of its structures describe; they are beside ``path``."""
+    structures = config.get("structures")
+    if not isinstance(structures, Mapping):
+        return config
+    read = {}
+    for name, section in structures.items():
+        read[name] = section
+        if isinstance(section, Mapping) and isinstance(file := section.get("file"), str):
+            key = f"structures.{shown_key(name)}"
+            if "description" in section:
+                raise ConfigError(f"{_named(path)}: {key}: has file and description; one is enough")
+            try:
+                read[name] = {**section, "description": read_yaml(path.parent / file)}
+            except TextError as error:
+                raise ConfigError(f"{_named(path)}: {key}.file: {file}: {error}") from None
+    return {**config, "structures": read}
 
 
 def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:

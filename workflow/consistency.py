@@ -20,6 +20,7 @@ from workflow.schema.campaign import required_sections
 from workflow.schema.dem import NumericsSection
 from workflow.schema.joint import PartSection, changed
 from workflow.schema.values import shown_key
+from workflow.structures.cases import structure_faults
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),
@@ -54,6 +55,7 @@ def faults(study: Study) -> Iterator[str]:
             f"{_some(study.meshes)}"
         )
     yield from _measured(study)
+    yield from structure_faults(study)
     for section in required_sections(study.campaign) if study.campaign else ():
         if not getattr(study, section):
             yield f"campaign: {study.campaign} needs {section}"

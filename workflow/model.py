@@ -31,6 +31,7 @@ class Ability(StrEnum):
     RANKS = auto()  # runs one case on several processes
     STRESSES = auto()  # gives them at all nodes
     DISPLACEMENTS = auto()  # gives the one that the load does work on
+    CONDENSED = auto()  # contact points in place of locks
     FIRST_FAILURE = auto()  # gives the load at which the first node fails
 
 
@@ -86,10 +87,12 @@ class Model:
 class SolvedModel(Model):
     """A model that is solved in this process, many cases in one batch.
 
-    ``module``: where its ``solve`` is, which is loaded when it is used.
+    ``module``: where its ``solve`` is, which is loaded when it is used; ``structures``: the same
+    for structures of blocks.
     """
 
     module: str
+    structures: str
 
     def run(self, problem: Problem) -> Outcome:
         """What the model finds for ``problem``.

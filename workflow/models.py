@@ -32,13 +32,15 @@ _ALL: tuple[Model, ...] = (
             }
         ),
         module="workflow.solvers.static",
+        structures="workflow.solvers.structure_static",
     ),
     SolvedModel(
         name="limit",
         label="limit analysis",
         colour=SKY,
-        abilities=frozenset({*_OF_THE_PIECES, Ability.DUCTILE}),
+        abilities=frozenset({*_OF_THE_PIECES, Ability.DUCTILE, Ability.CONDENSED}),
         module="workflow.solvers.limit",
+        structures="workflow.solvers.structure_limit",
     ),
     ReturnedModel(
         name="3dec",

@@ -16,6 +16,7 @@ from sidmacib.quantities import Number, Span
 from workflow.schema import Study
 from workflow.schema.measured import words
 from workflow.schema.section import Section
+from workflow.schema.structures import samples
 from workflow.schema.values import eccentricity, entries, folder, name, several, some
 
 WORDS = {  # of checks that are functions
@@ -25,6 +26,7 @@ WORDS = {  # of checks that are functions
     some: "at least one",
     several: "perhaps none",
     entries: "at least one name",
+    samples: "at least one name, unless there are structures",
     words: "text",
     name: "letters, digits, _ and ., beginning with a letter or digit",
 }

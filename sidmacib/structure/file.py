@@ -48,10 +48,7 @@ def read_structure(path: Path) -> Problem:
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one; ValueError
     as well if gravity turns there, see `read_loaded_or_tilted`.
     """
-    problem = read_loaded_or_tilted(path)
-    if isinstance(problem, TiltProblem):
-        raise ValueError("load: must have one key, acceleration or force; not tilt")
-    return problem
+    return structure_of(read_yaml(path), folder=path.parent)
 
 
 def read_loaded_or_tilted(path: Path) -> Problem | TiltProblem:
@@ -59,11 +56,33 @@ def read_loaded_or_tilted(path: Path) -> Problem | TiltProblem:
 
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
-    given = _mapping("the file", read_yaml(path), ("blocks", "load"), OPTIONAL)
+    return loaded_or_tilted(read_yaml(path), folder=path.parent)
+
+
+def structure_of(description: Any, what: str = "the file", folder: Path = Path()) -> Problem:
+    """The structure and the load of a ``description``; ValueError if gravity turns there.
+
+    Arguments and errors of `loaded_or_tilted`.
+    """
+    problem = loaded_or_tilted(description, what, folder)
+    if isinstance(problem, TiltProblem):
+        raise ValueError("load: must have one key, acceleration or force; not tilt")
+    return problem
+
+
+def loaded_or_tilted(
+    description: Any, what: str = "the file", folder: Path = Path()
+) -> Problem | TiltProblem:
+    """The structure of a ``description``, plain values as in a file, with its load or tilt.
+
+    ``folder``: that paths of meshes start from. ValueError that names the key, or ``what`` where
+    there is none.
+    """
+    given = _mapping(what, description, ("blocks", "load"), OPTIONAL)
     blocks = [
         block
         for name, value in _named("blocks", given["blocks"]).items()
-        for block in _blocks(name, value, path.parent)
+        for block in _blocks(name, value, folder)
     ]
     material = _material("interfaces", given.get("interfaces", {}), MATERIAL)
     special = _special(_list("special", given.get("special", [])), material)

@@ -12,6 +12,7 @@ from workflow.model import Ability
 from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.planning.needs import solved_needs
 from workflow.schema import Study
+from workflow.structures.case import StructureCase
 from workflow.threedec import RETURNED as PRINTED
 from workflow.threedec import deck_folder, decks
 
@@ -23,7 +24,7 @@ BATCH, BATCH_TIME = 512, 120.0  # cases, s
 class Batch:
     """Cases that one job solves, one after the other."""
 
-    cases: tuple[Case, ...]
+    cases: tuple[Case | StructureCase, ...]
 
 
 @dataclass(frozen=True)

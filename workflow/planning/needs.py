@@ -21,6 +21,7 @@ SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved 
 ELASTIC = 50.0  # times that, of elastic pieces
 FEW_NODES = 200
 SAMPLED_JOINT = 4.0  # s, of a joint of a sampling
+STRUCTURE = 300.0  # s, of a case of a structure
 SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
@@ -66,6 +67,11 @@ def solved_needs(cases: Iterable[Case]) -> Needs:
         time += SOLVED_NODE * nodes * (1.0 if case.joint.elastic is None else ELASTIC)
         most = max(most, nodes)
     return Needs(math.ceil(2 * LEAST_MB + most), time)
+
+
+def structure_needs(cases: int, time_limit: float = math.inf) -> Needs:
+    """Of so many cases of a structure; in an engine, which ends them at ``time_limit`` (s)."""
+    return Needs(3 * LEAST_MB, min(STRUCTURE * cases, time_limit))
 
 
 def sampling_needs(joints: int) -> Needs:

@@ -12,11 +12,12 @@ from snakemake import api
 from snakemake.io import strip_wildcard_constraints
 from snakemake.iocontainers import Wildcards
 
-from workflow.case import Case
+from workflow.case import Case, CaseId
 from workflow.planning.batches import Batch, CaseJobs
 from workflow.planning.closure import ROOT
 from workflow.planning.plan import Files, Job, Plan, flat
 from workflow.schema import Study
+from workflow.structures.case import StructureCase
 
 PARTS = ("step", "modules", "files", "versions", "settings", "needs")  # no arguments of a step
 
@@ -40,11 +41,16 @@ def plan_of(study: Study) -> Plan:
 
 
 def plan_from(
-    rules: Iterable[Any], study: Study, cases: CaseJobs, jobs_of: Mapping[str, Iterable[Any]]
+    rules: Iterable[Any],
+    study: Study,
+    cases: CaseJobs,
+    jobs_of: Mapping[str, Iterable[Any]],
+    structures: Mapping[CaseId, StructureCase],
 ) -> Plan:
     """The plan that Snakemake's ``rules`` make up, of which the one named all has the results.
 
-    ``jobs_of``: the wildcards of each job of a rule that has wildcards, by the rule's name.
+    ``jobs_of``: the wildcards of each job of a rule that has wildcards, by the rule's name;
+    ``structures``: the cases of structures.
     """
     jobs: dict[str, Job] = {}
     wanted: set[str] = set()
@@ -57,7 +63,7 @@ def plan_from(
             job = _job(rule, dict(wildcards), study.results)
             jobs[job.name] = job
     made = {name: job for name, job in jobs.items() if wanted.issuperset(job.written)}
-    return Plan(study, cases.cases, jobs, made)
+    return Plan(study, {**cases.cases, **structures}, jobs, made)
 
 
 def _job(rule: Any, wildcards: dict[str, str], results: str) -> Job:
@@ -103,17 +109,17 @@ def _below(results: str, path: str) -> str:
     return str(path).removeprefix(f"{results}/")
 
 
-def _cases(value: Any) -> tuple[Case, ...]:
+def _cases(value: Any) -> tuple[Case | StructureCase, ...]:
     if isinstance(value, Batch):
         return value.cases
-    return (value,) if isinstance(value, Case) else ()
+    return (value,) if isinstance(value, Case | StructureCase) else ()
 
 
 def _plain(value: Any) -> Any:
     """An argument as plain data."""
     if isinstance(value, Batch):
         return [case.to_json() for case in value.cases]
-    return value.to_json() if isinstance(value, Case) else value
+    return value.to_json() if isinstance(value, Case | StructureCase) else value
 
 
 def parquet_beside(outputs: Iterable[str]) -> tuple[str, ...]:

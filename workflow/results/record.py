@@ -110,7 +110,7 @@ def record_of(
     """The record of ``outcome``; raises `ResultError` where it cannot be the result of ``case``."""
     assembly, loads = problem
     peak = outcome.path[-1]
-    _check_loads(outcome)
+    check_loads(outcome)
     weights: tuple[LockWeight, ...] = ()
     balance = None
     if peak.force is not None:
@@ -122,27 +122,27 @@ def record_of(
         if not np.isfinite(peak.force).all():
             raise ResultError("a stress is not a finite number")
         balance = unbalanced_share(assembly, loads, peak.load, peak.force)
-        _check_balance(balance, peak.load, loads)
+        check_balance(balance, peak.load, loads)
         balance = _clean(balance, 1e-12)
         weights = tuple(
             _rounded_weight(each, case.joint.T0)
             for each in lock_weights(case.joint, assembly, peak.force)
         )
-    load = _significant(peak.load)
+    load = rounded(peak.load)
     first = outcome.first_failure_load
     return CaseRecord(
         **_identity(case),
         load_N=load,
-        shear_N=_significant(peak.load * case.direction.shear),
-        torque_Nm=_significant(peak.load * case.direction.torque * case.joint.a),
-        failed_load_N=_significant(outcome.failed_load),
-        first_failure_load_N=None if first is None else _significant(first),
+        shear_N=rounded(peak.load * case.direction.shear),
+        torque_Nm=rounded(peak.load * case.direction.torque * case.joint.a),
+        failed_load_N=rounded(outcome.failed_load),
+        first_failure_load_N=None if first is None else rounded(first),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
         unbalanced_share=balance,
         weights=weights,
         path=tuple(
-            (_significant(s.load), None if s.displacement is None else _significant(s.displacement))
+            (rounded(s.load), None if s.displacement is None else rounded(s.displacement))
             for s in outcome.path
         ),
         versions=versions,
@@ -172,7 +172,7 @@ def _identity(case: Case) -> dict[str, Any]:
         "name": case.name,
         "locks": case.joint.locks,
         "mesh_m": case.mesh,
-        "cells": _significant(cells_of(case.joint, case.mesh)),
+        "cells": rounded(cells_of(case.joint, case.mesh)),
         "nodes": str(case.nodes),
         "eccentricity_over_a": case.direction.eccentricity,
         "eccentricity_m": case.eccentricity_m,
@@ -182,7 +182,8 @@ def _identity(case: Case) -> dict[str, Any]:
     }
 
 
-def _check_loads(outcome: Outcome) -> None:
+def check_loads(outcome: Outcome) -> None:
+    """Raise `ResultError` where loads of ``outcome`` contradict each other."""
     peak, failed, first = outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load
     if not (math.isfinite(peak) and peak > 0.0):
         raise ResultError(f"peak load {peak:g} N is not possible; it must be finite and above 0")
@@ -206,7 +207,7 @@ def _check_loads(outcome: Outcome) -> None:
             )
 
 
-def _check_balance(share: float, load: float, loads: Loads) -> None:
+def check_balance(share: float, load: float, loads: Loads) -> None:
     """Raise `ResultError` where stresses do not balance the loads; ``share``: of ``load`` (N)."""
     always = float(np.linalg.norm(loads.permanent[:, :3], axis=1).sum())
     allowed = MOST_UNBALANCED * max(load, always)
@@ -230,8 +231,9 @@ def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
 
 def _clean(value: float, noise: float = NOISE) -> float:
     """``value`` in multiples of ``noise``: the same on every machine."""
-    return _significant(round(value / noise) * noise)
+    return rounded(round(value / noise) * noise)
 
 
-def _significant(value: float) -> float:
+def rounded(value: float) -> float:
+    """``value`` to `DIGITS` significant digits; never -0."""
     return float(f"{value:.{DIGITS}g}") + 0.0

@@ -143,6 +143,36 @@ VALIDATION = Table(
 )
 
 
+_STRUCTURE = ("structure", "load", "variant", "model")
+STRUCTURES = Table(
+    "structures",
+    (
+        *(*_STRUCTURE, "blocks", "interfaces", "nodes", "load_N", "load_over_weight", "weight_N"),
+        *("failed_load_N", "first_failure_load_N", "first_interface", "most_used_interface"),
+        *("mode", "peak_spread", "unbalanced_share", "difference_to_static", "refused", "error"),
+        *("versions", "case"),
+    ),
+    _STRUCTURE,
+)
+INTERFACES = Table(
+    "interfaces",
+    (
+        *(*_STRUCTURE, "interface", "kind", "area_m2", "friction", "cohesion_Pa"),
+        *("tensile_strength_Pa", "normal_N", "shear_N", "torsion_Nm", "bending_Nm"),
+        *("utilisation", "bonded_share", "case"),
+    ),
+    (*_STRUCTURE, "interface"),
+)
+BLOCKS = Table(
+    "blocks",
+    (
+        *(*_STRUCTURE, "block", "fixed", "weight_N", "x_m", "y_m", "z_m", "motion"),
+        *("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z", "case"),
+    ),
+    (*_STRUCTURE, "block"),
+)
+
+
 def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:
     """Write ``rows`` as CSV and beside it as Parquet; `TableError` if they do not fit."""
     checked = _checked(table, rows)

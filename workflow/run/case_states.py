@@ -9,8 +9,11 @@ from workflow.planning.plan import Job, why
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord, ResultError
+from workflow.structures.case import FOLDER
+from workflow.structures.record import StructureRecord, read_structure_records
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
+REFUSED = "refused"  # by a model that cannot do such a structure
 
 
 def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
@@ -38,18 +41,21 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     return rows
 
 
-def _records(job: Job, folder: Path) -> dict[CaseId, CaseRecord]:
+def _records(job: Job, folder: Path) -> dict[CaseId, CaseRecord | StructureRecord]:
     """What a job has made, by case; nothing if it has not."""
     path = folder / job.written[0]
     try:
-        return {each.id: each for each in read_records([path])}
+        read = read_structure_records if job.name.startswith(f"{FOLDER}/") else read_records
+        return {each.id: each for each in read([path])}
     except (OSError, ResultError):
         return {}
 
 
-def _state(record: CaseRecord | None, valid: bool) -> dict[str, Any]:
+def _state(record: CaseRecord | StructureRecord | None, valid: bool) -> dict[str, Any]:
     if record is None:
         return {"state": TO_DO, "peak (N)": None, "note": ""}
+    if isinstance(record, StructureRecord) and record.refused:
+        return {"state": REFUSED, "peak (N)": None, "note": record.refused}
     if record.error is not None:
         return {"state": FAILED, "peak (N)": None, "note": record.error}
     return {"state": DONE if valid else OUTDATED, "peak (N)": record.load_N, "note": ""}

@@ -1,9 +1,10 @@
 """A whole study."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sidmacib.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
@@ -23,9 +24,9 @@ from workflow.schema.measured import MeasuredSection
 from workflow.schema.sampling import SamplingSection
 from workflow.schema.section import Section
 from workflow.schema.sidmacib import SidmacibSection
+from workflow.schema.structures import NO_JOINTS, SomeOrStructures, StructureSection
 from workflow.schema.values import (
     Eccentricities,
-    Entries,
     Folder,
     Lengths,
     Name,
@@ -53,7 +54,7 @@ class Study(Section):
     """A whole study: joints, meshes, directions of loading, and the models that are run on them."""
 
     results: Folder = "results"
-    samples: Annotated[dict[Name, SampleSection], Entries]
+    samples: Annotated[dict[Name, SampleSection], SomeOrStructures]
     geometry: GeometrySection = GeometrySection()
     materials: MaterialsSection = MaterialsSection()
     meshes: Lengths = (0.02, 0.005)
@@ -70,6 +71,14 @@ class Study(Section):
     samplings: dict[Name, SamplingSection] = Field(default_factory=dict)
     campaign: Campaign | None = None
     measured: MeasuredSection | None = None
+    structures: dict[Name, StructureSection] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_structures_alone(cls, given: Any) -> Any:
+        if isinstance(given, Mapping) and given.get("structures") and "samples" not in given:
+            return {**given, "samples": NO_JOINTS}
+        return given
 
     @property
     def model_names(self) -> tuple[str, ...]:

@@ -12,8 +12,13 @@ def solve(problem: Problem) -> Outcome:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
+    return solve_with_path(problem)[0]
+
+
+def solve_with_path(problem: Problem) -> tuple[Outcome, tuple[Equilibrium, ...]]:
+    """What `solve` finds, and the equilibria themselves; raises as it does."""
     found = static_capacity(*problem)
-    return _outcome(found.solution, found.path, found.spread)
+    return _outcome(found.solution, found.path, found.spread), found.path
 
 
 def solve_once(problem: Problem) -> Outcome:

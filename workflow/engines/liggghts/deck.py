@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, plus
+from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, length, plus
 from ..scripts.records import NoAnswerError
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
@@ -18,6 +18,8 @@ GROUPS = 28  # that LIGGGHTS has left, of its 32
 # slides.
 DRAG = 0.05
 AXES = (0, 1, 2)
+HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
+VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"
 
 
 def reach(piece: Piece) -> float:
@@ -257,6 +259,13 @@ class Deck:
         if gravity:
             yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
         variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
+        shared = common_acceleration(self.assembly)
+        if shared and HANDLES_OF_FORCE * len(variable) > GROUPS:
+            # In proportion to the masses: one fix for all handles, however many there are.
+            for axis, per_newton in zip("xyz", shared, strict=True):
+                yield f"variable acceleration_{axis} atom v_load*mass*({per_newton!r})"
+            yield f"fix acceleration handles addforce {VARIABLES}"
+            variable = {}
         none = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
         groups = 0
         for index in self.assembly.free:
@@ -336,6 +345,23 @@ def common_gravity(assembly: Assembly) -> float:
     own = [-p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)]
     least = max(0.0, min(own))
     return own[0] if math.isclose(own[0], least, rel_tol=1e-12) else least
+
+
+def common_acceleration(assembly: Assembly) -> Vector:
+    """The acceleration (m/s2 per newton of load) of all free pieces; empty if it differs."""
+    parts = {part.piece: part for part in assembly.loads}
+    if set(parts) != set(assembly.free):
+        return ()
+    first = parts[assembly.free[0]]
+    mass = assembly.pieces[first.piece].mass_kg
+    shared = [value / mass for value in first.force]
+    size = length(shared)
+    for part in parts.values():
+        mass = assembly.pieces[part.piece].mass_kg
+        apart = length(plus([value / mass for value in part.force], shared, -1.0))
+        if any(part.moment_m) or apart > 1e-12 * size:
+            return ()
+    return shared
 
 
 def beyond_gravity(piece: Piece, gravity: float) -> Vector:

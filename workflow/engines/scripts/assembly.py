@@ -58,7 +58,8 @@ class Piece:
 class Face:
     """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index.
 
-    ``size_m``: along x, y and z.
+    ``size_m``: of a rectangle along the axes, along x, y and z. A face of another outline or in
+    another direction has ``tangents``, two unit vectors; its size is along the normal and these.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Face:
     normal: Vector
     size_m: Vector
     material: Material
+    tangents: Sequence[Vector] = ()
 
     @property
     def cohesive(self) -> bool:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .assembly import Guide, Search
-from .guess import AT_ONCE, HALF
+from .guess import AT_ONCE, AWAY, HALF
 from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -16,7 +16,6 @@ STRIDE = 2.0  # over the tolerance, the increment near a load at which something
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
 STEPS = 10  # to a load that is known
-AWAY = 1.05  # times a load that did not settle: pieces that really give way move off there
 
 
 class Model(Protocol):

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
-from .guess import AT_ONCE, HALF, failure_ahead
+from .guess import AT_ONCE, AWAY, HALF, failure_ahead
 from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -105,6 +105,9 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
             model.record(load, Outcome.OVERSTRESSED.value if standing else outcome.value)
             if near:
+                if outcome is Outcome.UNSETTLED:  # so slowly that nobody sees it: see further on
+                    model.back()
+                    outcome = model.raised(AWAY * load)
                 mode = failure_mode(outcome, False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:

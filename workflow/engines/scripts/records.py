@@ -80,14 +80,18 @@ class History:
         unbalanced_ratio: float,
         nodes: Sequence[NodeForce],
     ) -> None:
-        """Add a row: load (N), displacement (m), shear (N) and broken share of each inner face."""
+        """Add a row: load (N), displacement (m), shear (N) and broken share of each inner face.
+
+        The shear along z only of faces that are not rectangles along the axes.
+        """
         faces = self.assembly.faces
-        shear = [[0.0, 0.0] for _ in faces]
+        shear = [[0.0, 0.0, 0.0] for _ in faces]
         count, bonds = [0] * len(faces), [0] * len(faces)
         for force, node in zip(nodes, self.assembly.nodes, strict=True):
             own = shear[node.face]
             own[0] += force.shear[0]
             own[1] += force.shear[1]
+            own[2] += force.shear[2]
             count[node.face] += 1
             bonds[node.face] += force.bonded
         row = {
@@ -102,6 +106,8 @@ class History:
         for number in inner:
             row[f"{faces[number].name}_shear_x_N"] = shear[number][0]
             row[f"{faces[number].name}_shear_y_N"] = shear[number][1]
+            if faces[number].tangents:
+                row[f"{faces[number].name}_shear_z_N"] = shear[number][2]
         for number in inner:
             row[f"{faces[number].name}_broken_share"] = 1.0 - bonds[number] / count[number]
         self.rows.append(row)

@@ -82,6 +82,7 @@ class YadeModel:
         ]
         _watch(pairs)
         O.step()  # bonds form now, and never again
+        _without_friction_of_bonds(pairs, self.face_of)
         if self.settings.ductile:
             _keep_in_tension(pairs)
         detection.interactionDetectionFactor = 1.0
@@ -261,6 +262,16 @@ def _node_force(pair: tuple[int, int], face: Face) -> NodeForce:
     bonded = face.cohesive and not contact.phys.cohesionBroken
     shear = tuple(on_above * contact.phys.shearForce)
     return NodeForce(contact.phys.normalForce.dot(normal), shear, bonded)
+
+
+def _without_friction_of_bonds(pairs: list[tuple[int, int]], faces: list[Face]) -> None:
+    """Let a rough face rub only where its bond has failed.
+
+    By default YADE adds friction to the cohesion of a bond, and in tension takes it off.
+    """
+    for pair, face in zip(pairs, faces, strict=True):
+        if face.cohesive and face.material.friction and O.interactions.has(*pair):
+            O.interactions[pair].phys.cohesionDisablesFriction = True
 
 
 def _keep_in_tension(pairs: list[tuple[int, int]]) -> None:

@@ -1,0 +1,60 @@
+"""The structures of a study in words: what each carries, in each model."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from sidmacib.mechanics.solution import SPREAD_LIMIT
+from workflow.case import REFERENCE
+from workflow.results.tables import STRUCTURES, read_table
+
+HEAD = f"  {'model':10}{'load (N)':>12}{'load/weight':>13}{'to static':>11}  note"
+
+
+def summary(results: str, structures: pd.DataFrame) -> str:
+    """A block of lines for each structure, load and variant."""
+    lines = ["Structures: the load that each carries beside its weight"]
+    for (structure, load, variant), rows in structures.groupby(
+        ["structure", "load", "variant"], sort=False
+    ):
+        more = "" if variant == REFERENCE else f", {variant}"
+        lines += ["", f"{structure}, load: {load}{more}", HEAD]
+        lines += map(_line, rows.to_dict("records"))
+    return "\n".join([*lines, "", f"Tables: {results}/tables/structures.csv, interfaces.csv,"]) + (
+        f" blocks.csv; for ParaView: {results}/structures/vtk\n"
+    )
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    if pd.isna(row["load_N"]):
+        refused = pd.notna(row["refused"])
+        why = row["refused"] if refused else row["error"]
+        return f"  {row['model']:10}{'-':>12}{'-':>13}{'-':>11}  " + (
+            f"refused: {why}" if refused else f"no result: {why}"
+        )
+    apart = row["difference_to_static"]
+    return (
+        f"  {row['model']:10}{row['load_N']:12.5g}{row['load_over_weight']:13.4f}"
+        f"{'' if pd.isna(apart) else f'{100 * apart:+.2f} %':>11}  {'; '.join(_notes(row))}"
+    )
+
+
+def _notes(row: Mapping[str, Any]) -> Iterator[str]:
+    if pd.notna(row["mode"]):
+        yield f"ends by: {row['mode']}"
+    if pd.notna(row["first_interface"]):
+        yield f"first bond: {row['first_interface']} at {row['first_failure_load_N']:.5g} N"
+    elif pd.notna(row["most_used_interface"]):
+        yield f"most used: {row['most_used_interface']}"
+    if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
+        yield "peaks spread too far: the load is that of the first failure"
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> None:
+    """Write the summary."""
+    rows = read_table(STRUCTURES, inputs["structures"])
+    outputs["summary"].write_text(summary(arguments["results"], rows))

@@ -1,0 +1,75 @@
+"""Run an engine on a case of a structure, check what it returns, and write the record."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.structure.file import structure_of
+from workflow.engines import ENGINES
+from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
+from workflow.engines.run import refusal, run_engine
+from workflow.results.files import CASE, HISTORY, OUTPUTS, read_outcome, read_table
+from workflow.results.record import ResultError, check_bracket
+from workflow.run.attempts import KilledError, Settled, last_try
+from workflow.steps.engine import in_short
+from workflow.structures.case import StructureCase
+from workflow.structures.found import Found
+from workflow.structures.record import StructureRecord, record_without_result, structure_record
+
+BROKEN = "_broken_share"  # ends the columns of a history that tell of bonds
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> str | None:
+    """Write the record, and beside it the engine's own files; returns what went wrong."""
+    case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
+    folder = path.parent
+    (folder / CASE).write_text(case.to_json())
+    try:
+        record = found_by_engine(case, folder, arguments["time_limit"])
+    except (EngineError, ResultError, CapacityError, ValueError) as error:
+        told = f"{case.name}: {case.model}: {error}"
+        if isinstance(error, EngineKilledError) and not last_try():
+            raise KilledError(told) from error
+        for name in OUTPUTS:
+            (folder / name).unlink(missing_ok=True)
+        record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
+        path.write_text(record.to_json() + "\n")
+        return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
+    path.write_text(record.to_json() + "\n")
+    return None
+
+
+def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> StructureRecord:
+    """The checked record of ``case``, or of why its engine cannot do the structure."""
+    engine = ENGINES[case.model]
+    assert case.numerics is not None, f"{case.name}: an engine needs numerics"
+    problem = structure_of(case.description, "the description")
+    if reason := refusal(engine, *problem):
+        return record_without_result(case, refused=f"{engine.name}: {reason}")
+    run_engine(engine, problem, case.numerics, f"{case.name}.", folder, time_limit)
+    outcome = read_outcome(folder, problem.assembly)
+    check_bracket(
+        outcome,
+        case.numerics.tolerance,
+        case.numerics.first_increment * problem.loads.scale,
+    )
+    face = first_broken(folder / HISTORY, problem.assembly)
+    found = Found(outcome, first_face=face)
+    return structure_record(case, problem, found, {engine.name: engine.version()})
+
+
+def first_broken(history: Path, assembly: Assembly) -> int | None:
+    """The face with the largest broken share at the least load with any; None if there is none."""
+    names = {f"{face.name}{BROKEN}": number for number, face in enumerate(assembly.faces)}
+    rows = read_table(history, ("load_N",))
+    broken = [
+        (float(row["load_N"]), -float(row[name]), number)
+        for row in rows
+        for name, number in names.items()
+        if name in row and float(row[name]) > 0.0
+    ]
+    return min(broken)[2] if broken else None

@@ -1,0 +1,41 @@
+"""Solve the cases of one structure in this process, check them, and write their records."""
+
+import importlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Kind
+from sidmacib.structure.file import structure_of
+from workflow.model import Ability
+from workflow.models import MODELS
+from workflow.results.record import ResultError
+from workflow.structures.case import StructureCase
+from workflow.structures.record import StructureRecord, record_without_result, structure_record
+
+
+def run(
+    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
+) -> str | None:
+    """Write the records; that of a case without a result holds the reason."""
+    module = arguments["module"]
+    records = [solved(StructureCase.from_json(data), module) for data in arguments["cases"]]
+    outputs["records"].write_text("".join(record.to_json() + "\n" for record in records))
+    failed = [f"{record.name}: {record.error}" for record in records if record.error]
+    return "\n".join(failed) or None
+
+
+def solved(case: StructureCase, module: str) -> StructureRecord:
+    """The record of ``case``, solved by the ``solve`` of a module."""
+    try:
+        problem = structure_of(case.description, "the description")
+        condensed = [face.name for face in problem.assembly.faces if face.kind is Kind.LOCKED]
+        if condensed and Ability.CONDENSED not in MODELS[case.model].abilities:
+            reason = f"{case.model}: {condensed[0]} has condensed locks, which have no stiffness"
+            return record_without_result(case, refused=f"{reason}; cut them out")
+        found = importlib.import_module(module).solve(problem)
+        return structure_record(case, problem, found, {})
+    except (CapacityError, ResultError, ValueError, MemoryError) as error:
+        reason = str(error) or "out of memory"
+        return record_without_result(case, error=f"{case.model}: {reason}")

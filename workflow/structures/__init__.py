@@ -1,0 +1,1 @@
+"""Structures of blocks in a study: their cases, problems and records."""

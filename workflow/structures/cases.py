@@ -1,0 +1,119 @@
+"""The cases of a study's structures."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from sidmacib.quantities import shown
+from workflow.case import REFERENCE, CaseId
+from workflow.engines import ENGINES
+from workflow.model import Ability
+from workflow.models import MODELS, SOLVED
+from workflow.schema import Study
+from workflow.schema.structures import StructureSection
+from workflow.structures.case import StructureCase, changed, structure_case_name
+
+LOAD = "load"  # the name of a description's own load
+ABLE = tuple(  # models of structures: those of rigid pieces
+    name
+    for name, model in MODELS.items()
+    if Ability.RIGID in model.abilities and (name in ENGINES or name in SOLVED)
+)
+
+
+@dataclass(frozen=True)
+class StructureJobs:
+    """The cases of structures by the job that finds their results.
+
+    ``engines``: each in a job of its own; ``solved``: by model and structure, one job for all loads
+    and variants.
+    """
+
+    engines: Mapping[CaseId, StructureCase]
+    solved: Mapping[tuple[str, str], tuple[StructureCase, ...]]
+
+    @property
+    def cases(self) -> dict[CaseId, StructureCase]:
+        """All cases by their identity."""
+        solved = (case for cases in self.solved.values() for case in cases)
+        return {case.id: case for case in (*self.engines.values(), *solved)}
+
+
+def structure_jobs(study: Study) -> StructureJobs:
+    """All cases of the structures of ``study``."""
+    engines: dict[CaseId, StructureCase] = {}
+    solved: dict[tuple[str, str], list[StructureCase]] = {}
+    for case in structure_cases(study):
+        if case.model in ENGINES:
+            engines[case.id] = case
+        else:
+            solved.setdefault((case.model, case.structure), []).append(case)
+    return StructureJobs(engines, {key: tuple(cases) for key, cases in solved.items()})
+
+
+def structure_cases(study: Study) -> Iterator[StructureCase]:
+    """Each structure with each load and variant, in each of its models."""
+    numerics = study.dem.numerics.numerics()
+    for name, section in study.structures.items():
+        for model in models_of(study, section):
+            able = MODELS[model].abilities
+            own = numerics if Ability.RANKS in able else replace(numerics, ranks=1)
+            for load, variant, description in described(section):
+                yield StructureCase(
+                    name=structure_case_name(name, load, variant),
+                    model=model,
+                    structure=name,
+                    load=load,
+                    variant=variant,
+                    description=description,
+                    numerics=own if Ability.NUMERICS in able else None,
+                )
+
+
+def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
+    """Those of the study's models that analyse a structure."""
+    own = section.models
+    return tuple(
+        name for name in study.model_names if name in ABLE and (own is None or name in own)
+    )
+
+
+def described(section: StructureSection) -> Iterator[tuple[str, str, dict[str, object]]]:
+    """Load, variant and description of each case of a structure, whatever its model."""
+    assert section.description is not None, "a file is read with the configuration"
+    loads = section.loads or {LOAD: {}}
+    for variant, changes in {REFERENCE: {}, **section.variants}.items():
+        whole = changed(section.description, changes)
+        for name, load in loads.items():
+            yield name, variant, {**whole, "load": load} if load else whole
+
+
+def structure_faults(study: Study) -> Iterator[str]:
+    """Everything that is wrong with the structures of ``study``, one line each."""
+    for name, section in study.structures.items():
+        key = f"structures.{name}"
+        for number, model in enumerate(section.models or ()):
+            if model not in ABLE:
+                yield f"{key}.models: {shown(model)} is not allowed; it must be {' or '.join(ABLE)}"
+            elif model in (section.models or ())[:number]:
+                yield f"{key}.models: {model} appears twice; each name must appear only once"
+        if REFERENCE in section.variants:
+            yield f"{key}.variants: the name {REFERENCE} is taken; it must be another"
+        if section.description is None:
+            yield f"{key}: lacks the key description, or file"
+            continue
+        if not models_of(study, section) and not set(section.models or ()) & set(ENGINES):
+            yield f"{key}.models: none of the study's; it must have {' or '.join(ABLE)}"
+        yield from dict.fromkeys(_unreadable(key, section))
+
+
+def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
+    from sidmacib.structure.file import structure_of  # noqa: PLC0415 (polygons take long to import)
+
+    for load, variant, description in described(section):
+        try:
+            structure_of(description, "the description")
+        except ValueError as error:
+            place = f"variants.{variant}" if variant != REFERENCE else "description"
+            if str(error).startswith("load") and section.loads:
+                place = f"loads.{load}"
+            yield f"{key}.{place}: {' '.join(str(error).split())}"

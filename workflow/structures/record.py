@@ -1,0 +1,247 @@
+"""What a model found for a structure, checked: loads, and what interfaces and blocks do."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.problem import Problem
+from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.loads import free_weight
+from workflow.case import CaseId
+from workflow.outcome import State
+from workflow.results.record import ResultError, check_balance, check_loads, rounded
+from workflow.structures.case import FOLDER, StructureCase
+from workflow.structures.found import Found
+
+
+@dataclass(frozen=True)
+class InterfaceRow:
+    """An interface: its law, and the resultants (N, N m about its centroid) that it carries.
+
+    ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
+    the moment in its plane. ``utilisation``: of the node that is used most; None where it has no
+    strength to compare with. ``bonded_share``: the part of its area that is bonded.
+    """
+
+    interface: str
+    kind: str
+    area_m2: float
+    friction: float
+    cohesion_Pa: float
+    tensile_strength_Pa: float
+    normal_N: float
+    shear_N: float
+    torsion_Nm: float
+    bending_Nm: float
+    utilisation: float | None
+    bonded_share: float
+
+
+@dataclass(frozen=True)
+class BlockRow:
+    """A block or a part of one: its weight, centroid (m), displacement (m) and rotation (rad).
+
+    ``motion``: what its motion is, see `workflow.structures.found`; None if there is none.
+    """
+
+    block: str
+    fixed: bool
+    weight_N: float
+    x_m: float
+    y_m: float
+    z_m: float
+    motion: str | None
+    move: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class StructureRecord:
+    """The result of a case; loads as in `workflow.results.record.CaseRecord`.
+
+    ``first_interface``: whose bond fails first. ``refused``: why the model cannot do the structure,
+    ``error``: why there is no result; all numbers are None in both.
+    """
+
+    model: str
+    structure: str
+    load: str
+    variant: str
+    name: str
+    case_digest: str
+    physics: str
+    load_N: float | None = None
+    weight_N: float | None = None
+    failed_load_N: float | None = None
+    first_failure_load_N: float | None = None
+    first_interface: str | None = None
+    mode: str | None = None
+    peak_spread: float | None = None
+    unbalanced_share: float | None = None
+    nodes: int | None = None
+    interfaces: tuple[InterfaceRow, ...] = ()
+    blocks: tuple[BlockRow, ...] = ()
+    path: tuple[tuple[float, float | None], ...] = ()
+    versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    refused: str | None = None
+    error: str | None = None
+
+    @property
+    def id(self) -> CaseId:
+        """The identity of the case."""
+        return CaseId(self.model, f"{FOLDER}/{self.name}")
+
+    def to_json(self) -> str:
+        """One line of JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def from_json(cls, text: str) -> "StructureRecord":
+        """The record that `to_json` wrote; `ResultError` if ``text`` is anything else."""
+        try:
+            data = json.loads(text)
+            data["interfaces"] = tuple(InterfaceRow(**each) for each in data["interfaces"])
+            blocks = [{**each, "move": tuple(each["move"])} for each in data["blocks"]]
+            data["blocks"] = tuple(BlockRow(**each) for each in blocks)
+            data["path"] = tuple((load, moved) for load, moved in data["path"])
+            return cls(**data)
+        except (ValueError, TypeError, KeyError, RecursionError) as error:
+            raise ResultError(f"not a structure's record: {error}") from None
+
+
+def record_without_result(
+    case: StructureCase, *, refused: str | None = None, error: str | None = None
+) -> StructureRecord:
+    """The record of a case that the model cannot do, or that ended without a result."""
+    return StructureRecord(**_identity(case), refused=_in_a_line(refused), error=_in_a_line(error))
+
+
+def structure_record(
+    case: StructureCase, problem: Problem, found: Found, versions: dict[str, str]
+) -> StructureRecord:
+    """The record of what was ``found``; `ResultError` where that cannot be a result of ``case``."""
+    assembly, loads = problem
+    outcome, peak = found.outcome, found.outcome.path[-1]
+    check_loads(outcome)
+    balance = None
+    interfaces: tuple[InterfaceRow, ...] = ()
+    if peak.force is not None:
+        if not np.isfinite(peak.force).all():
+            raise ResultError("a stress is not a finite number")
+        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
+        check_balance(balance, peak.load, loads)
+        interfaces = interface_rows(assembly, peak, peak.force)
+    first = outcome.first_failure_load
+    return StructureRecord(
+        **_identity(case),
+        load_N=rounded(peak.load),
+        weight_N=rounded(free_weight(assembly)),
+        failed_load_N=rounded(outcome.failed_load),
+        first_failure_load_N=None if first is None else rounded(first),
+        first_interface=_name(assembly, found.first_face),
+        mode=outcome.mode,
+        peak_spread=outcome.peak_spread,
+        unbalanced_share=None if balance is None else float(f"{balance:.1e}"),
+        nodes=len(assembly.nodes.area),
+        interfaces=interfaces,
+        blocks=block_rows(assembly, found),
+        path=tuple(
+            (rounded(s.load), None if s.displacement is None else rounded(s.displacement))
+            for s in outcome.path
+        ),
+        versions=versions,
+    )
+
+
+def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[InterfaceRow, ...]:
+    """What each interface carries under node forces, (N, 3) in N in the frame of its face."""
+    state = None if peak.bonded is None else _state(peak.bonded)
+    size = float(np.abs(force).max(initial=0.0))
+    rows = []
+    for number, each in enumerate(interface_forces(assembly, force, state)):
+        face, own = assembly.faces[number], assembly.nodes.face == number
+        arms = assembly.nodes.position[own] - np.array(face.middle)
+        moment = np.cross(arms @ face.axes.T, force[own]).sum(axis=0)
+        law, shear_only = face.material, face.kind is Kind.LOCKED
+        used = None if shear_only or not math.isfinite(each.utilisation) else each.utilisation
+        rows.append(
+            InterfaceRow(
+                interface=each.name,
+                kind=str(face.kind),
+                area_m2=rounded(face.area),
+                friction=law.friction,
+                cohesion_Pa=law.cohesion,
+                tensile_strength_Pa=law.tensile_strength,
+                normal_N=_clean(each.normal, size),
+                shear_N=_clean(each.shear, size),
+                torsion_Nm=_clean(float(moment[0]), size * assembly.length),
+                bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
+                utilisation=None if used is None else _clean(used, 1.0),
+                bonded_share=_clean(each.bonded, 1.0),
+            )
+        )
+    return tuple(rows)
+
+
+def block_rows(assembly: Assembly, found: Found) -> tuple[BlockRow, ...]:
+    """Weight, centroid and motion of each piece."""
+    moves: Sequence[Any] = [()] * len(assembly.pieces)
+    if found.motion is not None:
+        size = float(np.abs(found.motion).max(initial=0.0)) or 1.0
+        moves = [tuple(_clean(each, size) for each in row) for row in found.motion.tolist()]
+    rows = []
+    for piece, move in zip(assembly.pieces, moves, strict=True):
+        x, y, z = (_clean(each, assembly.length) for each in piece.centre.tolist())
+        weight = rounded(piece.weight)
+        rows.append(BlockRow(piece.name, piece.fixed, weight, x, y, z, found.kind, move))
+    return tuple(rows)
+
+
+def read_structure_records(paths: Sequence[Path]) -> list[StructureRecord]:
+    """All records in files that hold one per line; `ResultError` names the file and line."""
+    records = []
+    for path in paths:
+        for number, line in enumerate(path.read_text().splitlines(), start=1):
+            try:
+                records.append(StructureRecord.from_json(line))
+            except ResultError as error:
+                raise ResultError(f"{path}, line {number}: {error}") from None
+    return records
+
+
+def _identity(case: StructureCase) -> dict[str, Any]:
+    return {
+        "model": case.model,
+        "structure": case.structure,
+        "load": case.load,
+        "variant": case.variant,
+        "name": case.name,
+        "case_digest": case.digest(),
+        "physics": case.physics(),
+    }
+
+
+def _in_a_line(reason: str | None) -> str | None:
+    return None if reason is None else " ".join(reason.split())
+
+
+def _state(bonded: Flags) -> NodeState:
+    return NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
+
+
+def _name(assembly: Assembly, face: int | None) -> str | None:
+    return None if face is None else assembly.faces[face].name
+
+
+def _clean(value: float, size: float) -> float:
+    """``value`` without the noise of processors: to 1e-7 of ``size``."""
+    unit = 1e-7 * (size or 1.0)
+    return rounded(round(value / unit) * unit)
