@@ -12,6 +12,7 @@ import timeit
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -118,6 +119,20 @@ def at_rest_by_cra(joint: Joint) -> object:
     assembly_interfaces_numpy(assembly, nmax=len(pieces), amin=1e-9, tmax=1e-6)
     with redirect_stdout(io.StringIO()):  # it tells what it does
         return cra_solve(assembly, mu=joint.dry.friction, density=joint.density)
+
+
+def seconds_by_cra(path: Path, name: str, friction: float) -> float:
+    """Processor time (s) of compas_cra's solver ``name`` on an assembly, interfaces left out."""
+    import compas
+    from compas_cra import equilibrium
+    from compas_cra.algorithms import assembly_interfaces_numpy
+
+    assembly = compas.json_load(path)
+    with redirect_stdout(io.StringIO()):
+        assembly_interfaces_numpy(assembly, nmax=10, amin=1e-2, tmax=1e-2)
+        start = time.process_time()
+        getattr(equilibrium, f"{name}_solve")(assembly, mu=friction)
+    return time.process_time() - start
 
 
 def at_rest_by_lmgc90(joint: Joint) -> object:

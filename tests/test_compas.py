@@ -5,9 +5,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from structures import dry
 
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.compas import read_compas
+from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.interfaces import interfaces
+from sidmacib.structure.structure import structure
 
 GROUND = box("block0", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 CUBE = box("block3", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
@@ -52,6 +55,31 @@ def test_a_face_that_is_not_plane_is_cut_into_triangles(path: Path) -> None:
     block = read_compas(path, 2e3)[1]
     assert sorted(map(len, block.faces)) == [3] * 2 + [4] * 5
     assert block.volume > CUBE.volume
+
+
+@pytest.mark.parametrize("turned", [1, -1])
+def test_interfaces_of_the_file_are_those_that_are_found(path: Path, turned: int) -> None:
+    corners = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.4, 0.6, 0.0], [0.0, 0.6, 0.0]][::turned]
+    given = assembly()
+    one = {"dtype": "compas_assembly.datastructures/Interface", "data": {"points": corners}}
+    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [one]}}}
+    path.write_text(json.dumps(given))
+    blocks = read_compas(path, 2e3)
+    (read,), (found,) = read_compas_interfaces(path, blocks), interfaces(blocks)
+    assert (read.below, read.above, read.middle) == (0, 1, pytest.approx(found.middle))
+    assert read.axes == pytest.approx(found.axes)
+    assert read.outline.equals_exact(found.outline, 1e-9)
+    assert structure(blocks, dry(0.7), regions=[read]).faces[0].area == pytest.approx(0.24)
+
+
+def test_an_interface_without_an_area_is_refused(path: Path) -> None:
+    given = assembly()
+    points = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.2, 0.0, 0.0]]
+    one = {"dtype": "compas_assembly.datastructures/Interface", "data": {"points": points}}
+    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [one]}}}
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match="edge 3-0: an interface must have an area"):
+        read_compas_interfaces(path, read_compas(path, 2e3))
 
 
 @pytest.mark.parametrize(

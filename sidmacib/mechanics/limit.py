@@ -29,6 +29,7 @@ from sidmacib.mechanics.optimisation import solve
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
 # kept. With an even number of locks, rounding loses the last ones.
 ACCURACIES = {1e-9: 9, 1e-7: 7}
+MANY = 2000  # nodes from which the lower accuracy will do: the higher takes twice as long
 # Penalty of the second programme: so small that it decides between equal loads only.
 SMALL = (1e-5, 1e-7, 1e-9)
 LOST = 1e-8  # relative loss of load by the penalty, at most
@@ -82,13 +83,14 @@ def limit_load(
     programme = _Programme(assembly, loads, friction, sliding)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = programme.constraints(load, force)
-    met = solve(cp.Problem(cp.Maximize(load), constraints), WHAT, *ACCURACIES)
+    accuracies = tuple(ACCURACIES) if force.shape[0] < MANY else (max(ACCURACIES),)
+    met = solve(cp.Problem(cp.Maximize(load), constraints), WHAT, *accuracies)
     largest, mechanism = float(load.value), programme.mechanism(constraints[0].dual_value)
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     for small in SMALL:
         objective = cp.Maximize(load - small * size)
-        met_with_penalty = solve(cp.Problem(objective, constraints), WHAT, *ACCURACIES)
+        met_with_penalty = solve(cp.Problem(objective, constraints), WHAT, *accuracies)
         if largest - float(load.value) <= max(LOST, met) * max(abs(largest), 1.0):
             break
     else:

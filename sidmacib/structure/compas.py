@@ -1,24 +1,31 @@
-"""Blocks from a file of the COMPAS framework, without COMPAS: the JSON of an assembly.
+"""Blocks and interfaces from a file of the COMPAS framework, without COMPAS: an assembly's JSON.
 
 Read are assemblies of compas_assembly and compas_cra (`compas.json_dump` of COMPAS 2): a graph
-whose nodes have a block, a mesh of vertices and faces. Interfaces that are in the file are not
-read; they are found anew, see `sidmacib.structure.interfaces`.
+whose nodes have a block, a mesh of vertices and faces, and whose edges may have interfaces. Where
+blocks touch exactly, `sidmacib.structure.interfaces` finds interfaces as well; those of the file
+are for blocks with gaps between them.
 """
 
 import json
-from collections.abc import Collection, Mapping
+import math
+from collections.abc import Collection, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 
-from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import shown
 from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.structure.interfaces import Interface, tangents
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
+INTERFACE = "compas_assembly.datastructures/Interface"
+ALONG = 0.9  # least cosine between the normals of an interface and of a face beside it
+AWAY = 1e-3  # weight of the distance along a face, against that from its plane
 
 
 def read_compas(
@@ -30,12 +37,7 @@ def read_compas(
     cannot move, in place of those that the file calls supports. Faces that are not plane are cut
     into triangles. ValueError, which names the node and the key, for what is not understood.
     """
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise ValueError(f"{path.name}: is no JSON ({error})") from None
-    graph = _data(path.name, content, ASSEMBLIES)
-    graph = _data(f"{path.name}: graph", _key(path.name, graph, "graph"), ())
+    graph = _graph(path)
     nodes = _mapping(f"{path.name}: node", _key(path.name, graph, "node"))
     default = graph.get("default_node_attributes", {}).get("is_support", False)
     supports = {
@@ -53,6 +55,68 @@ def read_compas(
     return tuple(
         _block(number, nodes[str(number)], density, supports[number]) for number in sorted(supports)
     )
+
+
+def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interface, ...]:
+    """The interfaces in the JSON file ``path`` between its ``blocks``, of `read_compas`.
+
+    Their normals are those of the blocks' nearest faces. Errors of `read_compas`, and ValueError,
+    which names the edge, for an interface that has no area or is at no face.
+    """
+    edges = _mapping(f"{path.name}: edge", _key(path.name, _graph(path), "edge"))
+    names = {block.name: place for place, block in enumerate(blocks)}
+    found = []
+    for one, others in edges.items():
+        for other, edge in _mapping(f"edge {one}", others).items():
+            name = f"edge {one}-{other}"
+            for given in _mapping(name, edge).get("interfaces") or ():
+                points = _key(name, _data(name, given, (INTERFACE,)), "points")
+                try:
+                    ends = names[f"block{one}"], names[f"block{other}"]
+                    corners = np.array(points, float).reshape(-1, 3)
+                except (KeyError, TypeError, ValueError) as error:
+                    raise ValueError(f"{name}: is not understood ({error!r})") from None
+                below, above = min(ends), max(ends)
+                if not (blocks[below].fixed and blocks[above].fixed):
+                    found.append(_interface(name, below, above, corners, blocks[below]))
+    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+
+
+def _interface(name: str, below: int, above: int, corners: Floats, block: Block) -> Interface:
+    """The region within ``corners`` (m), (K, 3), beside a face of the ``block`` below."""
+    about = corners.mean(axis=0)
+    around = np.cross(corners - about, np.roll(corners - about, -1, axis=0)).sum(axis=0)
+    if not np.linalg.norm(around) > CLOSE * block.size**2:
+        raise ValueError(f"{name}: an interface must have an area")
+    normal = around / np.linalg.norm(around)
+    nearest, side = math.inf, 0.0
+    for outline in block.outlines:
+        outward = normal_of(outline)
+        beside = float(outward @ normal)
+        if abs(beside) > ALONG:
+            arm = about - outline.mean(axis=0)
+            # In the plane of the face first, then near its middle.
+            apart = abs(float(arm @ outward)) + AWAY * float(np.linalg.norm(arm))
+            if apart < nearest:
+                nearest, side = apart, math.copysign(1.0, beside)
+    axes = np.array([side * normal, *tangents(side * normal)])
+    outline = shapely.Polygon((corners - about) @ axes[1:].T)
+    if not (side and outline.is_valid):
+        raise ValueError(f"{name}: an interface must be beside a face of its block, and not cross")
+    flat = shapely.get_coordinates(outline.centroid)[0]
+    x, y, z = about + flat @ axes[1:]
+    centred = shapely.normalize(shapely.affinity.translate(outline, *(-flat))).reverse()
+    return Interface(below, above, axes, (float(x), float(y), float(z)), centred)
+
+
+def _graph(path: Path) -> Mapping[str, Any]:
+    """The graph of the assembly in a file."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise ValueError(f"{path.name}: is no JSON ({error})") from None
+    held = _data(path.name, content, ASSEMBLIES)
+    return _data(f"{path.name}: graph", _key(path.name, held, "graph"), ())
 
 
 def _block(number: int, node: Any, density: float, fixed: bool) -> Block:

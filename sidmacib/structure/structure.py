@@ -40,6 +40,7 @@ def structure(
     nodes: NodeLayout | None = None,
     failure: Failure = Failure.BRITTLE,
     near: float = NEAR,
+    regions: Sequence[Interface] | None = None,
 ) -> Assembly:
     """The assembly of ``blocks`` with an interface wherever two of them touch.
 
@@ -47,8 +48,9 @@ def structure(
     cohesion or tensile strength is bonded, any other dry. ``locked``: the locks of pairs of convex
     blocks that touch in one region. ``nodes`` on cells no longer than ``mesh`` (m); without one, a
     convex interface is one cell; by default Lobatto's, which integrate the stresses of bonds
-    exactly, or vertices if everything is dry. ``near``: see `interfaces`. ValueError for two blocks
-    of one name, a pair that does not touch, or no free block.
+    exactly, or vertices if everything is dry. ``near``: see `interfaces`. ``regions``: interfaces
+    in place of those that are found. ValueError for two blocks of one name, a pair that does not
+    touch, or no free block.
     """
     names = [block.name for block in blocks]
     if len(set(names)) < len(names):
@@ -57,7 +59,7 @@ def structure(
     if not free:
         raise ValueError("blocks: at least one must be free to move")
     special, rows = dict(special or {}), {}
-    found = interfaces(blocks, near)
+    found = interfaces(blocks, near) if regions is None else tuple(regions)
     pairs = [frozenset((names[each.below], names[each.above])) for each in found]
     for key, given in (("special", special), ("locks", locked or {})):
         for pair in given:

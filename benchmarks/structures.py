@@ -1,0 +1,126 @@
+"""Structures of many blocks: how long each model takes, and how that grows with the blocks.
+
+`make bench` has the rows of a wall of 1,000 blocks, and of the armadillo of compas_cra beside that
+program where it is installed; ``python -m benchmarks.structures --blocks 10000`` measures growth.
+"""
+
+import argparse
+import importlib.util
+import math
+import resource
+import time
+from collections.abc import Callable, Iterator
+from importlib.resources import files
+from pathlib import Path
+from typing import TypeVar
+
+import pandas as pd
+
+from benchmarks.peers import seconds_by_cra
+from sidmacib.mechanics.assembly import FaceMaterial
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
+
+BRICK = (0.4, 0.2, 0.2)  # m
+DENSITY = 2000.0  # kg/m3
+DRY = FaceMaterial(1e10, 1e10, 0.6, 0.0, 0.0)
+MORTAR = FaceMaterial(1e10, 1e10, 0.6, 1e5, 5e4)
+ARMADILLO_FRICTION = 0.84  # compas_cra's default
+T = TypeVar("T")
+Row = tuple[str, str, float]  # what, unit, value
+
+
+def wall(count: int) -> list[Block]:
+    """A wall of at least ``count`` bricks in running bond on a base, half as high as it is long."""
+    length, depth, height = BRICK
+    courses = max(1, round(math.sqrt(count * length / (2 * height))))
+    bricks = math.ceil(count / courses)
+    base = box("base", (-length, 0.0, -height), ((bricks + 1) * length, depth, 0.0), DENSITY)
+    blocks = [Block(base.name, base.vertices, base.faces, DENSITY, fixed=True)]
+    for course in range(courses):
+        shift, low = (course % 2) * length / 2, course * height
+        for number in range(bricks):
+            x = shift + number * length
+            ends = (x, 0.0, low), (x + length, depth, low + height)
+            blocks.append(box(f"brick{course}-{number}", *ends, DENSITY))
+    return blocks
+
+
+def wall_figures(count: int) -> Iterator[Row]:
+    """Seconds of the processor that a wall of about ``count`` bricks takes; nodes at vertices."""
+    blocks = wall(count)
+    what = f"wall of {len(blocks) - 1:,} blocks"
+    dry, seconds = _timed(lambda: structure(blocks, DRY))
+    yield f"{what}: interfaces found", "number", float(len(dry.faces))
+    yield f"{what}: finding them", "CPU-s", seconds
+    loads = acceleration(dry, (1.0, 0.0, 0.0))
+    yield (
+        f"{what}: limit analysis",
+        "CPU-s",
+        _timed(lambda: limit_load(dry, loads, friction=True))[1],
+    )
+    bonded = structure(blocks, MORTAR)
+    loads = acceleration(bonded, (1.0, 0.0, 0.0))
+    yield (
+        f"{what}, bonded: static model to the first failure",
+        "CPU-s",
+        _timed(lambda: static_first_failure(bonded, loads))[1],
+    )
+    yield f"{what}: largest memory so far", "MB", _largest_memory()
+
+
+def armadillo_figures() -> Iterator[Row]:
+    """The armadillo of compas_cra, 399 blocks: forces at rest by that program, a limit load here.
+
+    Nothing where compas_cra is not installed, which has the blocks.
+    """
+    if not importlib.util.find_spec("compas_cra"):
+        return
+    path = Path(str(files("compas_cra"))) / "data/samples/armadillo_cra.json"
+    blocks = read_compas(path, 1.0)
+    law = FaceMaterial(1e10, 1e10, ARMADILLO_FRICTION, 0.0, 0.0)
+    ours = structure(blocks, law, regions=read_compas_interfaces(path, blocks))
+    loads = acceleration(ours, (1.0, 0.0, 0.0))
+    yield (
+        "armadillo: limit analysis",
+        "CPU-s",
+        _timed(lambda: limit_load(ours, loads, friction=True))[1],
+    )
+    for name in ("rbe", "cra"):
+        seconds = seconds_by_cra(path, name, ARMADILLO_FRICTION)
+        yield f"armadillo at rest: compas_cra, {name.upper()}", "CPU-s", seconds
+
+
+def _timed(work: Callable[[], T]) -> tuple[T, float]:
+    start = time.process_time()
+    return work(), time.process_time() - start
+
+
+def _largest_memory() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def main() -> None:
+    """Command line: walls of more and more blocks, as a table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--blocks", type=int, default=10_000, help="of the largest wall")
+    parser.add_argument("--table", type=Path, default=Path("build/structures.csv"))
+    arguments = parser.parse_args()
+    list(wall_figures(10))  # compiles
+    sizes = [count for count in (100, 300, 1000, 3000, 10_000) if count <= arguments.blocks]
+    rows = []
+    for count in sizes:
+        rows += list(wall_figures(count))
+        table = pd.DataFrame(rows, columns=["what", "unit", "value"])
+        arguments.table.parent.mkdir(parents=True, exist_ok=True)
+        table.to_csv(arguments.table, index=False, float_format="%.4g")
+        print(table.tail(5).to_string(index=False, header=False), flush=True)
+    print(f"Table: {arguments.table}")
+
+
+if __name__ == "__main__":
+    main()
