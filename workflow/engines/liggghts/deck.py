@@ -108,8 +108,13 @@ class Atoms:
 class Deck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
-    def __init__(self, assembly: Assembly, search: Search, radius: float) -> None:
+    def __init__(
+        self, assembly: Assembly, search: Search, radius: float, gradual: bool = False
+    ) -> None:
+        """``radius``: of contact spheres, at most; ``gradual``: see `engines.liggghts.run`."""
         self.assembly, self.search = assembly, search
+        # Steps in which the permanent loads are raised; 0: they act at once.
+        self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
         free = assembly.free
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
         # for each patch, below and above, that touch each other.
@@ -256,7 +261,18 @@ class Deck:
     def _loads(self) -> Iterator[str]:
         """Gravity, other permanent loads, and the load that is raised: forces on the handles."""
         gravity = common_gravity(self.assembly)
-        if gravity:
+        share = ""
+        if self.permanent_ramp:
+            share = "v_permanent*"
+            part = f"0.5-0.5*cos(PI*step/{self.permanent_ramp})"
+            yield (
+                f"variable permanent equal (step<{self.permanent_ramp})*({part})"
+                f"+(step>={self.permanent_ramp})"
+            )
+        if gravity and share:
+            yield f"variable gravity atom {share}mass*({-gravity!r})"
+            yield "fix gravity handles addforce 0.0 0.0 v_gravity"
+        elif gravity:
             yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
         variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
         shared = common_acceleration(self.assembly)
@@ -282,7 +298,7 @@ class Deck:
                 yield f"group {name} id {atom}"
                 terms = ["0.0", "0.0", "0.0"]
                 for k in axes:
-                    constant = f"+({always[number][k]!r})" if always[number][k] else ""
+                    constant = f"+{share}({always[number][k]!r})" if always[number][k] else ""
                     terms[k] = f"v_{name}_{'xyz'[k]}"
                     yield (
                         f"variable {name}_{'xyz'[k]} equal v_load*({raised[number][k]!r}){constant}"

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
-from .guess import AT_ONCE, AWAY, HALF, failure_ahead
+from .guess import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
 from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -53,6 +53,18 @@ def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: 
     return max(furthest, load * (1.0 + tolerance / 4))
 
 
+def towards_mechanism(load: float, expected: float, tolerance: float) -> float:
+    """The increment (N) of a model without bonds: stop by stop to the ``expected`` load (N).
+
+    From the last stop on it is small: a load that fails is dear, as all is done again from the
+    beginning.
+    """
+    for share in STOPS:
+        if load < share * expected * (1.0 - STRIDE * tolerance):
+            return share * expected - load
+    return STRIDE * tolerance * load
+
+
 def failing(used: dict[int, float]) -> list[int]:
     """Nodes that fail together: the most used of those at their strength."""
     most = max(used.values())
@@ -79,6 +91,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     first_failure = None
     before: list[tuple[float, float]] = []
     used = model.utilisation()
+    bonds = bool(used)
     while True:
         most = most_used(used)
         before.append((model.load, most))
@@ -93,6 +106,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
                 return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
             before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
             continue
+        if search.guide and not bonds:
+            increment = towards_mechanism(peak, search.guide.peak_N, tolerance)
         load = next_load(before, increment, tolerance)
         while True:
             outcome = model.raised(load)
