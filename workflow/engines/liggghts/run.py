@@ -22,8 +22,8 @@ def find_peak(
 
     It writes LIGGGHTS' input script and atoms, starts it on them, and goes on to give it commands.
     ``largest_radius_m``: of contact spheres, which are large so that contacts are flat; ``ranks``:
-    processes of LIGGGHTS; ``gradual``: whether the permanent loads are raised too. Where they are
-    most of the loads, blocks would swing and slip if they acted at once.
+    processes of LIGGGHTS; ``gradual``: whether the permanent loads are raised too, and pieces move
+    against more drag. Blocks that friction and their weight hold would swing and slip otherwise.
     """
 
     def new_model(radius: float, history: History) -> LiggghtsModel:

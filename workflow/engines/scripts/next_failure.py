@@ -88,8 +88,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
-    first_failure = None
-    before: list[tuple[float, float]] = []
+    first_failure, before = None, list[tuple[float, float]]()
     used = model.utilisation()
     bonds = bool(used)
     while True:
@@ -120,10 +119,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
             model.record(load, Outcome.OVERSTRESSED.value if standing else outcome.value)
             if near:
-                if outcome is Outcome.UNSETTLED:  # so slowly that nobody sees it: see further on
-                    model.back()
-                    outcome = model.raised(AWAY * load)
-                mode = failure_mode(outcome, False, load)
+                mode = failure_mode(_beyond(model, outcome, load), False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
@@ -136,6 +132,17 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         if load > LARGEST_LOAD * first:
             raise NoAnswerError("the load grows without a peak")
         increment *= GROWTH if load >= expected else 1.0
+
+
+def _beyond(model: Model, outcome: Outcome, load: float) -> Outcome:
+    """What becomes of pieces at a ``load`` (N) that they do not carry.
+
+    Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
+    """
+    if outcome is not Outcome.UNSETTLED:
+        return outcome
+    model.back()
+    return model.raised(AWAY * load)
 
 
 def _cascade(
