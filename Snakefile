@@ -37,6 +37,8 @@ DETAILED = detailed(STUDY.model_names)
 
 
 include: "workflow/rules/common.smk"
+
+
 STUDY_FILES = []
 if STUDY.samples:
 

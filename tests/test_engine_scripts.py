@@ -21,12 +21,11 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from workflow.engines.liggghts.deck import (
     Deck,
-    common_gravity,
-    handle_forces,
     patches,
     pitch,
     sphere_radii,
 )
+from workflow.engines.liggghts.loads import common_gravity, handle_forces
 from workflow.engines.liggghts.model import Placement, utilisation
 from workflow.engines.liggghts.process import dumped_rows, printed_values, version_in
 from workflow.engines.render import assembly_data, engine_material

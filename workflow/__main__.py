@@ -259,6 +259,7 @@ def main() -> None:
         elif arguments.what == "calibrate":
             from analysis.calibration.calibrate import calibrate
 
+            _with_joints(arguments.config, results)
             fault = calibrate(arguments.config, results, snakemake)
         elif arguments.what == "decks":
             fault = decks(arguments.config, results)

@@ -95,10 +95,10 @@ def script(
 
 def _rigid_pieces_in_time(
     assembly: Assembly, loads: Loads, numerics: Numerics
-) -> dict[str, float | int]:
+) -> dict[str, float | int | bool]:
     """What rigid pieces need that move in time on contact spheres."""
-    cuboids = all(isinstance(piece, Cuboid) for piece in assembly.pieces)
-    share = 1.0 if cuboids else OF_BLOCKS
+    blocks = not all(isinstance(piece, Cuboid) for piece in assembly.pieces)
+    share = OF_BLOCKS if blocks else 1.0
     frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
     period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
@@ -110,6 +110,7 @@ def _rigid_pieces_in_time(
         "hold_steps": math.ceil(numerics.hold_periods * period_steps),
         "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
         "damping": numerics.damping,
+        "gradual": blocks,
         "unbalanced_ratio": numerics.unbalanced_ratio,
     }
 

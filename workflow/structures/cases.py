@@ -101,7 +101,8 @@ def structure_faults(study: Study) -> Iterator[str]:
         if section.description is None:
             yield f"{key}: lacks the key description, or file"
             continue
-        if not models_of(study, section) and not set(section.models or ()) & set(ENGINES):
+        named = set(section.models or ABLE)
+        if not models_of(study, section) and named <= set(ABLE) and not named & set(ENGINES):
             yield f"{key}.models: none of the study's; it must have {' or '.join(ABLE)}"
         yield from dict.fromkeys(_unreadable(key, section))
 

@@ -9,14 +9,18 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, length, plus
+from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, plus
 from ..scripts.records import NoAnswerError
+from .loads import beyond_gravity, common_acceleration, common_gravity, handle_forces
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
 GROUPS = 28  # that LIGGGHTS has left, of its 32
 # Drag on the pieces over critical drag, at the longest natural period: more would hold up what
 # slides.
 DRAG = 0.05
+# Of blocks that friction holds: less does not keep them from swinging themselves up. An arch gave
+# way at 1310 N, and with this at 1363 N; the static model has 1361 N.
+DRAG_OF_BLOCKS = 0.5
 AXES = (0, 1, 2)
 HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
 VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"
@@ -108,8 +112,14 @@ class Atoms:
 class Deck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
-    def __init__(self, assembly: Assembly, search: Search, radius: float) -> None:
+    def __init__(
+        self, assembly: Assembly, search: Search, radius: float, gradual: bool = False
+    ) -> None:
+        """``radius``: of contact spheres, at most; ``gradual``: see `engines.liggghts.run`."""
         self.assembly, self.search = assembly, search
+        # Steps in which the permanent loads are raised; 0: they act at once.
+        self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
+        self.drag = DRAG_OF_BLOCKS if gradual else DRAG
         free = assembly.free
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
         # for each patch, below and above, that touch each other.
@@ -256,7 +266,18 @@ class Deck:
     def _loads(self) -> Iterator[str]:
         """Gravity, other permanent loads, and the load that is raised: forces on the handles."""
         gravity = common_gravity(self.assembly)
-        if gravity:
+        share = ""
+        if self.permanent_ramp:
+            share = "v_permanent*"
+            part = f"0.5-0.5*cos(PI*step/{self.permanent_ramp})"
+            yield (
+                f"variable permanent equal (step<{self.permanent_ramp})*({part})"
+                f"+(step>={self.permanent_ramp})"
+            )
+        if gravity and share:
+            yield f"variable gravity atom {share}mass*({-gravity!r})"
+            yield "fix gravity handles addforce 0.0 0.0 v_gravity"
+        elif gravity:
             yield f"fix gravity handles gravity {gravity!r} vector 0.0 0.0 -1.0"
         variable = {part.piece: (part.force, part.moment_m) for part in self.assembly.loads}
         shared = common_acceleration(self.assembly)
@@ -282,7 +303,7 @@ class Deck:
                 yield f"group {name} id {atom}"
                 terms = ["0.0", "0.0", "0.0"]
                 for k in axes:
-                    constant = f"+({always[number][k]!r})" if always[number][k] else ""
+                    constant = f"+{share}({always[number][k]!r})" if always[number][k] else ""
                     terms[k] = f"v_{name}_{'xyz'[k]}"
                     yield (
                         f"variable {name}_{'xyz'[k]} equal v_load*({raised[number][k]!r}){constant}"
@@ -296,7 +317,7 @@ class Deck:
     def _bodies(self) -> Iterator[str]:
         """The drag, the rigid bodies, and the variables that tell how they move."""
         search, pieces, free = self.search, self.assembly.pieces, self.assembly.free
-        rate = 2 * DRAG * 2 * math.pi / (search.period_steps * search.time_step_s)
+        rate = 2 * self.drag * 2 * math.pi / (search.period_steps * search.time_step_s)
         scales = " ".join(
             f"scale {self.handle_type[piece]} {rate * pieces[piece].mass_kg / 6:.12g}"
             for piece in free
@@ -338,50 +359,3 @@ class Deck:
     def force_variables(self) -> list[str]:
         """Names of the variables that hold the unbalanced force of each free piece."""
         return [f"f{n}_{axis}" for n in range(1, len(self.assembly.free) + 1) for axis in (1, 2, 3)]
-
-
-def common_gravity(assembly: Assembly) -> float:
-    """The acceleration (m/s2) along -z that all free pieces have, whatever else acts; or else 0."""
-    own = [-p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)]
-    least = max(0.0, min(own))
-    return own[0] if math.isclose(own[0], least, rel_tol=1e-12) else least
-
-
-def common_acceleration(assembly: Assembly) -> Vector:
-    """The acceleration (m/s2 per newton of load) of all free pieces; empty if it differs."""
-    parts = {part.piece: part for part in assembly.loads}
-    if set(parts) != set(assembly.free):
-        return ()
-    first = parts[assembly.free[0]]
-    mass = assembly.pieces[first.piece].mass_kg
-    shared = [value / mass for value in first.force]
-    size = length(shared)
-    for part in parts.values():
-        mass = assembly.pieces[part.piece].mass_kg
-        apart = length(plus([value / mass for value in part.force], shared, -1.0))
-        if any(part.moment_m) or apart > 1e-12 * size:
-            return ()
-    return shared
-
-
-def beyond_gravity(piece: Piece, gravity: float) -> Vector:
-    """What always acts on a piece besides its weight under ``gravity`` (m/s2), in N."""
-    x, y, z = piece.force_N
-    alike = math.isclose(-z, gravity * piece.mass_kg, rel_tol=1e-12)
-    return x, y, 0.0 if alike else z + gravity * piece.mass_kg
-
-
-def handle_forces(force: Vector, moment: Vector, distance: float) -> list[list[float]]:
-    """Forces on a piece's six handles (+x, -x, +y, -y, +z, -z) that add up to force and moment.
-
-    The force is shared by the two handles on x; each component of the moment is a couple.
-    """
-    (fx, fy, fz), (mx, my, mz) = force, [value / (2 * distance) for value in moment]
-    return [
-        [fx / 2, fy / 2 + mz, fz / 2],
-        [fx / 2, fy / 2 - mz, fz / 2],
-        [0.0, 0.0, mx],
-        [0.0, 0.0, -mx],
-        [my, 0.0, 0.0],
-        [-my, 0.0, 0.0],
-    ]

@@ -106,6 +106,8 @@ class LiggghtsModel:
 
     def _raise(self, load: float) -> Outcome:
         ramp = self.search.ramp(load - self.load, load)
+        if self.engine.steps < self.deck.permanent_ramp:
+            ramp = max(ramp, self.deck.permanent_ramp)
         self._set_load(self.load, load - self.load, ramp)
         for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
             self._run(steps)

@@ -11,17 +11,23 @@ from .model import DATA_FILE, INPUT_SCRIPT, Event, LiggghtsModel
 
 
 def find_peak(
-    title: str, assembly: Assembly, search: Search, largest_radius_m: float, ranks: int
+    title: str,
+    assembly: Assembly,
+    search: Search,
+    largest_radius_m: float,
+    ranks: int,
+    gradual: bool = False,
 ) -> None:
     """Search the peak and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
     It writes LIGGGHTS' input script and atoms, starts it on them, and goes on to give it commands.
     ``largest_radius_m``: of contact spheres, which are large so that contacts are flat; ``ranks``:
-    processes of LIGGGHTS.
+    processes of LIGGGHTS; ``gradual``: whether the permanent loads are raised too, and pieces move
+    against more drag. Blocks that friction and their weight hold would swing and slip otherwise.
     """
 
     def new_model(radius: float, history: History) -> LiggghtsModel:
-        deck = Deck(assembly, search, radius)
+        deck = Deck(assembly, search, radius, gradual)
         Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
         Path(DATA_FILE).write_text(deck.data_file(title))
         return LiggghtsModel(deck, ranks, history)

@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .assembly import Guide, Search
-from .guess import AT_ONCE, AWAY, HALF
+from .guess import AWAY, STOPS, STRIDE
 from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
-STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
 BEYOND = 0.01  # of such a load: further on, nothing is expected any more
-STRIDE = 2.0  # over the tolerance, the increment near a load at which something is expected
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
 LARGEST_LOAD = 1e6  # over the first increment
 STEPS = 10  # to a load that is known

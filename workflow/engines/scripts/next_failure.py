@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
-from .guess import AT_ONCE, AWAY, HALF, failure_ahead
+from .guess import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
 from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -53,6 +53,18 @@ def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: 
     return max(furthest, load * (1.0 + tolerance / 4))
 
 
+def towards_mechanism(load: float, expected: float, tolerance: float) -> float:
+    """The increment (N) of a model without bonds: stop by stop to the ``expected`` load (N).
+
+    From the last stop on it is small: a load that fails is dear, as all is done again from the
+    beginning.
+    """
+    for share in STOPS:
+        if load < share * expected * (1.0 - STRIDE * tolerance):
+            return share * expected - load
+    return STRIDE * tolerance * load
+
+
 def failing(used: dict[int, float]) -> list[int]:
     """Nodes that fail together: the most used of those at their strength."""
     most = max(used.values())
@@ -76,9 +88,9 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
-    first_failure = None
-    before: list[tuple[float, float]] = []
+    first_failure, before = None, list[tuple[float, float]]()
     used = model.utilisation()
+    bonds = bool(used)
     while True:
         most = most_used(used)
         before.append((model.load, most))
@@ -93,6 +105,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
                 return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
             before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
             continue
+        if search.guide and not bonds:
+            increment = towards_mechanism(peak, search.guide.peak_N, tolerance)
         load = next_load(before, increment, tolerance)
         while True:
             outcome = model.raised(load)
@@ -105,10 +119,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
             model.record(load, Outcome.OVERSTRESSED.value if standing else outcome.value)
             if near:
-                if outcome is Outcome.UNSETTLED:  # so slowly that nobody sees it: see further on
-                    model.back()
-                    outcome = model.raised(AWAY * load)
-                mode = failure_mode(outcome, False, load)
+                mode = failure_mode(_beyond(model, outcome, load), False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
@@ -121,6 +132,17 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         if load > LARGEST_LOAD * first:
             raise NoAnswerError("the load grows without a peak")
         increment *= GROWTH if load >= expected else 1.0
+
+
+def _beyond(model: Model, outcome: Outcome, load: float) -> Outcome:
+    """What becomes of pieces at a ``load`` (N) that they do not carry.
+
+    Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
+    """
+    if outcome is not Outcome.UNSETTLED:
+        return outcome
+    model.back()
+    return model.raised(AWAY * load)
 
 
 def _cascade(

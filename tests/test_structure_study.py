@@ -1,0 +1,215 @@
+"""Studies of structures: their keys, their cases, and what a whole study writes."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from conftest import ROOT
+
+from sidmacib.yaml_text import read_yaml
+from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.planning.plan import why
+from workflow.planning.snakefile import plan_of
+from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
+from workflow.run.job import run_job
+from workflow.structures.case import StructureCase, changed
+from workflow.structures.cases import structure_cases
+
+TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
+
+
+def study_of(**keys: Any) -> dict[str, Any]:
+    section = {"description": TRILITH, **keys}
+    return {
+        "structures": {"trilith": section},
+        "models": ["static", "limit"],
+        "dem": {"engines": []},
+    }
+
+
+def test_a_study_may_have_structures_and_no_joint() -> None:
+    study = read_study(study_of())
+    assert not study.samples
+    names = {(case.model, case.name) for case in structure_cases(study)}
+    assert names == {("static", "trilith-load"), ("limit", "trilith-load")}
+
+
+def test_a_study_may_have_joints_and_structures() -> None:
+    study = read_study({**study_of(), "samples": {"n3": {"locks": 3}}})
+    plan = plan_of(study)
+    assert {"collect", "structure_tables", "structures/static/trilith"} <= plan.made.keys()
+
+
+def test_loads_and_variants_multiply_and_change_the_description() -> None:
+    push = {"acceleration": [0, 1, 0]}
+    own = study_of(
+        models=["static"],
+        loads={"x": {"acceleration": [1, 0, 0]}, "y": push},
+        variants={"smooth": {"interfaces": {"friction": 0.1}, "special": None}},
+    )
+    cases = {case.name: case for case in structure_cases(read_study(own))}
+    assert [*cases] == ["trilith-x", "trilith-y", "trilith-x-smooth", "trilith-y-smooth"]
+    last = cases["trilith-y-smooth"].description
+    assert last["load"] == push
+    assert last["interfaces"] == {"friction": 0.1}
+    assert "special" not in last
+    assert last["blocks"] == TRILITH["blocks"]
+    assert len({case.digest() for case in cases.values()}) == 4
+
+
+def test_changes_reach_below_a_key_and_take_keys_away() -> None:
+    before = {"a": {"b": 1, "c": 2}, "d": [1]}
+    assert changed(before, {"a": {"b": None, "c": 3}, "d": [2]}) == {"a": {"c": 3}, "d": [2]}
+    assert before == {"a": {"b": 1, "c": 2}, "d": [1]}
+
+
+def test_a_case_reads_back_what_it_wrote_and_its_digest_knows_no_names() -> None:
+    own = {**study_of(models=["yade", "static"]), "dem": {"engines": ["yade"]}}
+    for case in structure_cases(read_study(own)):
+        again = StructureCase.from_json(case.to_json())
+        assert again == case
+        other = read_study({**own, "structures": {"another": own["structures"]["trilith"]}})
+        digests = {each.model: each.digest() for each in structure_cases(other)}
+        assert digests[case.model] == case.digest()
+    with pytest.raises(ValueError, match=r"^not a case of a structure: "):
+        StructureCase.from_json("{}")
+
+
+def test_files_are_found_beside_the_configuration(tmp_path: Path) -> None:
+    (tmp_path / "blocks.yaml").write_text(yaml.safe_dump(TRILITH))
+    path = tmp_path / "study.yaml"
+    path.write_text("structures: {t: {file: blocks.yaml}}\nmodels: [static]\ndem: {engines: []}")
+    assert read_study_file(path).structures["t"].description == TRILITH
+    path.write_text("structures: {t: {file: nowhere.yaml}}")
+    with pytest.raises(ConfigError, match=r"structures\.t\.file: nowhere\.yaml: No such file"):
+        read_study_file(path)
+
+
+@pytest.mark.parametrize("folder", ["arch", "wall"])
+def test_the_studies_of_structures_can_be_read(folder: str) -> None:
+    study = read_study_file(ROOT / "studies" / folder / "config.yaml")
+    assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
+
+
+FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; the keys here are file, "),
+        ({"description": []}, r"trilith\.description: .* must be a mapping with blocks and load"),
+        (
+            {"description": {**TRILITH, "lode": 1}},
+            r"trilith\.description: the description: unknown key 'lode'; valid keys: blocks, load",
+        ),
+        (
+            {"description": changed(TRILITH, {"blocks": {"free": FREE}})},
+            r"trilith\.description: free: touches no other block",
+        ),
+        (
+            {"variants": {"thin": {"interfaces": {"friction": -1}}}},
+            r"trilith\.variants\.thin: interfaces\.friction: -1 is not allowed; it must be",
+        ),
+        (
+            {"loads": {"up": {"lift": 1}}},
+            r"trilith\.loads\.up: load: unknown key 'lift'; valid keys: acceleration, force",
+        ),
+        ({"loads": {"up": 1}}, r"trilith\.loads\.up: 1 is not allowed; it must be a mapping"),
+        ({"models": ["law"]}, r"trilith\.models: 'law' is not allowed; it must be yade or "),
+        ({"models": ["static", "static"]}, r"trilith\.models: static appears twice"),
+        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is taken"),
+    ],
+)
+def test_a_fault_is_told_in_a_line_that_names_the_key(keys: dict[str, Any], words: str) -> None:
+    with pytest.raises(ConfigError, match=words) as error:
+        read_study(study_of(**keys))
+    assert len(str(error.value).splitlines()) == 1
+
+
+def test_a_structure_without_a_description_is_refused() -> None:
+    with pytest.raises(ConfigError, match=r"structures\.t: lacks the key description, or file"):
+        read_study({"structures": {"t": {}}})
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small study of a trilith and of keyed blocks, made job by job, in this process."""
+    folder = tmp_path_factory.mktemp("structures")
+    keyed = read_yaml(ROOT / "studies/structures/keyed.yaml")
+    (locks,) = keyed["locks"]
+    condensed = {"locks": [{**locks, "condensed": {"working": 1}}]}
+    config = study_of(variants={"dry": {"special": None}})
+    config["structures"]["keyed"] = {"description": keyed, "variants": {"condensed": condensed}}
+    plan = plan_of(read_study({**config, "results": str(folder)}))
+    for job in plan.made.values():
+        run_job(json.loads(json.dumps(job.plan(job.digest(), folder))))
+        assert why(job, job.digest(), folder) is None
+    return folder
+
+
+@pytest.mark.study
+def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    # As `multilock assembly studies/structures/trilith.yaml` and docs/howto/structure.md say.
+    static, limit = table.loc[("trilith-load", "static")], table.loc[("trilith-load", "limit")]
+    assert static["load_over_weight"] == pytest.approx(0.25, abs=1e-4)
+    assert static["first_failure_load_N"] == pytest.approx(4229.0, rel=1e-3)
+    assert static["first_interface"] == "left-lintel"
+    assert limit["load_N"] == pytest.approx(8075.0, rel=1e-3)
+    assert limit["difference_to_static"] == pytest.approx(8075.0 / 7848.0 - 1.0, abs=1e-3)
+    dry = table.loc[("trilith-load-dry", "static")]
+    assert pd.isna(dry["first_interface"])
+    assert table["error"].isna().all()
+
+
+@pytest.mark.study
+def test_a_model_that_cannot_do_condensed_locks_says_so_and_the_study_is_complete(
+    results: Path,
+) -> None:
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    refused = table.loc[("keyed-load-condensed", "static"), "refused"]
+    assert (
+        refused == "static: base-block has condensed locks, which have no stiffness; cut them out"
+    )
+    assert table.loc[("keyed-load-condensed", "limit"), "load_N"] > 0.0
+    assert (results / ".structures_complete").read_text() == f"{len(table)} cases\n"
+    assert f"refused: {refused}" in (results / "structures.txt").read_text()
+
+
+@pytest.mark.study
+def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
+    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    whole = table.loc[("trilith-load-dry", "static")]
+    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
+    feet = own[own["interface"].isin(["ground-left", "ground-right"])]
+    assert feet["normal_N"].sum() == pytest.approx(whole["weight_N"], rel=1e-5)
+    assert feet["shear_N"].sum() == pytest.approx(whole["load_N"], rel=1e-5)
+    assert own["utilisation"].max() <= 1.0 + 1e-6
+    assert (own["kind"] == "dry").all()
+
+
+@pytest.mark.study
+def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) -> None:
+    rows = read_table(BLOCKS, results / "tables/blocks.csv")
+    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "limit")].set_index("block")
+    free = own[~own["fixed"]]
+    assert (own.loc["ground", ["move_x_m", "turn_y"]] == 0.0).all()
+    share = free["weight_N"] / free["weight_N"].sum()
+    assert float(share @ free["move_x_m"]) == pytest.approx(1.0, rel=1e-5)  # m along the load
+    assert set(own["motion"]) == {"mechanism"}
+
+
+@pytest.mark.study
+def test_paraview_files_have_the_shape_and_the_motion(results: Path) -> None:
+    mesh = meshio.read(results / "structures/vtk/trilith-load-static-blocks.vtu")
+    assert np.ptp(mesh.points, axis=0) == pytest.approx([4.0, 0.5, 3.0])
+    assert np.abs(mesh.point_data["displacement_m"]).max() > 0.0
+    faces = meshio.read(results / "structures/vtk/trilith-load-static-interfaces.vtu")
+    assert sum(len(cells.data) for cells in faces.cells) == 4
