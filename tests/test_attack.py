@@ -35,7 +35,7 @@ def test_the_ends_of_every_span_are_reached(end: float) -> None:
         assert sampled or any(value == pytest.approx(bound, abs=1e-3) for value in found[name])
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(place=PLACE, space=st.sampled_from(RIGID))
 def test_the_safe_load_is_below_the_first_failure(place: list[float], space: Space) -> None:
     found = ratio_at(space, place)

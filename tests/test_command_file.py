@@ -129,7 +129,7 @@ def test_a_flag_before_a_faulty_file_is_blamed_for_its_own_value_only(tmp_path: 
         max_size=4,
     )
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_whatever_a_file_holds_there_is_an_answer_or_one_line(values: dict[str, object]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "joint.yaml")

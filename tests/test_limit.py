@@ -320,7 +320,7 @@ def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: 
 
 def test_a_joint_whose_equations_take_too_much_memory_is_refused_before_they_are_made() -> None:
     joint = Joint(500)
-    assembly = assemble(joint, 0.02)
+    assembly = assemble(joint, 0.01)
     loads = lateral_load(joint, assembly, Loading(Direction(0)))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     with pytest.raises(CapacityError, match=r"pieces with .* nodes .* at most 2 GiB are allowed"):

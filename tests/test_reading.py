@@ -331,7 +331,7 @@ def is_a_study_or_lines(config: Any) -> None:
         assert all(len(line) < LETTERS and line.isprintable() for line in lines)
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(st.dictionaries(st.sampled_from([*Study.model_fields]), ANYTHING, max_size=4))
 def test_any_values_are_a_study_or_lines(config: dict[str, Any]) -> None:
     is_a_study_or_lines(config)
@@ -354,7 +354,7 @@ def one_value_replaced(draw: st.DrawFn) -> dict[str, Any]:
         place = place[key]
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(one_value_replaced())
 def test_the_published_study_with_one_value_replaced_is_a_study_or_lines(
     config: dict[str, Any],
@@ -362,7 +362,7 @@ def test_the_published_study_with_one_value_replaced_is_a_study_or_lines(
     is_a_study_or_lines(config)
 
 
-@settings(max_examples=300)
+@settings(max_examples=100)
 @given(st.data())
 def test_the_published_text_with_bytes_replaced_is_a_study_or_lines(data: st.DataObject) -> None:
     start = data.draw(st.integers(0, len(CONFIG)))
