@@ -14,7 +14,8 @@ import yaml
 
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.structure.tilt import LARGEST, Tilt, limit_tilt, static_tilt
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.structure.tilt import LARGEST, Tilt, limit_tilt, static_tilt, turned
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
 from studies.structures.pyramid import pyramid_tilt
@@ -102,9 +103,10 @@ def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
     tilt = Tilt(AXES["y"])
     for sample in SAMPLES:
         model = sample_structure(samples, sample)
-        limit, static = _limit(model, tilt), _static(model, tilt)
+        limit = _limit(model, tilt)
+        static = _static(model, tilt) if sample.small else math.nan
         pyramid = pyramid_tilt(model, tilt) if sample.small else math.nan
-        rbe = rbe_verdict(samples / f"{sample.name}.json", sample) if sample.small else None
+        rbe = rbe_verdict(samples / f"{sample.name}.json", sample)
         yield {
             "sample": sample.name,
             "blocks": len(model.pieces),
@@ -113,10 +115,19 @@ def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
             "compas_cra_rbe": rbe or "",
             "pyramid": UNSTABLE if pyramid is None else "" if math.isnan(pyramid) else STABLE,
             "limit": UNSTABLE if math.isnan(limit) else STABLE,
-            "static": UNSTABLE if math.isnan(static) else STABLE,
+            "static": STABLE if _stands(model, tilt) else UNSTABLE,
             "limit_degrees": limit,
             "static_degrees": static,
         }
+
+
+def _stands(model: Assembly, tilt: Tilt) -> bool:
+    """Whether the static model has an equilibrium before gravity turns."""
+    try:
+        RigidSolver(model, turned(model, tilt, 0.0)).start()
+    except NoEquilibriumError:
+        return False
+    return True
 
 
 def _limit(model: Assembly, tilt: Tilt) -> float:

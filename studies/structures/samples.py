@@ -31,7 +31,8 @@ class Sample:
 
     ``fixed``: its nodes that cannot move; None: as the file says. ``friction``: coefficient.
     ``own_interfaces``: whether those of the file are used; others are found. ``heavy``: nodes with
-    3.51 times the density. ``small``: whether other programs are asked as well, in seconds.
+    3.51 times the density. ``small``: whether a linear programme with pyramids and the static
+    model's whole path take seconds.
     """
 
     name: str
