@@ -34,8 +34,10 @@ def notch(width: float, height: float) -> list[Block]:
     flanks = [
         prism(
             name,
-            [(0.0, 0.0, 0.0), (side * 2.0, 0.0, 0.0), (side * 2.0, 0.0, high)]
-            + [(side * width, 0.0, high), (0.0, 0.0, low)],
+            [
+                *((0.0, 0.0, 0.0), (side * 2.0, 0.0, 0.0), (side * 2.0, 0.0, high)),
+                *((side * width, 0.0, high), (0.0, 0.0, low)),
+            ],
             (0.0, 1.0, 0.0),
             2e3,
             fixed=True,
@@ -157,7 +159,7 @@ def test_the_page_counts_what_agrees(tmp_path: Path) -> None:
     assert lines[2] == "| static model, 3DEC | 0 of 1 within 1.5° | 1.60° |"
     assert lines[3].endswith("| 1 of 1 within 1.5° | 0.25° |")
     assert "type-a, μ = 0.2, (√3, 1, 0) | 20.0 | 21.60 | +1.6" in page.by_threedec(tmp_path)
-    assert "| – | 25.00 | – | 23.00 |" in page.by_rbe(tmp_path)
+    assert f"| {page.NONE} | 25.00 | {page.NONE} | 23.00 |" in page.by_rbe(tmp_path)
 
 
 def test_every_sample_is_there_once() -> None:

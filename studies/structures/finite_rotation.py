@@ -22,7 +22,7 @@ from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.structure.tilt import LARGEST, Tilt
 
 STEP = 0.25  # degrees
-STEPS = 200_000  # of time, in which the block must come to rest
+STEPS = 2_000_000  # of time, in which the block must come to rest
 DAMPING = 0.7  # part of the unbalanced force, against the velocity
 AT_REST = 1e-7  # unbalanced force over the weight
 AWAY = 0.2  # of the length: a block that moves so far does not return
