@@ -13,6 +13,7 @@
 # make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
 # make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
 # make attack  an optimiser looks for joints whose safe load is above what they carry, EVALUATIONS=1800 a start
+# make structures  structures of blocks beside published answers; PEERS=1: compas_cra as well
 # make scaling what a large study takes, CASES=100000: time, files, memory
 # make docs    the pages as a site: build/docs/index.html
 # make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
@@ -46,7 +47,7 @@ TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack scaling lint format lock early system system-test clean
+.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -102,6 +103,11 @@ same: .venv/test.ready
 
 attack: .venv/study.ready
 	@export OPENBLAS_NUM_THREADS=1; exec $(BIN)/python -m studies.attack.search --evaluations "$$EVALUATIONS"
+
+structures: .venv/study.ready $(if $(PEERS),.venv/peers.ready)
+	@export OPENBLAS_NUM_THREADS=1; results="$${RESULTS:-results-structures}"; \
+	$(BIN)/python -m studies.structures.compare --results "$$results" && \
+	exec $(BIN)/python -m studies.pages "$$results" docs/structures.md
 
 scaling: .venv/test.ready
 	@exec $(BIN)/python -m benchmarks.scaling --cases "$$CASES" $(if $(RESULTS),--results "$$RESULTS")

@@ -14,6 +14,7 @@ import studies.attack.page
 import studies.elastic.page
 import studies.locks.page
 import studies.published.page
+import studies.structures.page
 
 BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
 BLOCKS = {
@@ -21,6 +22,7 @@ BLOCKS = {
     **studies.elastic.page.BLOCKS,
     **studies.locks.page.BLOCKS,
     **studies.attack.page.BLOCKS,
+    **studies.structures.page.BLOCKS,
     **benchmarks.page.BLOCKS,
 }
 

@@ -27,15 +27,18 @@ from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.model import BEYOND, INCREMENT, brittle_path
+from sidmacib.mechanics.static.model import INCREMENT, brittle_path
 from sidmacib.structure.loads import free_weight
 from sidmacib.validation import refused
 
 LARGEST = 180.0  # degrees
 STEP = 0.25  # degrees: largest increment, or a hundredth of the angle where that is more
 PRECISION = 1e-4  # of an angle, over itself
-LEAST_EXCESS = 0.1  # degrees beyond the critical angle, at which the motion of the blocks is seen
+# Degrees beyond the critical angle at which the motion of the blocks is looked for, in this order.
+BEYOND = (0.1, 0.03, 0.3, 0.01, 1.0)
+LOOSE = 100.0  # motion over the displacements of the last equilibrium, at least
 CLOSED = 1e-3  # of the largest relative motion: a node that opens by less stays closed
+EQUAL = 1e-3  # of sliding and opening: they count as equally far
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
 SCAN = 5.0  # degrees between programmes where what they see is no sector
 UPRIGHT = 1e-6  # of the weight: accuracy with which limit analysis sees that blocks stand upright
@@ -180,12 +183,19 @@ class _Turning:
 
     def mechanism(self, point: Equilibrium) -> Floats:
         """Motions of the pieces beyond the last equilibrium, (P, 6), see `StaticTilt`."""
-        beyond = point.load + max(BEYOND * point.load, LEAST_EXCESS)
+        units = np.tile([1.0] * 3 + [self.assembly.length] * 3, len(point.unknowns) // 6)
+        loose = LOOSE * float(np.abs(point.unknowns * units).max())
+        largest, found = 0.0, np.zeros_like(point.unknowns)
+        for excess in BEYOND:  # as the solver may not move at all from one of them
+            motion = self.at(point.load + excess).motion(point, 0.0)
+            size = float(np.abs(motion * units).max())
+            if size > largest:
+                largest, found = size, motion / size
+            if size > loose:
+                break
         moved = np.zeros(6 * len(self.assembly.pieces))
-        moved[free_rows(self.assembly)] = self.at(beyond).motion(point, 0.0)
-        motion = moved.reshape(-1, 6)
-        scaled = np.abs(motion) * ([1.0] * 3 + [self.assembly.length] * 3)
-        return np.asarray(motion / scaled.max())
+        moved[free_rows(self.assembly)] = found
+        return moved.reshape(-1, 6)
 
 
 def motion_of(assembly: Assembly, mechanism: Floats) -> Motion:
@@ -195,7 +205,8 @@ def motion_of(assembly: Assembly, mechanism: Floats) -> Motion:
     largest = float(np.hypot(opening, sliding).max())
     closed = opening <= CLOSED * largest
     slides = float(sliding[closed].max(initial=0.0))
-    return Motion.SLIDING if slides >= float(opening.max()) else Motion.ROCKING
+    opens = (1.0 - EQUAL) * float(opening.max())
+    return Motion.SLIDING if slides >= opens else Motion.ROCKING
 
 
 def moves_most(assembly: Assembly, mechanism: Floats) -> str:

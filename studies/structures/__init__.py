@@ -1,0 +1,1 @@
+"""Structures of blocks against published answers, hand formulas and other programs."""

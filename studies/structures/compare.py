@@ -1,0 +1,152 @@
+"""Structures of blocks beside published answers: the tables of docs/structures.md.
+
+python -m studies.structures.compare --results results-structures
+"""
+
+import argparse
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, NodeLayout
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.structure.tilt import LARGEST, Tilt, limit_tilt, static_tilt, turned
+from studies.structures.finite_rotation import relaxed_tilt
+from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
+from studies.structures.pyramid import pyramid_tilt
+from studies.structures.samples import AXES, SAMPLES, Sample, fetched, sample_structure
+from studies.structures.shapes import answers
+
+PUBLISHED = Path(__file__).parent / "published.yaml"
+TYPES = ("type-a", "type-b", "type-c", "type-d")
+FRICTIONS = (0.2, 0.84)
+CHANGES: dict[str, dict[str, Any]] = {  # of the static model, where it is far from 3DEC
+    "as it is": {},
+    "shear stiffness / 100": {"shear": 1e8},
+    "shear stiffness x 10": {"shear": 1e11},
+    "cells of 0.5 m": {"mesh": 0.5},
+    "cells of 0.2 m": {"mesh": 0.2},
+    "Lobatto nodes": {"nodes": NodeLayout.LOBATTO},
+}
+FAR = 1.5  # degrees
+
+
+def main() -> None:
+    """Make the tables."""
+    parser = argparse.ArgumentParser(description=main.__doc__)
+    parser.add_argument("--results", type=Path, default=Path("results-structures"))
+    results: Path = parser.parse_args().results
+    published = yaml.safe_load(PUBLISHED.read_text(encoding="utf-8"))
+    samples = fetched(results)
+    _write(results, "shapes", (vars(answer) for answer in answers(published["shapes"])))
+    tilts = list(tilt_rows(samples, published["tilts"]))
+    _write(results, "tilts", tilts)
+    _write(results, "changes", change_rows(samples, tilts))
+    _write(results, "verdicts", verdict_rows(samples))
+
+
+def _write(results: Path, name: str, rows: Iterable[Mapping[str, Any]]) -> None:
+    """A table of ``rows``, with six digits."""
+    path = results / "tables" / f"{name}.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pd.DataFrame(list(rows)).to_csv(path, index=False, float_format="%.6g")
+    print(path)
+
+
+def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Critical tilts of one block between two fixed ones, beside ``published`` ones."""
+    known = {(each["sample"], each["friction"], each["axis"]): each for each in published}
+    for name in TYPES:
+        for friction in FRICTIONS:
+            model = sample_structure(samples, Sample(name, (0, 1), friction))
+            for axis in AXES:
+                told = known.get((name, friction, axis), {})
+                tilt = Tilt(AXES[axis])
+                static = static_tilt(model, tilt)
+                yield {
+                    "sample": name,
+                    "friction": friction,
+                    "axis": axis,
+                    "threedec_degrees": told.get("threedec", math.nan),
+                    "static_degrees": static.angle,
+                    "motion": str(static.motion),
+                    "relaxed_degrees": relaxed_tilt(model, tilt, finite=False),
+                    "finite_rotation_degrees": relaxed_tilt(model, tilt, finite=True),
+                    "rbe_degrees": told.get("rbe", math.nan),
+                    "pyramid_degrees": pyramid_tilt(model, tilt),
+                    "limit_degrees": limit_tilt(model, tilt).angle,
+                }
+
+
+def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """What stiffness and nodes do to those critical tilts that are far from 3DEC's."""
+    for row in tilts:
+        if abs(row["static_degrees"] - row["threedec_degrees"]) <= FAR:
+            continue
+        if math.isnan(row["threedec_degrees"]):
+            continue
+        for what, change in CHANGES.items():
+            sample = Sample(row["sample"], (0, 1), row["friction"])
+            model = sample_structure(samples, sample, **change)
+            angle = static_tilt(model, Tilt(AXES[row["axis"]])).angle
+            keys = ("sample", "friction", "axis")
+            yield {key: row[key] for key in keys} | {"change": what, "static_degrees": angle}
+
+
+def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
+    """Whether each sample stands, and where it ceases to when gravity turns about y."""
+    tilt = Tilt(AXES["y"])
+    for sample in SAMPLES:
+        model = sample_structure(samples, sample)
+        limit = _limit(model, tilt)
+        static = _static(model, tilt) if sample.small else math.nan
+        pyramid = pyramid_tilt(model, tilt) if sample.small else math.nan
+        rbe = rbe_verdict(samples / f"{sample.name}.json", sample)
+        yield {
+            "sample": sample.name,
+            "blocks": len(model.pieces),
+            "interfaces": len(model.faces),
+            "friction": sample.friction,
+            "compas_cra_rbe": rbe or "",
+            "pyramid": UNSTABLE if pyramid is None else "" if math.isnan(pyramid) else STABLE,
+            "limit": UNSTABLE if math.isnan(limit) else STABLE,
+            "static": STABLE if _stands(model, tilt) else UNSTABLE,
+            "limit_degrees": limit,
+            "static_degrees": static,
+        }
+
+
+def _stands(model: Assembly, tilt: Tilt) -> bool:
+    """Whether the static model has an equilibrium before gravity turns."""
+    try:
+        RigidSolver(model, turned(model, tilt, 0.0)).start()
+    except NoEquilibriumError:
+        return False
+    return True
+
+
+def _limit(model: Assembly, tilt: Tilt) -> float:
+    """The critical tilt after limit analysis, degrees; NaN if nothing stands upright."""
+    try:
+        return limit_tilt(model, tilt).angle
+    except InfeasibleError:
+        return math.nan
+
+
+def _static(model: Assembly, tilt: Tilt) -> float:
+    """The critical tilt after the static model, degrees; NaN if nothing stands upright."""
+    try:
+        return static_tilt(model, tilt).angle
+    except UnboundedError:
+        return LARGEST
+    except NoEquilibriumError:
+        return math.nan
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,158 @@
+"""Numbers of `make structures` in docs/structures.md."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from studies.markdown import markdown_of, percent, signed
+
+NONE = "–"
+AXIS = {"x": "x", "y": "y", "xy30": "(√3, 1, 0)"}
+WHERE = {
+    "whiting": "Whiting 2009",
+    "milankovitch": "Milankovitch 1907",
+    "stockdale": "Stockdale 2018",
+}
+
+
+def _table(results: Path, name: str) -> pd.DataFrame:
+    return pd.read_csv(results / f"tables/{name}.csv", keep_default_na=True)
+
+
+def _degrees(value: float, digits: int = 1) -> str:
+    return NONE if math.isnan(value) else f"{value:.{digits}f}"
+
+
+def _apart(one: float, other: float, digits: int = 1) -> str:
+    return NONE if math.isnan(one - other) else signed(f"{one - other:+.{digits}f}")
+
+
+def _case(row: Any) -> str:
+    return f"{row.sample}, μ = {row.friction:g}, {AXIS[row.axis]}"
+
+
+def by_threedec(results: Path) -> str:
+    """Critical tilts of the static model beside 3DEC's."""
+    return markdown_of(
+        _table(results, "tilts"),
+        {
+            "block, friction, axis": _case,
+            "3DEC, published": lambda row: _degrees(row.threedec_degrees),
+            "static": lambda row: _degrees(row.static_degrees, 2),
+            "difference": lambda row: _apart(row.static_degrees, row.threedec_degrees),
+            "ends by": lambda row: row.motion,
+            "relaxation, small rotations": lambda row: _degrees(row.relaxed_degrees, 2),
+            "relaxation, finite rotations": lambda row: _degrees(row.finite_rotation_degrees, 2),
+        },
+    )
+
+
+def by_rbe(results: Path) -> str:
+    """Critical tilts of limit analysis beside those of rigid-block equilibrium."""
+    return markdown_of(
+        _table(results, "tilts"),
+        {
+            "block, friction, axis": _case,
+            "RBE, published": lambda row: _degrees(row.rbe_degrees),
+            "pyramid of eight sides": lambda row: _degrees(row.pyramid_degrees, 2),
+            "difference": lambda row: _apart(row.pyramid_degrees, row.rbe_degrees),
+            "limit analysis, cone": lambda row: _degrees(row.limit_degrees, 2),
+        },
+    )
+
+
+def within(results: Path) -> str:
+    """How many critical tilts agree with published ones."""
+    table = _table(results, "tilts")
+    rows = []
+    for what, ours, theirs, near in (
+        ("static model, 3DEC", "static_degrees", "threedec_degrees", 1.5),
+        (
+            "relaxation with finite rotations, 3DEC",
+            "finite_rotation_degrees",
+            "threedec_degrees",
+            1.5,
+        ),
+        ("static model, relaxation with small rotations", "static_degrees", "relaxed_degrees", 0.5),
+        ("limit analysis with a pyramid, RBE", "pyramid_degrees", "rbe_degrees", 1.0),
+        ("limit analysis with a cone, RBE", "limit_degrees", "rbe_degrees", 1.0),
+    ):
+        apart = (table[ours] - table[theirs]).abs().dropna()
+        rows.append((what, near, int((apart <= near).sum()), len(apart), float(apart.max())))
+    columns = ["what", "near", "agree", "all", "largest"]
+    return markdown_of(
+        pd.DataFrame(rows, columns=columns),
+        {
+            "compared": lambda row: row.what,
+            "agree": lambda row: f"{row.agree} of {row.all} within {row.near:g}°",
+            "largest difference": lambda row: f"{row.largest:.2f}°",
+        },
+    )
+
+
+def changes(results: Path) -> str:
+    """What stiffness and nodes do where the static model is far from 3DEC."""
+    table = _table(results, "changes")
+    wide = table.assign(case=[_case(row) for row in table.itertuples()]).pivot_table(
+        index="change", columns="case", values="static_degrees", sort=False
+    )
+    cells: dict[str, Callable[[Any], str]] = {"static model": lambda row: str(row.Index)}
+    for place, case in enumerate(wide.columns, start=1):
+        cells[case] = lambda row, place=place: _degrees(row[place], 2)  # type: ignore[misc]
+    return markdown_of(wide, cells)
+
+
+def shapes(results: Path) -> str:
+    """Arches, stacks and walls."""
+
+    def number(value: float) -> str:
+        return NONE if math.isnan(value) else f"{value:.5g}"
+
+    return markdown_of(
+        _table(results, "shapes"),
+        {
+            "structure": lambda row: row.name,
+            "unit": lambda row: NONE if isinstance(row.unit, float) else row.unit,
+            "known": lambda row: number(row.known),
+            "from": lambda row: WHERE.get(row.source, row.source),
+            "limit analysis": lambda row: number(row.limit),
+            "difference": lambda row: percent(row.limit / row.known - 1.0, 2),
+            "static": lambda row: number(row.static),
+        },
+    )
+
+
+def verdicts(results: Path) -> str:
+    """Samples of compas_cra: which stand upright, and where each turns over."""
+
+    def words(value: Any) -> str:
+        return value if isinstance(value, str) and value else NONE
+
+    return markdown_of(
+        _table(results, "verdicts"),
+        {
+            "sample": lambda row: row.sample,
+            "blocks": lambda row: f"{row.blocks}",
+            "interfaces": lambda row: f"{row.interfaces:,}",
+            "μ": lambda row: f"{row.friction:g}",
+            "RBE of compas_cra": lambda row: words(row.compas_cra_rbe),
+            "pyramid": lambda row: words(row.pyramid),
+            "limit": lambda row: words(row.limit),
+            "static": lambda row: words(row.static),
+            "limit, tilt about y": lambda row: _degrees(row.limit_degrees),
+            "static, tilt about y": lambda row: _degrees(row.static_degrees),
+        },
+    )
+
+
+BLOCKS = {
+    "structures-within": within,
+    "structures-threedec": by_threedec,
+    "structures-rbe": by_rbe,
+    "structures-changes": changes,
+    "structures-shapes": shapes,
+    "structures-verdicts": verdicts,
+}

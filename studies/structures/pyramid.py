@@ -1,0 +1,71 @@
+"""Rigid-block equilibrium with a friction pyramid, as a linear programme that HiGHS solves.
+
+In place of each friction cone there is a pyramid of eight sides around it, as in compas_cra's
+rigid-block equilibrium (RBE): along its edges it allows 8 % more shear than the cone.
+"""
+
+import math
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import csr_array, diags_array, hstack
+
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.structure.tilt import LARGEST, SECTOR, Tilt, turned
+
+SIDES = 8
+INFEASIBLE, UNBOUNDED = 2, 3  # of HiGHS, as SciPy has it
+
+
+def pyramid_tilt(assembly: Assembly, tilt: Tilt) -> float | None:
+    """The smallest angle (degrees) beyond which no forces in the pyramids carry gravity.
+
+    For dry assemblies and level axes. None if there are none upright.
+    """
+    if _tangent(assembly, tilt, 0.0, most=0.0) is None:
+        return None
+    for begin in np.arange(0.0, LARGEST, SECTOR).tolist():
+        tangent = _tangent(assembly, tilt, begin)
+        if tangent is None:  # at the very end of the sector before
+            return float(begin)
+        further = math.degrees(math.atan(tangent))
+        if further < SECTOR:
+            return float(begin + further)
+    return LARGEST
+
+
+def _tangent(assembly: Assembly, tilt: Tilt, begin: float, most: float = math.inf) -> float | None:
+    """The largest tangent, at most ``most``, of an angle beyond ``begin`` that is carried."""
+    rows, units = free_rows(assembly), row_units(assembly)
+    ahead = turned(assembly, tilt, begin)
+    beside = turned(assembly, tilt, begin + 90.0)
+    weight, across = (load.permanent.ravel()[rows] / units / load.scale for load in (ahead, beside))
+    balance = diags_array(1.0 / units) @ equilibrium_matrix(assembly)[rows]
+    count = len(assembly.nodes.area)
+    limits = _pyramids(ContactLaw.of(assembly).friction)
+    found = linprog(
+        np.append(np.zeros(3 * count), -1.0),
+        A_ub=hstack([limits, csr_array((limits.shape[0], 1))]),
+        b_ub=np.zeros(limits.shape[0]),
+        A_eq=hstack([balance, csr_array(-across[:, None])]),
+        b_eq=weight,
+        bounds=[*[(0.0, None), (None, None), (None, None)] * count, (0.0, most)],
+        method="highs",
+    )
+    if found.status == UNBOUNDED:
+        return math.inf
+    return None if found.status == INFEASIBLE else float(found.x[-1])
+
+
+def _pyramids(friction: Floats) -> csr_array:
+    """Rows that are 0 at most where shear is inside the pyramid, (8 N, 3 N)."""
+    angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    sides = np.column_stack([np.cos(angle), np.sin(angle)])
+    blocks = np.zeros((len(friction), SIDES, 3))
+    blocks[:, :, 0], blocks[:, :, 1:] = -friction[:, None], sides
+    row = np.arange(len(friction) * SIDES)[:, None] + np.zeros(3, dtype=int)
+    column = np.repeat(3 * np.arange(len(friction)), SIDES)[:, None] + np.arange(3)
+    return csr_array((blocks.reshape(-1), (row.ravel(), column.ravel())))

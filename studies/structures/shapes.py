@@ -1,0 +1,213 @@
+"""Arches, stacks, walls, flat arches and corbels: answers that are published or found by hand."""
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from sidmacib.errors import InfeasibleError
+from sidmacib.mechanics.assembly import GRAVITY, Assembly, Loads, Vector
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.structure import structure
+from sidmacib.structure.tilt import Tilt, limit_tilt, static_tilt
+from studies.structures.samples import dry
+
+HELD = 3.0  # friction at which nothing slides
+DENSITY = 2000.0  # kg/m3
+GROUND = box("ground", (-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), DENSITY, fixed=True)
+Y, X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What is known of a structure beside what the models find, all in ``unit``.
+
+    ``source``: a formula, or the name of a source in published.yaml. ``static``: None where the
+    static model is not asked.
+    """
+
+    name: str
+    unit: str
+    source: str
+    known: float
+    limit: float
+    static: float | None
+
+
+def answers(published: Mapping[str, float]) -> Iterator[Answer]:
+    """The structures one after the other; ``published``: the part ``shapes`` of published.yaml."""
+    yield _thinnest(published["arch_thickness_over_radius"])
+    yield _tilted(
+        "semicircular arch, t/R 0.20, 100 blocks: tilt",
+        "whiting",
+        published["arch_tilt_degrees"],
+        structure(arch(100, 0.2), dry(HELD)),
+        Y,
+    )
+    yield _point_load(published["arch_point_load_N"])
+    for count in (1, 3, 6):
+        known = math.degrees(math.atan(0.5 / (0.3 * count)))
+        name = f"stack of {count}, 0.5 m wide, each 0.3 m high: overturns"
+        yield _tilted(name, "atan(b / n h)", known, structure(stack(count, 0.0), dry(HELD)), Y)
+    known = math.degrees(math.atan(0.25))
+    model = structure(stack(3, 0.0), dry(0.25))
+    yield _tilted("stack of 3, friction 0.25: slides", "atan μ", known, model, Y)
+    yield from _walls()
+    yield _corbel(5, 0.06)
+    yield from _flat_arch()
+
+
+def arch(
+    count: int,
+    thickness: float,
+    radius: float = 1.0,
+    depth: float = 0.3,
+    density: float = DENSITY,
+) -> list[Block]:
+    """A semicircle of ``count`` equal voussoirs on two supports, numbered from +x to -x.
+
+    ``thickness`` over the mean ``radius``; lengths in m.
+    """
+    inner, outer = radius * (1.0 - thickness / 2), radius * (1.0 + thickness / 2)
+
+    def at(r: float, angle: float) -> Vector:
+        return r * math.cos(angle), 0.0, r * math.sin(angle)
+
+    voussoirs = [
+        prism(
+            f"voussoir{k}",
+            [at(inner, one), at(outer, one), at(outer, other), at(inner, other)],
+            (0.0, depth, 0.0),
+            density,
+        )
+        for k, (one, other) in enumerate(pairwise(np.linspace(0.0, math.pi, count + 1).tolist()))
+    ]
+    ends = (
+        ("left", -outer - radius / 2, -inner + radius / 2),
+        ("right", inner - radius / 2, outer + radius / 2),
+    )
+    supports = [
+        box(name, (low, 0.0, -radius), (high, depth, 0.0), density, fixed=True)
+        for name, low, high in ends
+    ]
+    return [*supports, *voussoirs]
+
+
+def stack(count: int, shift: float) -> list[Block]:
+    """Blocks of 0.5 x 0.4 x 0.3 m on the ground, each ``shift`` (m) further along -x."""
+    return [GROUND] + [
+        box(
+            f"block{k}",
+            (-shift * k, 0.0, 0.3 * k),
+            (0.5 - shift * k, 0.4, 0.3 * (k + 1)),
+            DENSITY,
+        )
+        for k in range(count)
+    ]
+
+
+def wall(courses: int, thickness: float) -> list[Block]:
+    """A wall in running bond, 2 m long, of blocks 0.5 m long and 0.25 m high."""
+    blocks = [GROUND]
+    for course in range(courses):
+        joints = np.arange(0.0, 2.1, 0.5) if course % 2 == 0 else [0.0, 0.25, 0.75, 1.25, 1.75, 2.0]
+        for number, (one, other) in enumerate(pairwise(np.asarray(joints).tolist())):
+            low, high = 0.25 * course, 0.25 * (course + 1)
+            name = f"course{course}-{number}"
+            blocks.append(box(name, (one, 0.0, low), (other, thickness, high), DENSITY))
+    return blocks
+
+
+def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> Answer:
+    limit, static = limit_tilt(model, tilt).angle, static_tilt(model, tilt).angle
+    return Answer(name, "degrees", source, known, limit, static)
+
+
+def _walls() -> Iterator[Answer]:
+    courses, thickness = 6, 0.3
+    known = math.degrees(math.atan(thickness / (0.25 * courses)))
+    name = f"wall in running bond, {courses} courses, 0.3 m thick: overturns out of its plane"
+    model = structure(wall(courses, thickness), dry(0.7))
+    yield _tilted(name, "atan(b / h)", known, model, X)
+    known = math.degrees(math.atan(0.3))
+    model = structure(wall(courses, thickness), dry(0.3))
+    yield _tilted("the same wall, friction 0.3: slides along its plane", "atan μ", known, model, Y)
+
+
+def _corbel(count: int, shift: float) -> Answer:
+    """The upper k blocks turn about the edge of the one below; their centroid is known."""
+    angles = [
+        math.degrees(math.atan((0.25 - shift * (above + 1) / 2) / (0.15 * above)))
+        for above in range(1, count)
+    ]
+    known = min(angles)
+    name = f"corbel of {count} blocks, 0.5 m long, each {shift:g} m further out: turns over"
+    source = "least atan(2 (l/2 - d (k + 1)/2) / k h)"
+    return _tilted(name, source, known, structure(stack(count, shift), dry(HELD)), Y)
+
+
+def _flat_arch() -> Iterator[Answer]:
+    """Two blocks between abutments that slide: three hinges, thrust (P L/4 + W L/8) / h."""
+    span, height, depth, wide, tall, friction = 2.0, 0.5, 0.4, 1.2, 0.8, 0.6
+    ends = ((-span / 2 - wide, -span / 2), (span / 2, span / 2 + wide))
+    low, high = tall - height, tall
+    abutments = [
+        box(name, (one, 0.0, 0.0), (other, depth, tall), DENSITY)
+        for name, (one, other) in zip(("left-abutment", "right-abutment"), ends, strict=True)
+    ]
+    halves = [
+        box("left", (-span / 2, 0.0, low), (0.0, depth, high), DENSITY),
+        box("right", (0.0, 0.0, low), (span / 2, depth, high), DENSITY),
+    ]
+    on_ground = {frozenset({"ground", each.name}): dry(friction) for each in abutments}
+    model = structure([GROUND, *abutments, *halves], dry(HELD), on_ground)
+    weight = GRAVITY * DENSITY * span * height * depth
+    abutment = GRAVITY * DENSITY * wide * tall * depth
+    known = (friction * (abutment + weight / 2) - weight * span / (8 * height)) / (
+        span / (4 * height) - friction / 2
+    )
+    loads = force_at(model, "left", (0.0, depth / 2, high), (0.0, 0.0, -1.0))
+    source = "(μ (A + W/2) - W L/8h) / (L/4h - μ/2)"
+    yield _loaded("flat arch, load at the crown: its abutments slide", source, known, model, loads)
+
+
+def _loaded(name: str, source: str, known: float, model: Assembly, loads: Loads) -> Answer:
+    limit = limit_load(model, loads, friction=True).load
+    return Answer(name, "N", source, known, limit, static_peak(model, loads).peak.load)
+
+
+def _point_load(known: float) -> Answer:
+    """27 blocks, inner radius 1.806 m, thickness 0.1661 of it, load at joint 8."""
+    inner, thickness, count = 1.806, 0.1661 * 1.806, 27
+    mean = inner + thickness / 2
+    model = structure(arch(count, thickness / mean, mean, 0.25, 1530.0), dry(HELD))
+    angle, outer = math.pi * (count - 8) / count, inner + thickness
+    place = outer * math.cos(angle), 0.125, outer * math.sin(angle)
+    loads = force_at(model, "voussoir19", place, (0.0, 0.0, -1.0))
+    return _loaded("arch of 27 blocks: load at joint 8", "stockdale", known, model, loads)
+
+
+def _thinnest(known: float) -> Answer:
+    def stands(thickness: float) -> bool:
+        model = structure(arch(100, thickness), dry(HELD))
+        try:
+            return limit_load(model, acceleration(model, (1.0, 0.0, 0.0)), friction=True).load >= 0
+        except InfeasibleError:
+            return False
+
+    found = _boundary(stands, 0.10, 0.12, 1e-5)
+    name = "semicircular arch, 100 blocks: least thickness over mean radius"
+    return Answer(name, "", "milankovitch", known, found, None)
+
+
+def _boundary(holds: Callable[[float], bool], low: float, high: float, precision: float) -> float:
+    """The value between ``low`` and ``high`` from which on ``holds``."""
+    while high - low > precision:
+        middle = (low + high) / 2
+        low, high = (low, middle) if holds(middle) else (middle, high)
+    return high

@@ -1,0 +1,167 @@
+"""The study of structures: its programmes against theory, its samples, and its page."""
+
+import math
+import zipfile
+from pathlib import Path
+
+import pandas as pd
+import pytest
+import yaml
+from structures import dry
+
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.structure import structure
+from sidmacib.structure.tilt import Tilt, limit_tilt, static_tilt
+from studies.structures import page, samples
+from studies.structures.compare import PUBLISHED, TYPES
+from studies.structures.finite_rotation import relaxed_tilt
+from studies.structures.pyramid import pyramid_tilt
+from studies.structures.samples import AXES, REQUIREMENT, REQUIREMENTS, SAMPLES, fetched
+from studies.structures.shapes import answers
+
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+Y = Tilt((0.0, 1.0, 0.0))
+
+
+def degrees(slope: float) -> float:
+    return math.degrees(math.atan(slope))
+
+
+def notch(width: float, height: float) -> list[Block]:
+    """A long block in a notch between two flanks, as type c: it turns over before it slides."""
+    low, high = 0.5, 0.5 + width / math.sqrt(3.0)
+    flanks = [
+        prism(
+            name,
+            [
+                *((0.0, 0.0, 0.0), (side * 2.0, 0.0, 0.0), (side * 2.0, 0.0, high)),
+                *((side * width, 0.0, high), (0.0, 0.0, low)),
+            ],
+            (0.0, 1.0, 0.0),
+            2e3,
+            fixed=True,
+        )
+        for name, side in (("left", -1.0), ("right", 1.0))
+    ]
+    outline = [(0.0, 0.0, low), (width, 0.0, high), (width, 0.0, height), (-width, 0.0, height)]
+    key = prism("key", [*outline, (-width, 0.0, high)], (0.0, 1.0, 0.0), 2e3)
+    return [*flanks, key]
+
+
+@pytest.mark.parametrize("finite", [False, True])
+@pytest.mark.parametrize(("friction", "expected"), [(0.2, degrees(0.2)), (0.84, degrees(0.4))])
+def test_a_block_on_a_slope_rests_up_to_its_angle_of_sliding_or_overturning(
+    friction: float, expected: float, finite: bool
+) -> None:
+    found = relaxed_tilt(structure([GROUND, BLOCK], dry(friction)), Y, finite=finite)
+    assert found == pytest.approx(expected, abs=0.3)
+
+
+@pytest.mark.study
+def test_finite_rotations_wedge_a_block_that_small_ones_let_go() -> None:
+    """It then slides as a whole, at a friction of mu over the sine of half the notch's angle."""
+    model, tilt = structure(notch(1.0, 2.3), dry(0.84)), Tilt((1.0, 0.0, 0.0))
+    small = relaxed_tilt(model, tilt, finite=False)
+    assert small == pytest.approx(static_tilt(model, tilt).angle, abs=0.3)
+    slides = degrees(0.84 / math.cos(math.radians(30.0)))
+    assert small < slides - 5.0
+    assert relaxed_tilt(model, tilt, finite=True) == pytest.approx(slides, abs=0.3)
+
+
+def test_relaxation_is_for_one_free_block() -> None:
+    other = box("other", (0.0, 0.0, 1.0), (0.4, 0.6, 2.0), 2e3)
+    with pytest.raises(ValueError, match="one block must be free"):
+        relaxed_tilt(structure([GROUND, BLOCK, other], dry(0.5)), Y, finite=True)
+
+
+def test_a_pyramid_around_the_cone_holds_at_most_8_percent_more() -> None:
+    model = structure([GROUND, BLOCK], dry(0.2))
+    assert pyramid_tilt(model, Y) == pytest.approx(degrees(0.2), rel=1e-6)
+    turn = math.radians(22.5)
+    between = pyramid_tilt(model, Tilt((math.cos(turn), math.sin(turn), 0.0)))
+    assert between == pytest.approx(degrees(0.2 / math.cos(turn)), rel=1e-6)
+
+
+def test_a_pyramid_sees_what_stands_upside_down_and_what_falls() -> None:
+    wedged = structure(notch(1.0, 2.3), dry(3.0))
+    assert limit_tilt(wedged, Y).angle == pyramid_tilt(wedged, Y)
+    leaning = prism(
+        "leaning",
+        [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.4, 0.0, 1.0), (1.0, 0.0, 1.0)],
+        (0.0, 0.6, 0.0),
+        2e3,
+    )
+    assert pyramid_tilt(structure([GROUND, leaning], dry(0.7)), Y) is None
+
+
+@pytest.mark.study
+def test_shapes_have_their_known_answers() -> None:
+    published = yaml.safe_load(PUBLISHED.read_text())
+    for answer in answers(published["shapes"]):
+        near = 0.005 if answer.source in published["sources"] else 1e-3
+        assert answer.limit == pytest.approx(answer.known, rel=near), answer.name
+        if answer.static is not None:
+            assert answer.static == pytest.approx(answer.limit, rel=1e-3), answer.name
+
+
+def test_published_values_are_of_samples_and_axes_that_there_are() -> None:
+    published = yaml.safe_load(PUBLISHED.read_text())
+    keys = [(each["sample"], each["friction"], each["axis"]) for each in published["tilts"]]
+    assert len(set(keys)) == len(keys) == 12
+    assert {sample for sample, _, _ in keys} <= set(TYPES)
+    assert {axis for _, _, axis in keys} == set(AXES)
+
+
+def test_the_wheel_of_the_samples_is_pinned_by_digests() -> None:
+    found = REQUIREMENT.search(REQUIREMENTS.read_text())
+    assert found is not None
+    assert found.group(0).startswith("compas-cra==0.8.0")
+    assert found.group(0).count("--hash=sha256:") > 3
+    assert "compas-dem" not in found.group(0)
+
+
+def test_samples_are_taken_out_of_the_wheel_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    calls = []
+
+    def download(command: list[str], *, check: bool) -> None:
+        calls.append(command)
+        with zipfile.ZipFile(Path(command[-1], "compas_cra-0.8.0.whl"), "w") as wheel:
+            wheel.writestr("compas_cra/data/samples/H.json", "{}")
+            wheel.writestr("compas_cra/other.json", "{}")
+
+    monkeypatch.setattr(samples.subprocess, "run", download)
+    for _ in range(2):
+        assert [file.name for file in fetched(tmp_path).iterdir()] == ["H.json"]
+    assert len(calls) == 1
+    assert "--require-hashes" in calls[0]
+
+
+def test_the_page_counts_what_agrees(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    row = {
+        "sample": "type-a",
+        "friction": 0.2,
+        "axis": "xy30",
+        "threedec_degrees": 20.0,
+        "static_degrees": 21.6,
+        "motion": "sliding",
+        "relaxed_degrees": 21.5,
+        "finite_rotation_degrees": 20.25,
+        "rbe_degrees": math.nan,
+        "pyramid_degrees": 25.0,
+        "limit_degrees": 23.0,
+    }
+    pd.DataFrame([row]).to_csv(tmp_path / "tables/tilts.csv", index=False)
+    lines = page.within(tmp_path).splitlines()
+    assert lines[2] == "| static model, 3DEC | 0 of 1 within 1.5° | 1.60° |"
+    assert lines[3].endswith("| 1 of 1 within 1.5° | 0.25° |")
+    assert "type-a, μ = 0.2, (√3, 1, 0) | 20.0 | 21.60 | +1.6" in page.by_threedec(tmp_path)
+    assert f"| {page.NONE} | 25.00 | {page.NONE} | 23.00 |" in page.by_rbe(tmp_path)
+
+
+def test_every_sample_is_there_once() -> None:
+    names = [sample.name for sample in SAMPLES]
+    assert len(set(names)) == len(names)
