@@ -203,10 +203,30 @@ def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.Assembl
     assert not any(" gravity " in line for line in Deck(whole, SEARCH, 0.4).input_script())
 
 
+def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
+    many = as_read(*tilted_stack(15), tmp_path)
+    raised = [line for line in Deck(many, SEARCH, 0.4).input_script() if "v_load*" in line]
+    assert [line.split()[:3] for line in raised] == [
+        ["variable", f"acceleration_{axis}", "atom"] for axis in "xyz"
+    ]
+    per_newton = many.loads[0].force[0] / many.pieces[many.free[0]].mass_kg
+    assert raised[0].endswith(f"v_load*mass*({per_newton!r})")
+
+
+def test_permanent_loads_are_raised_where_that_is_asked_for(stack: scripts.Assembly) -> None:
+    (at_once,) = (line for line in Deck(stack, SEARCH, 0.4).input_script() if "gravity" in line)
+    assert at_once.startswith("fix gravity handles gravity 9.81 ")
+    slowly = list(Deck(stack, SEARCH, 0.4, gradual=True).input_script())
+    (share,) = (line for line in slowly if line.startswith("variable permanent "))
+    assert f"cos(PI*step/{SEARCH.ramp(stack.permanent_N, 0.0)})" in share
+    assert not any(" gravity 9.81" in line for line in slowly)
+    assert any(line.startswith("variable gravity atom v_permanent*mass*(-9.8") for line in slowly)
+
+
 def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None:
-    stack = as_read(*tilted_stack(15), tmp_path)
-    uneven = replace(stack.loads[0], force=(1.0, 0.0, 0.0))  # no acceleration of all alike
-    many = replace(stack, loads=[uneven, *stack.loads[1:]])
+    many = as_read(*tilted_stack(15), tmp_path)
+    heavier = replace(many.pieces[-1], mass_kg=2 * many.pieces[-1].mass_kg)
+    many = replace(many, pieces=[*many.pieces[:-1], heavier])  # which is accelerated by half
     with pytest.raises(SystemExit, match="30 places to put the loads; it can have 28"):
         list(Deck(many, SEARCH, 0.4).input_script())
 

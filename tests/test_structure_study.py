@@ -103,6 +103,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
     ("keys", "words"),
     [
         ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; the keys here are file, "),
+        ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be the name of a file"),
         ({"description": []}, r"trilith\.description: .* must be a mapping with blocks and load"),
         (
             {"description": {**TRILITH, "lode": 1}},

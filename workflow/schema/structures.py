@@ -22,6 +22,13 @@ def description(value: Any) -> Mapping[str, Any]:
     return dict(value)
 
 
+def file(value: Any) -> str:
+    """The name of a file, from the folder of the configuration on."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f"{shown(value)} is not allowed; it must be the name of a file")
+    return value
+
+
 def changes(value: Any) -> Mapping[str, Any]:
     """Keys of the description with other values; null leaves a key out."""
     if not isinstance(value, Mapping):
@@ -46,6 +53,7 @@ def samples(value: Any) -> Any:
 
 SomeOrStructures = BeforeValidator(samples)
 _Description = Annotated[dict[str, Any], BeforeValidator(description)]
+_File = Annotated[str, BeforeValidator(file)]
 _Changes = Annotated[dict[str, Any], BeforeValidator(changes)]
 _Load = Annotated[dict[str, Any], BeforeValidator(load)]
 
@@ -58,7 +66,7 @@ class StructureSection(Section):
     ``variants``: by name, what each changes in the description; they run beside the reference.
     """
 
-    file: str | None = None
+    file: _File | None = None
     description: _Description | None = None
     models: Annotated[tuple[str, ...], Several] | None = None
     loads: dict[Name, _Load] = Field(default_factory=dict)
