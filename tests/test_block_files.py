@@ -13,7 +13,7 @@ from structures import arch, dry, moved
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.file import read_structure
+from sidmacib.structure.file import read_structure, structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import structure
@@ -91,6 +91,8 @@ def test_an_arch_from_a_file_has_the_load_of_the_arch_from_corners(tmp_path: Pat
     assert found == pytest.approx(expected, rel=1e-6)
     rows = answers("assembly", str(tmp_path / "arch.yaml"))
     assert rows[0]["load (N)"] == pytest.approx(expected, rel=1e-3)
+    embedded = structure_of(with_bodies(text, tmp_path))  # as in a study, whose cases are whole
+    assert limit_load(*embedded, friction=True).load == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize(

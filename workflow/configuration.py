@@ -121,6 +121,8 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
     structures = config.get("structures")
     if not isinstance(structures, Mapping):
         return config
+    from sidmacib.structure.file import with_bodies  # noqa: PLC0415 (polygons take long to import)
+
     read = {}
     for name, section in structures.items():
         read[name] = section
@@ -128,9 +130,11 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
             key = f"structures.{shown_key(name)}"
             if "description" in section:
                 raise ConfigError(f"{_named(path)}: {key}: has file and description; one is enough")
+            beside = path.parent / file
             try:
-                read[name] = {**section, "description": read_yaml(path.parent / file)}
-            except TextError as error:
+                description = with_bodies(read_yaml(beside), beside.parent)
+                read[name] = {**section, "description": description}
+            except ValueError as error:
                 raise ConfigError(f"{_named(path)}: {key}.file: {file}: {error}") from None
     return {**config, "structures": read}
 

@@ -109,6 +109,28 @@ def _tilt(value: Any) -> Tilt:
         raise ValueError(f"load.tilt.{error}") from None
 
 
+def with_bodies(description: Any, folder: Path) -> Any:
+    """``description`` with vertices and faces in place of blocks from mesh files.
+
+    ``folder``: that their paths start from. ValueError that names the key of one at fault.
+    """
+    if not isinstance(description, dict) or not isinstance(description.get("blocks"), dict):
+        return description
+    blocks: dict[str, Any] = {}
+    for name, value in description["blocks"].items():
+        if not isinstance(value, dict) or "file" not in value:
+            blocks[name] = value
+            continue
+        for block in _blocks(str(name), value, folder):
+            blocks[block.name] = {
+                "vertices": [list(vertex) for vertex in block.vertices],
+                "faces": [list(face) for face in block.faces],
+                "density": block.density,
+                "fixed": block.fixed,
+            }
+    return {**description, "blocks": blocks}
+
+
 def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMaterial]:
     """Materials of single pairs of blocks: ``material`` but for the numbers that they give."""
     defaults = {name: getattr(material, name) for name in MATERIAL}
