@@ -23,6 +23,7 @@ import yaml
 
 from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
+from benchmarks.structures import armadillo_figures, wall_figures
 from workflow.configuration import read_study
 from workflow.planning.closure import ROOT
 from workflow.planning.snakefile import plan_of
@@ -154,6 +155,13 @@ def library_figures() -> Iterator[Figure]:
         yield Figure("explorer, a step of the slider", "CPU-s", seconds)
 
 
+def structure_figures() -> Iterator[Figure]:
+    """A wall of 1,000 blocks, and the armadillo beside compas_cra where that is installed."""
+    list(wall_figures(10))  # compiles
+    for what, unit, value in (*wall_figures(1000), *armadillo_figures()):
+        yield Figure(what, unit, value)
+
+
 def process_figures(base: Path | None, folder: Path) -> Iterator[Figure]:
     """Imports and planning, here and in the other checkout."""
     commands: list[tuple[str, tuple[str, ...], Callable[[Path], Sequence[str]], int]] = [
@@ -252,6 +260,7 @@ def main() -> None:
         folder = Path(name)
         figures = [
             *library_figures(),
+            *structure_figures(),
             *process_figures(arguments.base, folder),
             *workflow_figures(folder),
             *study_figures(arguments.results),

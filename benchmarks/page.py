@@ -1,5 +1,6 @@
-"""Numbers of `make scaling`: how a study grows with its cases."""
+"""Numbers of pages: how a study grows with its cases, and a wall with its blocks."""
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -30,4 +31,28 @@ def growth(results: Path) -> str:
     return markdown(list(COLUMNS), rows)
 
 
-BLOCKS = {"scaling": growth}
+def walls(results: Path) -> str:
+    """A row for each wall, with the exponents by which its times grow from the wall before."""
+    table = pd.read_csv(results / "tables/walls.csv")
+    rows = []
+    for before, row in zip([None, *table.index[:-1]], table.to_dict("records"), strict=True):
+        cells = [f"{row['blocks']:,}", f"{row['interfaces']:,}"]
+        for column in ("finding_s", "limit_s", "static_s"):
+            cell = f"{row[column]:.3g}"
+            if before is not None:
+                growth = math.log(row[column] / table[column][before])
+                cell += f" ({growth / math.log(row['blocks'] / table['blocks'][before]):.1f})"
+            cells.append(cell)
+        rows.append([*cells, f"{row['memory_MB']:.0f}"])
+    return markdown(WALLS, rows)
+
+
+WALLS = [
+    "blocks",
+    "interfaces",
+    "finding them (CPU-s)",
+    "limit analysis (CPU-s)",
+    "static model to the first failure, bonded (CPU-s)",
+    "largest memory (MB)",
+]
+BLOCKS = {"scaling": growth, "structures-walls": walls}

@@ -7,6 +7,9 @@ strength of a lock: their points are the joint's pieces at rest, and no capacity
 
 import importlib.util
 import io
+import resource
+import subprocess
+import sys
 import time
 import timeit
 from collections.abc import Callable, Iterator
@@ -121,8 +124,26 @@ def at_rest_by_cra(joint: Joint) -> object:
         return cra_solve(assembly, mu=joint.dry.friction, density=joint.density)
 
 
-def seconds_by_cra(path: Path, name: str, friction: float) -> float:
-    """Processor time (s) of compas_cra's solver ``name`` on an assembly, interfaces left out."""
+def seconds_by_cra(path: Path, name: str, friction: float, limit: float) -> float | None:
+    """Processor time (s) of compas_cra's solver ``name`` on an assembly, interfaces left out.
+
+    In a process of its own; None if it takes more than ``limit`` (s).
+    """
+    code = (
+        f"from benchmarks.peers import by_cra; print(by_cra({str(path)!r}, {name!r}, {friction}))"
+    )
+    ended = subprocess.run(
+        [sys.executable, "-c", code],
+        check=False,
+        capture_output=True,
+        text=True,
+        preexec_fn=partial(resource.setrlimit, resource.RLIMIT_CPU, (int(limit), int(limit))),
+    )
+    return float(ended.stdout) if ended.returncode == 0 else None
+
+
+def by_cra(path: str, name: str, friction: float) -> float:
+    """`seconds_by_cra` in this process."""
     import compas
     from compas_cra import equilibrium
     from compas_cra.algorithms import assembly_interfaces_numpy

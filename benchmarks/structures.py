@@ -10,6 +10,7 @@ import math
 import resource
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import TypeVar
@@ -17,18 +18,21 @@ from typing import TypeVar
 import pandas as pd
 
 from benchmarks.peers import seconds_by_cra
-from sidmacib.mechanics.assembly import FaceMaterial
+from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
+from workflow.planning.closure import ROOT
 
 BRICK = (0.4, 0.2, 0.2)  # m
 DENSITY = 2000.0  # kg/m3
 DRY = FaceMaterial(1e10, 1e10, 0.6, 0.0, 0.0)
 MORTAR = FaceMaterial(1e10, 1e10, 0.6, 1e5, 5e4)
+SIZES = (100, 300, 1000, 3000, 10_000)
+PATIENCE = 120.0  # s of processor time that another program may take
 ARMADILLO_FRICTION = 0.84  # compas_cra's default
 T = TypeVar("T")
 Row = tuple[str, str, float]  # what, unit, value
@@ -50,27 +54,42 @@ def wall(count: int) -> list[Block]:
     return blocks
 
 
-def wall_figures(count: int) -> Iterator[Row]:
-    """Seconds of the processor that a wall of about ``count`` bricks takes; nodes at vertices."""
+@dataclass(frozen=True)
+class WallTimes:
+    """What a wall takes: CPU-s, and the largest memory of this process so far (MB)."""
+
+    blocks: int
+    interfaces: int
+    finding_s: float
+    limit_s: float
+    static_s: float
+    memory_MB: float
+
+
+def wall_times(count: int) -> WallTimes:
+    """What a wall of at least ``count`` bricks takes, nodes at vertices.
+
+    Interfaces are found; limit analysis raises an acceleration of the dry wall, and the static
+    model one of the bonded wall until the first bond fails.
+    """
     blocks = wall(count)
-    what = f"wall of {len(blocks) - 1:,} blocks"
-    dry, seconds = _timed(lambda: structure(blocks, DRY))
-    yield f"{what}: interfaces found", "number", float(len(dry.faces))
-    yield f"{what}: finding them", "CPU-s", seconds
+    dry, finding = _timed(lambda: structure(blocks, DRY))
     loads = acceleration(dry, (1.0, 0.0, 0.0))
-    yield (
-        f"{what}: limit analysis",
-        "CPU-s",
-        _timed(lambda: limit_load(dry, loads, friction=True))[1],
-    )
-    bonded = structure(blocks, MORTAR)
+    _, limit = _timed(lambda: limit_load(dry, loads, friction=True))
+    bonded = structure(blocks, MORTAR, nodes=NodeLayout.VERTICES)
     loads = acceleration(bonded, (1.0, 0.0, 0.0))
-    yield (
-        f"{what}, bonded: static model to the first failure",
-        "CPU-s",
-        _timed(lambda: static_first_failure(bonded, loads))[1],
-    )
-    yield f"{what}: largest memory so far", "MB", _largest_memory()
+    _, static = _timed(lambda: static_first_failure(bonded, loads))
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return WallTimes(len(blocks) - 1, len(dry.faces), finding, limit, static, memory)
+
+
+def wall_figures(count: int) -> Iterator[Row]:
+    """`wall_times` as rows."""
+    times = wall_times(count)
+    what = f"wall of {times.blocks:,} blocks"
+    yield f"{what}: finding its {times.interfaces:,} interfaces", "CPU-s", times.finding_s
+    yield f"{what}: limit analysis", "CPU-s", times.limit_s
+    yield f"{what}, bonded: static model to the first failure", "CPU-s", times.static_s
 
 
 def armadillo_figures() -> Iterator[Row]:
@@ -91,8 +110,12 @@ def armadillo_figures() -> Iterator[Row]:
         _timed(lambda: limit_load(ours, loads, friction=True))[1],
     )
     for name in ("rbe", "cra"):
-        seconds = seconds_by_cra(path, name, ARMADILLO_FRICTION)
-        yield f"armadillo at rest: compas_cra, {name.upper()}", "CPU-s", seconds
+        what = f"armadillo at rest: compas_cra, {name.upper()}"
+        seconds = seconds_by_cra(path, name, ARMADILLO_FRICTION, PATIENCE)
+        if seconds is None:
+            yield f"{what}, stopped without an answer", "CPU-s", PATIENCE
+        else:
+            yield what, "CPU-s", seconds
 
 
 def _timed(work: Callable[[], T]) -> tuple[T, float]:
@@ -100,25 +123,19 @@ def _timed(work: Callable[[], T]) -> tuple[T, float]:
     return work(), time.process_time() - start
 
 
-def _largest_memory() -> float:
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-
-
 def main() -> None:
     """Command line: walls of more and more blocks, as a table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--blocks", type=int, default=10_000, help="of the largest wall")
-    parser.add_argument("--table", type=Path, default=Path("build/structures.csv"))
+    parser.add_argument("--table", type=Path, default=ROOT / "results-structures/tables/walls.csv")
     arguments = parser.parse_args()
-    list(wall_figures(10))  # compiles
-    sizes = [count for count in (100, 300, 1000, 3000, 10_000) if count <= arguments.blocks]
-    rows = []
-    for count in sizes:
-        rows += list(wall_figures(count))
-        table = pd.DataFrame(rows, columns=["what", "unit", "value"])
-        arguments.table.parent.mkdir(parents=True, exist_ok=True)
-        table.to_csv(arguments.table, index=False, float_format="%.4g")
-        print(table.tail(5).to_string(index=False, header=False), flush=True)
+    arguments.table.parent.mkdir(parents=True, exist_ok=True)
+    wall_times(10)  # compiles
+    rows: list[WallTimes] = []
+    for count in (each for each in SIZES if each <= arguments.blocks):
+        rows.append(wall_times(count))
+        pd.DataFrame(rows).to_csv(arguments.table, index=False, float_format="%.4g")
+        print(rows[-1], flush=True)
     print(f"Table: {arguments.table}")
 
 
