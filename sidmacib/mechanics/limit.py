@@ -29,7 +29,7 @@ from sidmacib.mechanics.optimisation import solve
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
 # kept. With an even number of locks, rounding loses the last ones.
 ACCURACIES = {1e-9: 9, 1e-7: 7}
-MANY = 2000  # nodes from which the lower accuracy will do: the higher takes twice as long
+MANY = 5000  # nodes from which the lower accuracy will do: the higher takes twice as long
 # Penalty of the second programme: so small that it decides between equal loads only.
 SMALL = (1e-5, 1e-7, 1e-9)
 LOST = 1e-8  # relative loss of load by the penalty, at most
