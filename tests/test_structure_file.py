@@ -10,6 +10,7 @@ from command_runner import answers, run
 from conftest import ROOT
 
 from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.file import read_structure
 from sidmacib.structure.forces import interface_forces
@@ -63,6 +64,24 @@ def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> 
     )
     with pytest.raises(ValueError, match="not tilt"):
         read_structure(path)
+
+
+def test_what_stands_only_under_its_load_has_no_limit(path: Path) -> None:
+    slope = [[0, 0, 0], [1, 0, 0], [1, 0, 1]]  # of 45 degrees, up along x
+    block = [[0.5, 0.2, 0.5], [1, 0.2, 1], [0.75, 0.2, 1.25], [0.25, 0.2, 0.75]]
+    held_up = {
+        "blocks": {
+            "slope": {"outline": slope, "along": [0, 1, 0], "fixed": True},
+            "block": {"outline": block, "along": [0, 0.4, 0]},
+        },
+        "interfaces": {"friction": 0.3},
+        "load": {"acceleration": [1, 0, 0]},
+    }
+    path.write_text(json.dumps(held_up))
+    assert limit_load(*read_structure(path), friction=True).load > 0.0
+    for row in answers("assembly", str(path)):
+        assert row["load (N)"] is None, row
+    assert "no forces balance the permanent loads" in answers("assembly", str(path))[0]["note"]
 
 
 def test_the_models_of_the_example_bound_each_other() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import static_peak
@@ -67,6 +67,7 @@ def _rows(problem: Problem) -> Iterator[Row]:
         }
 
     try:
+        require_standing(*problem, friction=True)
         state = limit_load(*problem, friction=True)
         moves = f"{moves_most(problem.assembly, state.mechanism)} moves most"
         yield row("limit", state.load, f"associated friction: may overestimate; {moves}")

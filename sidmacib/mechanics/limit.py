@@ -105,6 +105,18 @@ def limit_load(
     )
 
 
+def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False) -> None:
+    """`InfeasibleError` if no forces balance the permanent ``loads`` alone.
+
+    `limit_load` then still has an answer if the variable loads hold ``assembly`` up.
+    """
+    _require_room(assembly)
+    programme = _Programme(assembly, loads, friction)
+    load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
+    alone = [*programme.constraints(load, force), load == 0.0]
+    solve(cp.Problem(cp.Minimize(load), alone), WHAT, *ACCURACIES)
+
+
 def _require_room(assembly: Assembly) -> None:
     """`CapacityError` if the programme of ``assembly`` takes too much memory."""
     pieces, nodes = len(assembly.pieces), len(assembly.nodes.area)
