@@ -66,6 +66,13 @@ def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> 
         read_structure(path)
 
 
+def test_the_stack_of_the_example_overturns_as_one() -> None:
+    rows = answers("assembly", str(ROOT / "studies/structures/stack.yaml"))
+    expected = math.degrees(math.atan(0.5 / 0.9))
+    assert [row["tilt (degrees)"] for row in rows] == pytest.approx([expected] * 3, rel=2e-4)
+    assert rows[-1]["note"] == "ends by: rocking; high moves most"
+
+
 def test_what_stands_only_under_its_load_has_no_limit(path: Path) -> None:
     slope = [[0, 0, 0], [1, 0, 0], [1, 0, 1]]  # of 45 degrees, up along x
     block = [[0.5, 0.2, 0.5], [1, 0.2, 1], [0.75, 0.2, 1.25], [0.25, 0.2, 0.75]]
