@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from command_runner import answers, run
 from scipy.spatial.transform import Rotation
-from structures import arch, dry, moved
+from structures import dry, moved
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
@@ -17,6 +17,7 @@ from sidmacib.structure.file import read_structure, structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch
 
 LOW = box("low", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 2e3)
 HIGH = box("high", (0.0, 0.0, 1.0), (1.0, 1.0, 2.0), 2e3)

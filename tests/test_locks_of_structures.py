@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from structures import arch, dry
+from structures import dry
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
@@ -21,6 +21,7 @@ from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.cutting import cut
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
+from studies.structures.shapes import arch
 
 PAIR: Pair = frozenset(("lower", "upper"))
 PUSH = 3000.0  # N, on the top

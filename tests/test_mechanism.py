@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from structures import arch, dry
+from structures import dry
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.limit import limit_load
@@ -10,6 +10,7 @@ from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 

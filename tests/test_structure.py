@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
-from structures import arch, dry, moved, tilt
+from structures import dry, moved, tilt
 
 from sidmacib.errors import InfeasibleError
 from sidmacib.hold_down import HoldDown
@@ -22,6 +22,7 @@ from sidmacib.problem import posed
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.structure import refined, structure
+from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
 BLOCK = box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from conftest import DISTINCT
 from scipy.spatial.transform import Rotation
-from structures import arch, dry, moved
+from structures import dry, moved
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
 from sidmacib.mechanics.static.model import static_peak
@@ -18,6 +18,7 @@ from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineNoAnswerError
 from workflow.engines.numerics import Numerics

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from workflow.results.tables import CASES, read_table
 
 
@@ -11,10 +13,15 @@ def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    cases = read_table(CASES, inputs["cases"])
+    return marked(read_table(CASES, inputs["cases"]), "name", outputs["mark"])
+
+
+def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
+    """Implement `run` for ``cases`` whose names are in the column ``names``."""
     failed = cases[cases["error"].notna()]
     if failed.empty:
-        outputs["mark"].write_text(f"{len(cases)} cases\n")
+        mark.write_text(f"{len(cases)} cases\n")
         return None
-    lines = [f"{row.name} ({row.model}): {row.error}" for row in failed.itertuples(index=False)]
+    rows = failed[[names, "model", "error"]].itertuples(index=False)
+    lines = [f"{name} ({model}): {error}" for name, model, error in rows]
     return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from analysis.summary.complete import marked
 from workflow.results.tables import STRUCTURES, read_table
 
 
@@ -11,10 +12,4 @@ def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    cases = read_table(STRUCTURES, inputs["structures"])
-    failed = cases[cases["error"].notna()]
-    if failed.empty:
-        outputs["mark"].write_text(f"{len(cases)} cases\n")
-        return None
-    lines = [f"{row.case} ({row.model}): {row.error}" for row in failed.itertuples(index=False)]
-    return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])
+    return marked(read_table(STRUCTURES, inputs["structures"]), "case", outputs["mark"])
