@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
 from structures import dry, moved, tilt
 
@@ -19,8 +20,9 @@ from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import posed
-from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.blocks import Block, box, normal_of, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
+from sidmacib.structure.overlaps import overlap
 from sidmacib.structure.structure import refined, structure
 from studies.structures.shapes import arch
 
@@ -241,3 +243,65 @@ def test_laws_of_blocks_that_do_not_touch_are_refused() -> None:
     other = box("other", (1.0, 0.0, 0.0), (1.5, 0.6, 1.0), 2e3)
     with pytest.raises(ValueError, match="block and other"):
         structure([GROUND, BLOCK, other], dry(0.5), {frozenset({"block", "other"}): dry(0.1)})
+
+
+def test_blocks_that_overlap_are_refused_by_name() -> None:
+    inside = box("inside", (0.1, 0.1, 0.5), (0.2, 0.2, 0.6), 2e3)
+    with pytest.raises(ValueError, match=r"^blocks: block and inside overlap by 0\.2 m$"):
+        structure([GROUND, BLOCK, inside], dry(0.5))
+    sunk = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
+    with pytest.raises(ValueError, match=r"^blocks: ground and block overlap by 0\.01 m$"):
+        structure([GROUND, sunk], dry(0.5))
+
+
+def test_blocks_whose_boxes_overlap_may_touch() -> None:
+    turn = Rotation.from_euler("xyz", (20, 30, 40), degrees=True)
+    blocks = [moved(each, turn, (0.0, 0.0, 0.0)) for each in arch(9, 0.2)]
+    assert len(structure(blocks, dry(0.5)).faces) == 10
+
+
+@given(
+    st.tuples(*[st.floats(-1.0, 1.0)] * 3),
+    st.tuples(*[st.floats(-180.0, 180.0)] * 3),
+)
+def test_the_overlap_is_that_of_a_shared_point(
+    shift: tuple[float, float, float], angles: tuple[float, float, float]
+) -> None:
+    """Two cuboids share points where a linear programme finds one."""
+    turn = Rotation.from_euler("xyz", angles, degrees=True)
+    other = moved(replace(BLOCK, name="other"), turn, shift)
+    planes = [
+        (normal_of(c), float(normal_of(c) @ c[0]))
+        for block in (BLOCK, other)
+        for c in block.outlines
+    ]
+    rows = np.array([[*normal, 1.0] for normal, _ in planes])
+    inner = linprog([0, 0, 0, -1], rows, [d for _, d in planes], bounds=[(None, None)] * 4)
+    radius = -inner.fun  # of the largest ball in both; negative: how far planes must move
+    assert (overlap(BLOCK, other) > 0.0) == (radius > 0.0) or abs(radius) < 1e-9
+
+
+def test_blocks_that_float_are_named() -> None:
+    pair = [
+        box("one", (5.0, 0.0, 3.0), (6.0, 1.0, 4.0), 2e3),
+        box("two", (5.0, 0.0, 4.0), (6.0, 1.0, 5.0), 2e3),
+    ]
+    with pytest.raises(ValueError, match="one, two: must be linked to a fixed block"):
+        structure([GROUND, BLOCK, *pair], dry(0.5))
+
+
+def test_a_mesh_of_too_many_cells_is_refused_before_it_is_made() -> None:
+    with pytest.raises(ValueError, match=r"mesh: 0.0001 .* at least 0.0011 m: more than 200,000"):
+        structure([GROUND, BLOCK], dry(0.5), mesh=1e-4)
+
+
+def test_an_outline_that_crosses_itself_is_refused() -> None:
+    crossing = [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0.5, 0, -0.2), (0, 0, 1)]
+    with pytest.raises(ValueError, match="b, face 0: its outline must not cross itself"):
+        prism("b", crossing, (0.0, 1.0, 0.0), 2e3)
+
+
+def test_a_load_on_a_fixed_block_is_refused() -> None:
+    model = structure([GROUND, BLOCK], dry(0.5))
+    with pytest.raises(ValueError, match=r"block: 'ground' .* a block that is not fixed"):
+        force_at(model, "ground", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))

@@ -180,7 +180,10 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
         ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
         ({"load": {"acceleration": [0, 0, 0]}}, "direction: .* not all 0"),
-        ({"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}}, "name: 'x'"),
+        (
+            {"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}},
+            "load.force.block: 'x'",
+        ),
         ({"mesh": 0}, "mesh: 0 is not allowed; it must be greater than 0"),
         ({"loads": 1}, "the file: unknown key 'loads'; valid keys: blocks, load"),
     ],

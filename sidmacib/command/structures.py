@@ -8,7 +8,7 @@ import numpy as np
 
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.assembly import Assembly, Kind
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.solution import StaticSolution
@@ -70,19 +70,32 @@ def _rows(problem: Problem) -> Iterator[Row]:
         require_standing(*problem, friction=True)
         state = limit_load(*problem, friction=True)
         moves = f"{moves_most(problem.assembly, state.mechanism)} moves most"
-        yield row("limit", state.load, f"associated friction: may overestimate; {moves}")
-        sliding = sliding_limit(*problem).state
-        yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
+        yield row("limit", state.load, f"{_assumes(problem.assembly)}; {moves}")
     except CapacityError as error:
         yield row("limit", None, reason(error))
+    else:
+        try:
+            sliding = sliding_limit(*problem).state
+            yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
+        except CapacityError as error:
+            yield row("limit, no dilation", None, reason(error))
     try:
         coarse = static_peak(*problem)
         fine = static_peak(refined(problem.assembly), problem.loads)
+        if not fine.peak.load > 0.0:
+            raise CapacityError("does not stand before the load is raised")
         first, peak = _mesh_errors(problem.assembly, coarse, fine)
         yield row("static, first failure", fine.first_failure_load, "of a bond, or the peak", first)
         yield row("static, peak", fine.peak.load, f"ends by: {fine.mode}", peak)
     except CapacityError as error:
         yield row("static", None, reason(error))
+
+
+def _assumes(assembly: Assembly) -> str:
+    """What limit analysis assumes that may put its load too high or too low."""
+    if any(face.kind is Kind.INNER for face in assembly.faces):
+        return "bonds yield and never rub: no bound for brittle ones"
+    return "associated friction: may overestimate"
 
 
 def _mesh_errors(
@@ -113,7 +126,7 @@ def _tilts(problem: TiltProblem) -> Iterator[Row]:
 
     try:
         limit = limit_tilt(*problem)
-        note = "associated friction: may overestimate"
+        note = _assumes(problem.assembly)
         if limit.mechanism is not None:
             note += f"; {moves_most(problem.assembly, limit.mechanism)} moves most"
         yield row("limit", limit.angle, note)

@@ -75,4 +75,5 @@ def _off_cone(friction: Floats, force: Floats) -> float:
     rough = friction > 0.0
     shear = np.hypot(force[rough, 1], force[rough, 2])
     beyond = shear - friction[rough] * force[rough, 0]
-    return float(beyond.max(initial=0.0) / np.abs(force[:, 0]).max())
+    largest = float(np.abs(force[:, 0]).max())
+    return float(beyond.max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -7,6 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import shapely
 import trimesh
 
 from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Vector
@@ -41,6 +42,8 @@ class Block:
             apart = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
             if apart > FLAT * self.size:
                 raise ValueError(f"{self.name}, face {number}: must be plane (off by {apart:g} m)")
+            if not shapely.Polygon(_flattened(corners)).is_valid:
+                raise ValueError(f"{self.name}, face {number}: its outline must not cross itself")
         if not self.volume > 0.0:
             raise ValueError(
                 f"{self.name}: the vertices of each face must run anticlockwise seen from outside "
@@ -55,6 +58,8 @@ class Block:
             if not all(0 <= vertex < len(self.vertices) for vertex in face):
                 last = len(self.vertices) - 1
                 raise ValueError(f"{self.name}, face {number}: vertices must be from 0 to {last}")
+        for vertex in set(range(len(self.vertices))).difference(*self.faces):
+            raise ValueError(f"{self.name}: vertex {vertex} must belong to a face")
         near = np.round(self.places / (CLOSE * self.size))
         if len(np.unique(near, axis=0)) < len(near):
             raise ValueError(f"{self.name}: no two vertices may be at the same place")
@@ -177,6 +182,11 @@ def normal_of(corners: Floats) -> Floats:
     """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell); shape (3,)."""
     around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
     return np.asarray(around / np.linalg.norm(around))
+
+
+def _flattened(corners: Floats) -> Floats:
+    """The corners of a plane outline without the coordinate that is largest in its normal."""
+    return np.delete(corners, int(np.abs(normal_of(corners)).argmax()), axis=1)
 
 
 def prism(

@@ -139,6 +139,8 @@ def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMateri
         key = f"special[{number}]"
         given = _mapping(key, value, ("between",), MATERIAL)
         pair = _pair(key, given.pop("between"))
+        if pair in special:
+            raise ValueError(f"{key}.between: {' and '.join(sorted(pair))} appear twice")
         special[pair] = _material(key, given, defaults)
     return special
 
@@ -207,7 +209,10 @@ def _load(assembly: Assembly, load: dict[str, Any]) -> Loads:
         return acceleration(assembly, _vector("load.acceleration", load["acceleration"]))
     force = _mapping("load.force", load["force"], ("block", "at", "direction"))
     at, along = (_vector(f"load.force.{name}", force[name]) for name in ("at", "direction"))
-    return force_at(assembly, str(force["block"]), at, along)
+    try:
+        return force_at(assembly, str(force["block"]), at, along)
+    except ValueError as error:
+        raise ValueError(f"load.force.{error}") from None
 
 
 def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
@@ -251,6 +256,8 @@ def _block(name: str, value: Any) -> Block:
         return box(name, low, high, density, fixed=fixed)
     if "along" in shape:
         along = _vector(f"{key}.along", given["along"])
+        if len(_list(f"{key}.outline", given["outline"])) < 3:
+            raise ValueError(f"{key}.outline: must have 3 or more points")
         return prism(
             name, _vectors(f"{key}.outline", given["outline"]), along, density, fixed=fixed
         )
@@ -299,6 +306,9 @@ def _list(key: str, value: Any) -> list[Any]:
 def _named(key: str, value: Any) -> dict[str, Any]:
     if not isinstance(value, dict) or not value:
         raise ValueError(f"{key}: {shown(value)} is not allowed; it must be a mapping by name")
+    for name in value:
+        if not str(name).strip() or not str(name).isprintable():
+            raise ValueError(f"{key}: {shown(name)} is not allowed; names must be printable")
     return {str(name): each for name, each in value.items()}
 
 

@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 
 from sidmacib.mechanics.assembly import Floats, Vector
 from sidmacib.structure.blocks import Block, normal_of
+from sidmacib.structure.overlaps import require_apart
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
 LEAST_AREA = 1e-6  # over the square of that size: a smaller overlap is a touching edge
@@ -44,8 +45,10 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     """All regions in which ``blocks`` touch, in the order of the blocks.
 
     ``near``: how far two faces in one plane may be apart, over the mean size of the blocks. A pair
-    of fixed blocks has none. ValueError, with its name, for a free block that touches nothing.
+    of fixed blocks has none. ValueError, with their names, for convex blocks that overlap by more,
+    and for a free block that touches nothing.
     """
+    require_apart(blocks, near * mean_size(blocks))
     found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
     for number, block in enumerate(blocks):

@@ -26,12 +26,14 @@ def force_at(
 ) -> Loads:
     """Self-weight, and 1 N along ``direction`` at a ``point`` (m) of the piece called ``name``.
 
-    ValueError unless there is such a piece, and the direction has a length.
+    ValueError unless there is such a piece that can move, and the direction has a length.
     """
     names = [piece.name for piece in assembly.pieces]
     if name not in names:
-        raise refused("name", name, "the name of a block")
+        raise refused("block", name, "the name of a block")
     number, along = names.index(name), _unit(direction)
+    if assembly.pieces[number].fixed:
+        raise refused("block", name, "a block that is not fixed")
     arm = np.array(point, float) - assembly.pieces[number].centre
     variable = np.zeros((len(names), 6))
     variable[number] = [*along, *np.cross(arm, along)]

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -27,6 +29,7 @@ from sidmacib.structure.interfaces import (
 from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points, cut_out
 from sidmacib.validation import refused
 
+MOST_CELLS = 200_000  # of all interfaces
 Pair = frozenset[str]  # names of two blocks
 
 
@@ -78,8 +81,34 @@ def structure(
         bonded = any(face.kind is Kind.INNER for face in faces)
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
+    _require_held(parts.pieces, found)
+    _require_room(found, mesh)
     length = float(np.mean(free))
     return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
+
+
+def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]) -> None:
+    """ValueError, with their names, for free pieces that no interfaces link to a fixed one."""
+    ends = np.array([(each.below, each.above) for each in found]).reshape(-1, 2)
+    links = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), (len(pieces),) * 2)
+    group = connected_components(links, directed=False)[1]
+    held = {group[number] for number, piece in enumerate(pieces) if piece.fixed}
+    loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
+    if loose:
+        others = f" and {len(loose) - 3} others" if len(loose) > 3 else ""
+        raise ValueError(f"{', '.join(loose[:3])}{others}: must be linked to a fixed block")
+    names = [piece.name for piece in pieces]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise refused("blocks", twice, "a name that no lock has")
+
+
+def _require_room(found: Sequence[Interface], mesh: float) -> None:
+    """ValueError for a mesh of too many cells, before they are made."""
+    area = math.fsum(each.outline.area for each in found)
+    if area / mesh**2 > MOST_CELLS:
+        least = math.sqrt(area / MOST_CELLS)
+        raise refused("mesh", mesh, f"at least {least:.2g} m: more than {MOST_CELLS:,} cells")
 
 
 def refined(assembly: Assembly) -> Assembly:

@@ -37,6 +37,7 @@ PRECISION = 1e-4  # of an angle, over itself
 # Degrees beyond the critical angle at which the motion of the blocks is looked for, in this order.
 BEYOND = (0.1, 0.03, 0.3, 0.01, 1.0)
 LOOSE = 100.0  # motion over the displacements of the last equilibrium, at least
+STILL = 1e-6  # least motion of centroids that counts, over the rotations times the length
 CLOSED = 1e-3  # of the largest relative motion: a node that opens by less stays closed
 EQUAL = 1e-3  # of sliding and opening: they count as equally far
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
@@ -210,9 +211,10 @@ def motion_of(assembly: Assembly, mechanism: Floats) -> Motion:
 
 
 def moves_most(assembly: Assembly, mechanism: Floats) -> str:
-    """The piece whose centroid moves most in a ``mechanism``, (P, 6)."""
-    size = np.linalg.norm(mechanism[:, :3], axis=1)
-    return assembly.pieces[int(np.argmax(size))].name
+    """The piece whose centroid moves most in a ``mechanism``, (P, 6); if none does, turns most."""
+    moved, turned_by = np.linalg.norm(mechanism.reshape(-1, 2, 3), axis=2).T
+    seen = moved if moved.max() > STILL * assembly.length * turned_by.max() else turned_by
+    return assembly.pieces[int(np.argmax(seen))].name
 
 
 def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
