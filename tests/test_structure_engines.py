@@ -11,7 +11,7 @@ from conftest import DISTINCT
 from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
@@ -44,7 +44,9 @@ def leaning(law: FaceMaterial, angle: float) -> Assembly:
         box("one", (-0.2, -0.15, 0.0), (0.2, 0.15, 0.3), 2e3),
         box("two", (-0.2, -0.15, 0.3), (0.2, 0.15, 0.5), 2e3),
     ]
-    return structure([moved(each, turn, (0.1, 0.2, 0.3)) for each in blocks], law)
+    return structure(
+        [moved(each, turn, (0.1, 0.2, 0.3)) for each in blocks], law, nodes=NodeLayout.VERTICES
+    )
 
 
 def pushed(assembly: Assembly) -> Problem:

@@ -187,7 +187,8 @@ class Search:
         """
         if self.guide is None:
             return self.ramp_steps
-        share = 2.0 * max(0.0, rise) / max(rise, whole, self.guide.first_event_N)
+        largest = max(rise, whole, self.guide.first_event_N)
+        share = 2.0 * max(0.0, rise) / largest if largest > 0.0 else 0.0
         part = min(1.0, max(LEAST_RAMP, math.sqrt(share)))
         return max(1, math.ceil(part * self.ramp_steps))
 
