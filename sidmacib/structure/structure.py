@@ -76,13 +76,13 @@ def structure(
     if len(parts.solids) > len(blocks):
         size = near * mean_size(parts.solids)
         found = joined(touching(parts.solids, near), parts.piece, size)
+    _require_held(parts.pieces, found)
+    _require_room(found, mesh)
     faces = tuple(_faces(found, parts, material, special, rows))
     if nodes is None:
         bonded = any(face.kind is Kind.INNER for face in faces)
         nodes = NodeLayout.LOBATTO if bonded else NodeLayout.VERTICES
     of_faces = polygon_nodes(faces, mesh, nodes)
-    _require_held(parts.pieces, found)
-    _require_room(found, mesh)
     length = float(np.mean(free))
     return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
 
