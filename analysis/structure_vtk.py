@@ -6,7 +6,6 @@ from typing import Any
 
 import meshio
 import numpy as np
-import shapely
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
@@ -34,8 +33,7 @@ def blocks_mesh(assembly: Assembly, record: StructureRecord) -> meshio.Mesh:
         for outline in outlines(piece):
             points.append(outline)
             moves.append(move[:3] + np.cross(move[3:], outline - piece.centre))
-            kind = {3: "triangle", 4: "quad"}.get(len(outline), "polygon")
-            cells.append((kind, np.arange(count, count + len(outline)).reshape(1, -1)))
+            cells.append(_cell(count, len(outline)))
             numbers.append(np.array([float(number)]))
             count += len(outline)
     return meshio.Mesh(
@@ -63,17 +61,21 @@ def interfaces_mesh(assembly: Assembly, record: StructureRecord) -> meshio.Mesh:
     count = 0
     for face in assembly.faces:
         assert isinstance(face, Polygon)
-        corners = shapely.get_coordinates(face.outline.exterior)[:-1]
-        kind = {3: "triangle", 4: "quad"}.get(len(corners), "polygon")
-        cells.append((kind, np.arange(count, count + len(corners)).reshape(1, -1)))
-        points.append(face.at(corners))
-        count += len(corners)
+        cells.append(_cell(count, len(face.corners)))
+        points.append(face.corners)
+        count += len(face.corners)
     rows = record.interfaces or [None] * len(assembly.faces)
     data = {
         name: [np.array([_number(row, name)]) for row in rows]  # a block of cells for each
         for name in NUMBERS
     }
     return meshio.Mesh(np.vstack(points), cells, cell_data=data)
+
+
+def _cell(first: int, corners: int) -> tuple[str, Any]:
+    """A polygon of so many ``corners``, whose points begin with the ``first``."""
+    kind = {3: "triangle", 4: "quad"}.get(corners, "polygon")
+    return kind, np.arange(first, first + corners).reshape(1, -1)
 
 
 def _number(row: Any, name: str) -> float:

@@ -39,8 +39,7 @@ class Block:
         self._require_outlines()
         self._require_closed()
         for number, corners in enumerate(self.outlines):
-            apart = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
-            if apart > FLAT * self.size:
+            if (apart := off_plane(corners)) > FLAT * self.size:
                 raise ValueError(f"{self.name}, face {number}: must be plane (off by {apart:g} m)")
             if not shapely.Polygon(_flattened(corners)).is_valid:
                 raise ValueError(f"{self.name}, face {number}: its outline must not cross itself")
@@ -84,6 +83,19 @@ class Block:
     def size(self) -> float:
         """Diagonal of the box around it, in m."""
         return float(np.linalg.norm(np.ptp(self.places, axis=0)))
+
+    @cached_property
+    def normals(self) -> Floats:
+        """Unit normals of the faces, outwards, (F, 3)."""
+        return np.array([normal_of(corners) for corners in self.outlines])
+
+    @cached_property
+    def reentrant(self) -> int | None:
+        """A face that a vertex is in front of; None if the block is convex."""
+        for number, (corners, normal) in enumerate(zip(self.outlines, self.normals, strict=True)):
+            if float(((self.places - corners.mean(axis=0)) @ normal).max()) > FLAT * self.size:
+                return number
+        return None
 
     @cached_property
     def _solid(self) -> trimesh.triangles.MassProperties:
@@ -182,6 +194,11 @@ def normal_of(corners: Floats) -> Floats:
     """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell); shape (3,)."""
     around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
     return np.asarray(around / np.linalg.norm(around))
+
+
+def off_plane(corners: Floats) -> float:
+    """How far (m) an outline's corners, (K, 3), are from the plane that fits it."""
+    return float(np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max())
 
 
 def _flattened(corners: Floats) -> Floats:

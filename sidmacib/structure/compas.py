@@ -18,7 +18,7 @@ import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import shown
-from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane
 from sidmacib.structure.interfaces import Interface, tangents
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
@@ -143,11 +143,9 @@ def _block(number: int, node: Any, density: float, fixed: bool) -> Block:
 def _planes(outline: list[int], places: Floats, size: float) -> list[tuple[int, ...]]:
     """The face itself if it is plane, otherwise triangles from its first vertex."""
     corners = places[outline]
-    if len(outline) > 3:
-        apart = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
-        if apart > FLAT * size:
-            first, *rest = outline
-            return [(first, one, other) for one, other in pairwise(rest)]
+    if len(outline) > 3 and off_plane(corners) > FLAT * size:
+        first, *rest = outline
+        return [(first, one, other) for one, other in pairwise(rest)]
     return [tuple(outline)]
 
 

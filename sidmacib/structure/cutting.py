@@ -5,17 +5,15 @@ from dataclasses import replace
 import numpy as np
 
 from sidmacib.mechanics.assembly import CLOSE, Floats, Integers
-from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.structure.blocks import Block
 
 NEAR = 1e-7  # over a block's size: vertices no further from a plane lie in it
 
 
 def require_convex(block: Block) -> None:
     """ValueError unless all vertices of ``block`` lie behind each of its faces."""
-    for number, corners in enumerate(block.outlines):
-        beyond = float(((block.places - corners.mean(axis=0)) @ normal_of(corners)).max())
-        if beyond > FLAT * block.size:
-            raise ValueError(f"{block.name}, face {number}: must be convex where locks are cut")
+    if (number := block.reentrant) is not None:
+        raise ValueError(f"{block.name}, face {number}: must be convex where locks are cut")
 
 
 def cut(block: Block, point: Floats, normal: Floats) -> tuple[Block | None, Block | None]:

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.structure.blocks import FLAT, Block, off_plane
+from sidmacib.structure.groups import grouped
 from sidmacib.validation import refused
 
 SUFFIXES = (".obj", ".ply", ".stl")
@@ -66,17 +65,11 @@ def _bodies(mesh: trimesh.Trimesh) -> Iterator[trimesh.Trimesh]:
 
 
 def _parts(mesh: trimesh.Trimesh) -> list[trimesh.Trimesh]:
-    labels = _grouped(len(mesh.faces), mesh.face_adjacency)
+    labels = grouped(len(mesh.faces), mesh.face_adjacency)
     return [
         trimesh.Trimesh(mesh.vertices, mesh.faces[labels == label], process=False)
         for label in range(labels.max(initial=-1) + 1)
     ]
-
-
-def _grouped(count: int, pairs: Integers) -> Integers:
-    """Groups, from 0, of ``count`` triangles that ``pairs``, (K, 2), connect; (count,)."""
-    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
 
 def _block(name: str, mesh: trimesh.Trimesh, density: float, scale: float) -> Block:
@@ -87,7 +80,7 @@ def _block(name: str, mesh: trimesh.Trimesh, density: float, scale: float) -> Bl
     with np.errstate(invalid="ignore", divide="ignore"):  # of a mesh without volume: told below
         if mesh.volume < 0.0:
             mesh.invert()
-    labels = _grouped(len(mesh.faces), mesh.face_adjacency[mesh.face_adjacency_angles < SAME_PLANE])
+    labels = grouped(len(mesh.faces), mesh.face_adjacency[mesh.face_adjacency_angles < SAME_PLANE])
     faces = [
         face
         for label in range(labels.max(initial=-1) + 1)
@@ -107,8 +100,7 @@ def _outline(places: Floats, triangles: Integers) -> list[tuple[int, ...]]:
     while len(outline) < len(border) and (after := onward[outline[-1]]) != outline[0]:
         outline.append(after)
     corners = places[outline]
-    if len(outline) == len(border) and onward[outline[-1]] == outline[0]:
-        off = np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max()
-        if off < FLAT * np.ptp(corners, axis=0).max():
-            return [tuple(outline)]
+    closed = len(outline) == len(border) and onward[outline[-1]] == outline[0]
+    if closed and off_plane(corners) < FLAT * np.ptp(corners, axis=0).max():
+        return [tuple(outline)]
     return [tuple(triangle) for triangle in triangles.tolist()]

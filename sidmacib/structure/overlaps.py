@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.structure.blocks import FLAT, Block, normal_of
+from sidmacib.structure.blocks import Block
 
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
@@ -43,7 +43,7 @@ def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, B
     low = np.array([block.places.min(axis=0) for block in blocks])
     high = np.array([block.places.max(axis=0) for block in blocks])
     middle, reach = (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2
-    convex = [_is_convex(block) for block in blocks]
+    convex = [block.reentrant is None for block in blocks]
     usual = float(np.median(reach))
     large = set(np.flatnonzero(reach > 2 * usual).tolist())  # few, such as the ground
     tree = cKDTree(middle)
@@ -60,18 +60,9 @@ def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, B
                 yield blocks[number], blocks[other]
 
 
-def _is_convex(block: Block) -> bool:
-    """Whether no vertex is in front of a face."""
-    return all(
-        float(((block.places - corners[0]) @ normal_of(corners)).max()) <= FLAT * block.size
-        for corners in block.outlines
-    )
-
-
 def _axes(one: Block, other: Block) -> Iterator[Floats]:
-    for block in (one, other):
-        for corners in block.outlines:
-            yield normal_of(corners)
+    yield from one.normals
+    yield from other.normals
     across = np.cross(_edges(one)[:, None], _edges(other)[None]).reshape(-1, 3)
     length = np.linalg.norm(across, axis=1)
     yield from across[length > PARALLEL] / length[length > PARALLEL][:, None]

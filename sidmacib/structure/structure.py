@@ -1,13 +1,12 @@
 """A structure: blocks, the interfaces found between them, and the law of each interface."""
 
 import math
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from sidmacib.mechanics.assembly import (
     Assembly,
@@ -18,6 +17,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.groups import grouped
 from sidmacib.structure.interfaces import (
     NEAR,
     Interface,
@@ -56,8 +56,8 @@ def structure(
     touch, or no free block.
     """
     names = [block.name for block in blocks]
-    if len(set(names)) < len(names):
-        raise refused("blocks", next(n for n in names if names.count(n) > 1), "each name once")
+    if (twice := _first_twice(names)) is not None:
+        raise refused("blocks", twice, "each name once")
     free = [block.size for block in blocks if not block.fixed]
     if not free:
         raise ValueError("blocks: at least one must be free to move")
@@ -76,6 +76,8 @@ def structure(
     if len(parts.solids) > len(blocks):
         size = near * mean_size(parts.solids)
         found = joined(touching(parts.solids, near), parts.piece, size)
+    if (twice := _first_twice([piece.name for piece in parts.pieces])) is not None:
+        raise refused("blocks", twice, "a name that no lock has")
     _require_held(parts.pieces, found)
     _require_room(found, mesh)
     faces = tuple(_faces(found, parts, material, special, rows))
@@ -87,20 +89,21 @@ def structure(
     return Assembly(parts.pieces, faces, of_faces, length, failure, mesh, nodes)
 
 
+def _first_twice(names: Sequence[str]) -> str | None:
+    """The first name that stands more than once; None if none does."""
+    count = Counter(names)
+    return next((name for name in names if count[name] > 1), None)
+
+
 def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]) -> None:
     """ValueError, with their names, for free pieces that no interfaces link to a fixed one."""
-    ends = np.array([(each.below, each.above) for each in found]).reshape(-1, 2)
-    links = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), (len(pieces),) * 2)
-    group = connected_components(links, directed=False)[1]
+    ends = np.array([(each.below, each.above) for each in found], np.int64).reshape(-1, 2)
+    group = grouped(len(pieces), ends)
     held = {group[number] for number, piece in enumerate(pieces) if piece.fixed}
     loose = [piece.name for piece, of in zip(pieces, group, strict=True) if of not in held]
     if loose:
         others = f" and {len(loose) - 3} others" if len(loose) > 3 else ""
         raise ValueError(f"{', '.join(loose[:3])}{others}: must be linked to a fixed block")
-    names = [piece.name for piece in pieces]
-    if len(set(names)) < len(names):
-        twice = next(name for name in names if names.count(name) > 1)
-        raise refused("blocks", twice, "a name that no lock has")
 
 
 def _require_room(found: Sequence[Interface], mesh: float) -> None:

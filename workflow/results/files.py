@@ -3,7 +3,9 @@
 import csv
 import json
 import math
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -12,6 +14,8 @@ from sidmacib.mechanics.equilibrium import face_frames
 from workflow.engines.scripts.records import MODES
 from workflow.outcome import Outcome, State
 from workflow.results.record import CaseRecord, ResultError
+
+T = TypeVar("T")
 
 HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
 OUTPUTS = (HISTORY, NODES, RESULT)  # of an engine
@@ -176,13 +180,18 @@ def write_record(record: CaseRecord, path: Path) -> None:
     draft.replace(path)
 
 
-def read_records(paths: list[Path]) -> list[CaseRecord]:
+def read_records(paths: Sequence[Path]) -> list[CaseRecord]:
     """All records in files that hold one per line; `ResultError` names the file and line."""
+    return read_lines(paths, CaseRecord.from_json)
+
+
+def read_lines(paths: Sequence[Path], record_in: Callable[[str], T]) -> list[T]:
+    """`read_records` of any kind: what ``record_in`` finds in each line."""
     records = []
     for path in paths:
         for number, line in enumerate(path.read_text().splitlines(), start=1):
             try:
-                records.append(CaseRecord.from_json(line))
+                records.append(record_in(line))
             except ResultError as error:
                 raise ResultError(f"{path}, line {number}: {error}") from None
     return records

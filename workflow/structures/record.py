@@ -18,6 +18,7 @@ from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.case import CaseId
 from workflow.outcome import State
+from workflow.results.files import read_lines
 from workflow.results.record import ResultError, check_balance, check_loads, rounded
 from workflow.structures.case import FOLDER, StructureCase
 from workflow.structures.found import Found
@@ -207,14 +208,7 @@ def block_rows(assembly: Assembly, found: Found) -> tuple[BlockRow, ...]:
 
 def read_structure_records(paths: Sequence[Path]) -> list[StructureRecord]:
     """All records in files that hold one per line; `ResultError` names the file and line."""
-    records = []
-    for path in paths:
-        for number, line in enumerate(path.read_text().splitlines(), start=1):
-            try:
-                records.append(StructureRecord.from_json(line))
-            except ResultError as error:
-                raise ResultError(f"{path}, line {number}: {error}") from None
-    return records
+    return read_lines(paths, StructureRecord.from_json)
 
 
 def _identity(case: StructureCase) -> dict[str, Any]:
