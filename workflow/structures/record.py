@@ -14,7 +14,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Problem
-from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.forces import InterfaceForce, interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.case import CaseId
 from workflow.outcome import State
@@ -30,7 +30,9 @@ class InterfaceRow:
 
     ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
     the moment in its plane. ``utilisation``: of the node that is used most; None where it has no
-    strength to compare with. ``bonded_share``: the part of its area that is bonded.
+    strength to compare with. ``bonded_share``: the part of its area that is bonded. ``force_x_N``
+    …: the resultant on the block above; ``at_x_m`` …: the point of the interface's plane through
+    which it acts; None where none does.
     """
 
     interface: str
@@ -45,6 +47,12 @@ class InterfaceRow:
     bending_Nm: float
     utilisation: float | None
     bonded_share: float
+    force_x_N: float
+    force_y_N: float
+    force_z_N: float
+    at_x_m: float | None
+    at_y_m: float | None
+    at_z_m: float | None
 
 
 @dataclass(frozen=True)
@@ -187,9 +195,22 @@ def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[Inte
                 bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
+                **_resultant(each, size, assembly.length),
             )
         )
     return tuple(rows)
+
+
+def _resultant(force: InterfaceForce, size: float, length: float) -> dict[str, float | None]:
+    """The columns of a resultant; ``size`` of forces (N) and ``length`` (m) that rounding is of."""
+    at = force.at or (None,) * 3
+    return {
+        **{f"force_{x}_N": _clean(f, size) for x, f in zip("xyz", force.resultant, strict=True)},
+        **{
+            f"at_{x}_m": None if place is None else _clean(place, length)
+            for x, place in zip("xyz", at, strict=True)
+        },
+    }
 
 
 def block_rows(assembly: Assembly, found: Found) -> tuple[BlockRow, ...]:
