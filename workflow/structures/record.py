@@ -14,7 +14,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Problem
-from sidmacib.structure.forces import InterfaceForce, interface_forces
+from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.case import CaseId
 from workflow.outcome import State
@@ -195,22 +195,15 @@ def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[Inte
                 bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
-                **_resultant(each, size, assembly.length),
+                force_x_N=_clean(each.resultant[0], size),
+                force_y_N=_clean(each.resultant[1], size),
+                force_z_N=_clean(each.resultant[2], size),
+                at_x_m=_clean(each.at[0], assembly.length) if each.at else None,
+                at_y_m=_clean(each.at[1], assembly.length) if each.at else None,
+                at_z_m=_clean(each.at[2], assembly.length) if each.at else None,
             )
         )
     return tuple(rows)
-
-
-def _resultant(force: InterfaceForce, size: float, length: float) -> dict[str, float | None]:
-    """The columns of a resultant; ``size`` of forces (N) and ``length`` (m) that rounding is of."""
-    at = force.at or (None,) * 3
-    return {
-        **{f"force_{x}_N": _clean(f, size) for x, f in zip("xyz", force.resultant, strict=True)},
-        **{
-            f"at_{x}_m": None if place is None else _clean(place, length)
-            for x, place in zip("xyz", at, strict=True)
-        },
-    }
 
 
 def block_rows(assembly: Assembly, found: Found) -> tuple[BlockRow, ...]:
