@@ -14,10 +14,11 @@ from offline import WATCH, leaving_in_browser, leaving_in_html
 from playwright.sync_api import Page, sync_playwright
 
 from analysis.report import paths
-from analysis.report.content import law_of, plain
 from analysis.report.files import FILES, REPORT
+from analysis.report.joints import law_of
 from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
+from analysis.report.plain import plain
 from sidmacib.joint import Joint
 from workflow.cases import cases_of
 from workflow.planning.snakefile import plan_of
@@ -54,9 +55,9 @@ def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
     assert leaving_in_html(report.read_text()) == []
 
 
-def test_data_cannot_end_their_script(study: Study) -> None:
-    told = {"verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
-    text = page(told, study, "summary & <b>more</b>")
+def test_data_cannot_end_their_script() -> None:
+    told = {"names": [], "verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
+    text = page(told, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
 
