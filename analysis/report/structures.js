@@ -6,7 +6,7 @@ const VIEWS = { // from where, in directions
 };
 const WHOLE = 0.15; // of the structure's size: the largest displacement that is drawn
 const LONGEST = 0.35; // of that size: the line of the largest resultant
-const AWAY = 1.1; // of the diagonal of the box around it: how far the eye is
+const AWAY = 1.0; // of the diagonal of the box around it: how far the eye is
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
 const PERIOD = 4000; // ms, from rest to rest
 const MARKED = "#d55e00", FORCE = "#0072b2";
@@ -154,7 +154,7 @@ function forceTraces({ forces, moves, factor }, share) {
   }
   return [
     lineTrace(lines, { color: FORCE, width: 5 }),
-    lineTrace(acting, {}, { mode: "markers", marker: { size: 4, color: FORCE }, hoverinfo: "text" }),
+    lineTrace(acting, {}, { mode: "markers", marker: { size: 3, color: FORCE }, hoverinfo: "text" }),
     lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 6, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
   ];
 }
@@ -168,7 +168,7 @@ function drawStructure() {
   const ratio = lengths.map((v) => v / most), view = VIEWS[at("structure-view").value];
   const plot = at("structure-plot"), away = AWAY * norm(ratio) * Math.max(1, plot.clientHeight / plot.clientWidth);
   const eye = view.map((v) => (away * v) / norm(view));
-  const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, gridcolor: "#e5e8ee", nticks: 5 });
+  const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, gridcolor: "#e5e8ee", nticks: Math.max(2, Math.round(6 * ratio[k])) });
   const scene = { aspectmode: "manual", aspectratio: toXyz(ratio), dragmode: "orbit", camera: { eye: toXyz(eye) }, domain: { y: [0.14, 1] }, xaxis: side("x", 0), yaxis: side("y", 1), zaxis: side("z", 2) };
   const traces = [...blockTraces(drawn, share), ...interfaceTraces(drawn, share), ...forceTraces(drawn, share)];
   return chart("structure-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: `${drawn.row.structure} ${at("structure-view").value}` });
