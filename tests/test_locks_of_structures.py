@@ -158,5 +158,5 @@ def test_condensed_locks_are_refused_by_the_static_model() -> None:
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed())})
     variable = np.zeros((2, 6))
     variable[1, 1] = 1.0
-    with pytest.raises(CapacityError, match="condensed locks are for limit analysis only"):
+    with pytest.raises(CapacityError, match="has condensed locks, which have no stiffness"):
         static_peak(two, Loads(np.zeros((2, 6)), variable, 1.0))

@@ -2,7 +2,7 @@
 
 import json
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,12 +12,14 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import structure
+from sidmacib.structure.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from studies.structures.shapes import arch
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineNoAnswerError
@@ -67,6 +69,32 @@ def test_mortar_in_a_leaning_stack_fails_where_the_static_model_says(
     assert outcome.path[-1].load == pytest.approx(expected.peak.load, rel=2e-3)
     assert outcome.first_failure_load == pytest.approx(expected.first_failure_load, rel=2e-3)
     assert outcome.mode == "bonds"
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("law", [MORTAR, dry(0.4)], ids=["mortar", "dry"])
+def test_a_stack_tilts_as_far_as_the_static_model_says(
+    engine: str, law: FaceMaterial, tmp_path: Path
+) -> None:
+    model, tilt = leaning(law, 0.0), Tilt((0.2, 1.0, 0.3))
+    expected = static_tilt(model, tilt)
+    problem = Problem(model, tilting(model, tilt))
+    outcome, weight = found(engine, problem, tmp_path), problem.loads.scale
+    assert tilt_of_load(outcome.path[-1].load, weight) == pytest.approx(expected.angle, rel=2e-3)
+    if outcome.first_failure_load is not None:
+        first = tilt_of_load(outcome.first_failure_load, weight)
+        assert first == pytest.approx(expected.first_failure, rel=2e-3)
+    peak = outcome.path[-1]
+    assert peak.force is not None
+    assert unbalanced_share(*problem, peak.load, peak.force) < 2e-3
+
+
+@pytest.mark.engine
+def test_what_never_falls_has_no_critical_tilt(engine: str, tmp_path: Path) -> None:
+    glued = FaceMaterial(1e10, 1e10, 0.4, cohesion=1e9, tensile_strength=1e9)
+    model = leaning(glued, 0.0)
+    with pytest.raises(EngineNoAnswerError, match="in equilibrium up to a tilt of 180 degrees"):
+        found(engine, Problem(model, tilting(model, Tilt((0.0, 1.0, 0.0)))), tmp_path)
 
 
 @pytest.mark.engine
@@ -128,11 +156,6 @@ def test_faces_in_any_direction_have_their_normal_and_tangents(tmp_path: Path) -
     assert all("low_m" not in piece for piece in data["pieces"])
 
 
-@dataclass(frozen=True)
-class Turning(Loads):
-    """Loads of another kind."""
-
-
 def test_what_an_engine_cannot_do_is_refused_by_name(engine: str, tmp_path: Path) -> None:
     pair = frozenset(("one", "two"))
     blocks = [
@@ -146,10 +169,6 @@ def test_what_an_engine_cannot_do_is_refused_by_name(engine: str, tmp_path: Path
     rough = structure(blocks, replace(MORTAR, bond_friction=0.5))
     with pytest.raises(EngineNoAnswerError, match=f"^{engine}: one-two has a bond_friction of 0.5"):
         found(engine, pushed(rough), tmp_path)
-    turning = Turning(
-        *(getattr(pushed(rough).loads, k) for k in ("permanent", "variable", "scale"))
-    )
-    assert "loads are of the kind Turning" in (refusal(ENGINES[engine], rough, turning) or "")
 
 
 def test_blocks_of_any_shape_are_refused_by_an_engine_of_cuboids() -> None:

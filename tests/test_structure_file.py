@@ -62,8 +62,13 @@ def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> 
     assert row["compression (N)"] == pytest.approx(
         480.0 * GRAVITY * math.cos(math.radians(slides)), rel=1e-4
     )
-    with pytest.raises(ValueError, match="not tilt"):
-        read_structure(path)
+
+
+def test_models_of_loads_in_proportion_refuse_gravity_that_turns(path: Path) -> None:
+    path.write_text(json.dumps({**ON_GROUND, "load": {"tilt": {"axis": [0, 1, 0]}}}))
+    for model in (static_peak, limit_load):
+        with pytest.raises(ValueError, match="gravity turns; use static_tilt or limit_tilt"):
+            model(*read_structure(path))
 
 
 def test_the_stack_of_the_example_overturns_as_one() -> None:
@@ -153,7 +158,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
     path.write_text(json.dumps({**ON_GROUND, "locks": [LOCKS | {"condensed": {"working": 1}}]}))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     assert rows["limit"]["load (N)"] > 0
-    assert "condensed locks are for limit analysis only" in rows["static"]["note"]
+    assert "has condensed locks, which have no stiffness" in rows["static"]["note"]
 
 
 @pytest.mark.parametrize(

@@ -146,6 +146,10 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (locks,) = keyed["locks"]
     condensed = {"locks": [{**locks, "condensed": {"working": 1}}]}
     config = study_of(variants={"dry": {"special": None}})
+    config["structures"]["trilith"]["loads"] = {
+        "load": TRILITH["load"],
+        "tilt": {"tilt": {"axis": [0, 1, 0]}},
+    }
     config["structures"]["keyed"] = {"description": keyed, "variants": {"condensed": condensed}}
     plan = plan_of(read_study({**config, "results": str(folder)}))
     for job in plan.made.values():
@@ -167,6 +171,20 @@ def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
     dry = table.loc[("trilith-load-dry", "static")]
     assert pd.isna(dry["first_interface"])
     assert table["error"].isna().all()
+
+
+@pytest.mark.study
+def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(results: Path) -> None:
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    tilts = table.loc["trilith-tilt-dry"]
+    # Dry blocks at a tilt are blocks under an acceleration of its tangent.
+    push = table.loc["trilith-load-dry"]["load_over_weight"]
+    expected = np.degrees(np.arctan(push.to_numpy()))
+    assert tilts["tilt_degrees"].to_numpy() == pytest.approx(expected, rel=1e-3)
+    static = tilts.loc["static"]
+    assert static["first_failure_tilt_degrees"] <= static["tilt_degrees"]
+    assert tilts[["load_N", "load_over_weight", "failed_load_N"]].isna().all(axis=None)
+    assert "tilt (degrees)" in (results / "structures.txt").read_text()
 
 
 @pytest.mark.study

@@ -12,16 +12,19 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Vector
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import Pair, structure
 from sidmacib.structure.tilt import (
     Motion,
     Tilt,
     limit_tilt,
+    load_of_tilt,
     motion_of,
     moves_most,
     static_tilt,
+    tilt_of_load,
+    tilting,
     turned,
 )
 from studies.structures.shapes import arch
@@ -139,6 +142,17 @@ def test_gravity_turns_by_the_right_hand_rule_and_keeps_its_size() -> None:
     weight = turned(model, Tilt((1.0, 2.0, 0.5)), 70.0).permanent
     assert np.linalg.norm(weight[1]) == pytest.approx(BLOCK.weight)
     assert not weight[0].any()
+
+
+@pytest.mark.parametrize("axis", [(0.0, 1.0, 0.0), (1.0, 2.0, 0.5)])
+def test_gravity_that_turns_is_a_load_of_the_weight_times_the_angle(axis: Vector) -> None:
+    model, tilt = structure([GROUND, BLOCK], dry(0.7)), Tilt(axis)
+    loads = tilting(model, tilt)
+    for angle in (0.0, 30.0, 130.0):
+        load = load_of_tilt(angle, loads)
+        assert tilt_of_load(load, BLOCK.weight) == pytest.approx(angle)
+        assert loads.at(load) == pytest.approx(turned(model, tilt, angle).permanent)
+    assert loads.at(1e-3) == pytest.approx(loads.permanent + 1e-3 * loads.variable)
 
 
 def leaning_stack() -> list[Block]:

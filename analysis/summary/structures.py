@@ -10,17 +10,19 @@ from sidmacib.mechanics.solution import SPREAD_LIMIT
 from workflow.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 
-HEAD = f"  {'model':10}{'load (N)':>12}{'load/weight':>13}{'to static':>11}  note"
+LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
 
 def summary(results: str, structures: pd.DataFrame) -> str:
     """A block of lines for each structure, load and variant."""
-    lines = ["Structures: the load that each carries beside its weight"]
+    lines = ["Structures: the load that each carries beside its weight, or its tilt"]
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
     ):
         more = "" if variant == REFERENCE else f", {variant}"
-        lines += ["", f"{structure}, load: {load}{more}", HEAD]
+        value, share = TILT if rows["tilt_degrees"].notna().any() else LOAD
+        head = f"  {'model':10}{value:>14}{share:>13}{'to static':>11}  note"
+        lines += ["", f"{structure}, load: {load}{more}", head]
         lines += map(_line, rows.to_dict("records"))
     return "\n".join([*lines, "", f"Tables: {results}/tables/structures.csv, interfaces.csv,"]) + (
         f" blocks.csv; for ParaView: {results}/structures/vtk\n"
@@ -28,15 +30,19 @@ def summary(results: str, structures: pd.DataFrame) -> str:
 
 
 def _line(row: Mapping[str, Any]) -> str:
-    if pd.isna(row["load_N"]):
+    tilts = pd.notna(row["tilt_degrees"])
+    if pd.isna(row["load_N"]) and not tilts:
         refused = pd.notna(row["refused"])
         why = row["refused"] if refused else row["error"]
-        return f"  {row['model']:10}{'-':>12}{'-':>13}{'-':>11}  " + (
+        return f"  {row['model']:10}{'-':>14}{'-':>13}{'-':>11}  " + (
             f"refused: {why}" if refused else f"no result: {why}"
         )
+    value, share = row["load_N"], f"{row['load_over_weight']:.4f}"
+    if tilts:
+        value, share = row["tilt_degrees"], ""
     apart = row["difference_to_static"]
     return (
-        f"  {row['model']:10}{row['load_N']:12.5g}{row['load_over_weight']:13.4f}"
+        f"  {row['model']:10}{value:14.5g}{share:>13}"
         f"{'' if pd.isna(apart) else f'{100 * apart:+.2f} %':>11}  {'; '.join(_notes(row))}"
     )
 
@@ -45,11 +51,17 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     if pd.notna(row["mode"]):
         yield f"ends by: {row['mode']}"
     if pd.notna(row["first_interface"]):
-        yield f"first bond: {row['first_interface']} at {row['first_failure_load_N']:.5g} N"
+        yield f"first bond: {row['first_interface']} at {_first_failure(row)}"
     elif pd.notna(row["most_used_interface"]):
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"
+
+
+def _first_failure(row: Mapping[str, Any]) -> str:
+    if pd.notna(row["tilt_degrees"]):
+        return f"{row['first_failure_tilt_degrees']:.5g} degrees"
+    return f"{row['first_failure_load_N']:.5g} N"
 
 
 def run(

@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from sidmacib.structure.tilt import tilt_of_load
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
 from workflow.structures.record import (
@@ -16,6 +17,7 @@ from workflow.structures.record import (
     read_structure_records,
 )
 
+LOADS = ("load_N", "failed_load_N", "first_failure_load_N")
 IDENTITY = ("structure", "load", "variant", "model")
 MOTION = ("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z")
 
@@ -33,9 +35,15 @@ def _row(record: StructureRecord, static: StructureRecord | None) -> dict[str, A
     compared = None if record.model == REFERENCE_MODEL or static is None else static.load_N
     if static is not None and first_failure_only(record.model):
         compared = static.first_failure_load_N
+    if record.tilts and weight:
+        row |= {
+            name.replace("load_N", "tilt_degrees"): row.get(name)
+            and tilt_of_load(row[name], weight)
+            for name in LOADS
+        } | dict.fromkeys(LOADS)
     return {
         **row,
-        "load_over_weight": load / weight if load is not None and weight else None,
+        "load_over_weight": None if load is None or record.tilts or not weight else load / weight,
         "most_used_interface": most_used(record.interfaces),
         "blocks": sum(not block.fixed for block in record.blocks) or None,
         "interfaces": len(record.interfaces) or None,
@@ -82,7 +90,7 @@ def _typed(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """``rows`` with numbers as numbers, also in columns that no row fills."""
     frame = pd.DataFrame(rows, columns=list(table.columns))
     for column in table.columns:
-        if column.endswith(("_N", "_Nm", "_m", "_m2", "_Pa")) or column in NUMBERS:
+        if column.endswith(("_N", "_Nm", "_m", "_m2", "_Pa", "_degrees")) or column in NUMBERS:
             frame[column] = frame[column].astype(float)
     return frame
 

@@ -15,30 +15,32 @@ from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.problem import Problem
-from sidmacib.structure.file import read_loaded_or_tilted
+from sidmacib.structure.file import read_structure
 from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.structure import refined
-from sidmacib.structure.tilt import TiltProblem, limit_tilt, moves_most, static_tilt
+from sidmacib.structure.tilt import Tilt, limit_tilt, moves_most, static_tilt
 
 
 def structure_rows(path: Path) -> list[Row]:
     """What a structure carries after each model: loads, or angles if gravity turns.
 
-    Errors of `read_loaded_or_tilted`.
+    Errors of `read_structure`.
     """
-    problem = read_loaded_or_tilted(path)
-    return list(_tilts(problem) if isinstance(problem, TiltProblem) else _rows(problem))
+    problem = read_structure(path)
+    if problem.loads.axis is not None:
+        return list(_tilts(problem.assembly, Tilt(problem.loads.axis)))
+    return list(_rows(problem))
 
 
 def interface_rows(path: Path) -> list[Row]:
     """What each interface carries at the last equilibrium of the static model.
 
-    Errors of `read_loaded_or_tilted`, and `CapacityError` if the model has no answer.
+    Errors of `read_structure`, and `CapacityError` if the model has no answer.
     """
-    problem = read_loaded_or_tilted(path)
-    if isinstance(problem, TiltProblem):
-        peak = static_tilt(*problem).path[-1]
+    problem = read_structure(path)
+    if problem.loads.axis is not None:
+        peak = static_tilt(problem.assembly, Tilt(problem.loads.axis)).path[-1]
     else:
         peak = static_peak(*problem).peak
     return [
@@ -120,23 +122,23 @@ def _mesh_errors(
     return errors[0], errors[1]
 
 
-def _tilts(problem: TiltProblem) -> Iterator[Row]:
+def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:
     def row(model: str, angle: float | None, note: str) -> Row:
         return {"model": model, "tilt (degrees)": angle, "note": note}
 
     try:
-        limit = limit_tilt(*problem)
-        note = _assumes(problem.assembly)
+        limit = limit_tilt(assembly, tilt)
+        note = _assumes(assembly)
         if limit.mechanism is not None:
-            note += f"; {moves_most(problem.assembly, limit.mechanism)} moves most"
+            note += f"; {moves_most(assembly, limit.mechanism)} moves most"
         yield row("limit", limit.angle, note)
     except CapacityError as error:
         yield row("limit", None, reason(error))
     try:
-        static = static_tilt(*problem)
+        static = static_tilt(assembly, tilt)
         note = f"ends by: {static.motion}"
         if static.mechanism is not None:
-            note += f"; {moves_most(problem.assembly, static.mechanism)} moves most"
+            note += f"; {moves_most(assembly, static.mechanism)} moves most"
         yield row("static, first failure", static.first_failure, "of a bond, or no equilibrium")
         yield row("static, last equilibrium", static.angle, note)
     except CapacityError as error:

@@ -303,6 +303,14 @@ class Assembly:
         """The faces, where a model needs rectangles; ValueError if one has another outline."""
         return tuple(map(_rectangle, self.faces))
 
+    @property
+    def without_stiffness(self) -> str | None:
+        """Which face has no stiffness, for models that need one; None if all have."""
+        for face in self.faces:
+            if face.kind is Kind.LOCKED:
+                return f"{face.name} has condensed locks, which have no stiffness; cut them out"
+        return None
+
 
 def _cuboid(piece: Piece) -> Cuboid:
     if not isinstance(piece, Cuboid):
@@ -339,20 +347,42 @@ class Loads:
     ``permanent`` (N and N m): loads that always act, such as self-weight. ``variable``: the load
     that is raised, per newton. ``scale`` (N): a load of the order of the capacity; the first
     increments are fractions of it. ``sides``: the parts of both that act on sides of pieces; the
-    rest is spread over the volume, which matters only for elastic pieces. ValueError unless all
-    numbers are finite and the scale above 0.
+    rest is spread over the volume, which matters only for elastic pieces. ``axis``: of gravity that
+    turns, of length 1; the permanent loads then turn about it, by the load over ``scale`` in
+    radians, and ``variable`` is how they begin to. ValueError unless all numbers are finite and the
+    scale above 0.
     """
 
     permanent: Floats
     variable: Floats
     scale: float
     sides: tuple[SideLoad, ...] = ()
+    axis: Vector | None = None
 
     def __post_init__(self) -> None:
         for name, forces in (("permanent", self.permanent), ("variable", self.variable)):
             if not np.isfinite(forces).all():
                 raise ValueError(f"{name} loads: they must be finite")
         require_positive(scale=self.scale)
+
+    def at(self, load: float) -> Floats:
+        """Forces (N) and moments (N m) on the pieces under ``load`` (N), (P, 6)."""
+        if self.axis is None:
+            return self.permanent + load * self.variable
+        vectors = self.permanent.reshape(-1, 3)
+        return rotated(vectors, np.array(self.axis), load / self.scale).reshape(-1, 6)
+
+    def require_proportional(self) -> None:
+        """ValueError if gravity turns, for models that raise loads in proportion."""
+        if self.axis is not None:
+            raise ValueError("loads: gravity turns; use static_tilt or limit_tilt")
+
+
+def rotated(vectors: Floats, axis: Floats, angle: float) -> Floats:
+    """``vectors``, (K, 3), turned about a unit ``axis``, (3,), by ``angle`` (rad)."""
+    along = np.outer(vectors @ axis, axis)
+    across = np.cross(axis, vectors)
+    return along + math.cos(angle) * (vectors - along) + math.sin(angle) * across
 
 
 def self_weight(pieces: Sequence[Piece]) -> Floats:

@@ -49,7 +49,7 @@ def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floa
     ``force``: (N, 3) in N, what the piece below each node exerts on the piece above, in the frame
     of the face. The moments are about the pieces' centroids; fixed pieces have 0.
     """
-    unbalanced = loads.permanent + load * loads.variable
+    unbalanced = loads.at(load)
     on_above = np.einsum("nk,nkx->nx", force, face_frames(assembly))
     for side, sign in (("above", 1.0), ("below", -1.0)):
         piece = np.array([getattr(face, side) for face in assembly.faces])[assembly.nodes.face]

@@ -134,6 +134,7 @@ class _Programme:
     def __init__(
         self, assembly: Assembly, loads: Loads, friction: bool, sliding: "Sliding | None" = None
     ) -> None:
+        loads.require_proportional()
         contact_law, rows = ContactLaw.of(assembly), free_rows(assembly)
         area = assembly.nodes.area
         self.share = area / area.sum()

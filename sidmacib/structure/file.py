@@ -17,7 +17,7 @@ from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import Pair, structure
-from sidmacib.structure.tilt import Tilt, TiltProblem
+from sidmacib.structure.tilt import Tilt, tilting
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
@@ -43,41 +43,25 @@ _INDEX = Number(at_least=0, whole=True)
 
 
 def read_structure(path: Path) -> Problem:
-    """The structure that the YAML file ``path`` describes, and its load.
+    """The structure that the YAML file ``path`` describes, and its load or tilt.
 
-    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one; ValueError
-    as well if gravity turns there, see `read_loaded_or_tilted`.
+    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
     return structure_of(read_yaml(path), folder=path.parent)
 
 
-def read_loaded_or_tilted(path: Path) -> Problem | TiltProblem:
-    """The structure that the YAML file ``path`` describes, with its load or tilt.
-
-    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
-    """
-    return loaded_or_tilted(read_yaml(path), folder=path.parent)
-
-
 def structure_of(description: Any, what: str = "the file", folder: Path = Path()) -> Problem:
-    """The structure and the load of a ``description``; ValueError if gravity turns there.
-
-    Arguments and errors of `loaded_or_tilted`.
-    """
-    problem = loaded_or_tilted(description, what, folder)
-    if isinstance(problem, TiltProblem):
-        raise ValueError("load: must have one key, acceleration or force; not tilt")
-    return problem
-
-
-def loaded_or_tilted(
-    description: Any, what: str = "the file", folder: Path = Path()
-) -> Problem | TiltProblem:
-    """The structure of a ``description``, plain values as in a file, with its load or tilt.
+    """The structure and the load of a ``description``, plain values as in a file.
 
     ``folder``: that paths of meshes start from. ValueError that names the key, or ``what`` where
     there is none.
     """
+    assembly = assembly_of(description, what, folder)
+    return Problem(assembly, loads_of(assembly, description["load"]))
+
+
+def assembly_of(description: Any, what: str = "the file", folder: Path = Path()) -> Assembly:
+    """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = _mapping(what, description, ("blocks", "load"), OPTIONAL)
     blocks = [
         block
@@ -92,13 +76,17 @@ def loaded_or_tilted(
         cells["mesh"] = _number("mesh", given["mesh"], _POSITIVE)
     if "nodes" in given:
         cells["nodes"] = choice(NodeLayout, given["nodes"])
-    assembly = structure(blocks, material, special, locked, **cells)
-    load = _mapping("load", given["load"], (), ("acceleration", "force", "tilt"))
+    return structure(blocks, material, special, locked, **cells)
+
+
+def loads_of(assembly: Assembly, value: Any) -> Loads:
+    """The weight of ``assembly`` and the load that a file's key ``load`` gives; ValueError."""
+    load = _mapping("load", value, (), ("acceleration", "force", "tilt"))
     if len(load) != 1:
         raise ValueError("load: must have one key, acceleration, force or tilt")
     if "tilt" in load:
-        return TiltProblem(assembly, _tilt(load["tilt"]))
-    return Problem(assembly, _load(assembly, load))
+        return tilting(assembly, _tilt(load["tilt"]))
+    return _load(assembly, load)
 
 
 def _tilt(value: Any) -> Tilt:

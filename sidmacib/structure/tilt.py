@@ -14,17 +14,15 @@ of loading only if something presses them together first.
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.limit import LimitState, limit_load
+from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import INCREMENT, brittle_path
@@ -42,7 +40,6 @@ CLOSED = 1e-3  # of the largest relative motion: a node that opens by less stays
 EQUAL = 1e-3  # of sliding and opening: they count as equally far
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
 SCAN = 5.0  # degrees between programmes where what they see is no sector
-UPRIGHT = 1e-6  # of the weight: accuracy with which limit analysis sees that blocks stand upright
 LIMIT_PRECISION = 1e-4  # degrees
 LEVEL = 1e-9  # of an axis: its part along gravity that counts as none
 
@@ -62,7 +59,7 @@ class Tilt:
     ValueError unless the axis has a length and is not vertical.
     """
 
-    axis: tuple[float, float, float]
+    axis: Vector
 
     def __post_init__(self) -> None:
         size = float(np.linalg.norm(self.axis))
@@ -83,15 +80,7 @@ class Tilt:
 
     def gravity(self, angle: float) -> Floats:
         """Direction of gravity after it has turned by ``angle`` (degrees), of length 1, (3,)."""
-        turn = Rotation.from_rotvec(math.radians(angle) * self.unit)
-        return np.asarray(turn.apply([0.0, 0.0, -1.0]))
-
-
-class TiltProblem(NamedTuple):
-    """A structure, and how gravity turns."""
-
-    assembly: Assembly
-    tilt: Tilt
+        return rotated(np.array([[0.0, 0.0, -1.0]]), self.unit, math.radians(angle))[0]
 
 
 @dataclass(frozen=True)
@@ -134,6 +123,27 @@ def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
     return Loads(permanent, np.zeros_like(permanent), free_weight(assembly))
 
 
+def tilting(assembly: Assembly, tilt: Tilt) -> Loads:
+    """The weight of all free pieces under gravity that turns, as a load that is raised.
+
+    In N: the angle in radians times the weight, see `load_of_tilt`.
+    """
+    loads, axis = turned(assembly, tilt, 0.0), tilt.unit
+    beside = np.zeros_like(loads.permanent)
+    beside[:, :3] = np.cross(axis, loads.permanent[:, :3]) / loads.scale
+    return replace(loads, variable=beside, axis=(float(axis[0]), float(axis[1]), float(axis[2])))
+
+
+def load_of_tilt(angle: float, loads: Loads) -> float:
+    """The load (N) of gravity that has turned by ``angle`` (degrees)."""
+    return math.radians(angle) * loads.scale
+
+
+def tilt_of_load(load: float, weight: float) -> float:
+    """The angle (degrees) of gravity at ``load`` (N) on blocks of a ``weight`` (N)."""
+    return math.degrees(load / weight)
+
+
 def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
     """Turn gravity until the static model of ``assembly``, of rigid pieces, has no equilibrium.
 
@@ -144,6 +154,8 @@ def static_tilt(assembly: Assembly, tilt: Tilt) -> StaticTilt:
     """
     if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
         raise CapacityError("tilt: pieces must be rigid; leave out their elastic material")
+    if reason := assembly.without_stiffness:
+        raise CapacityError(reason)
     solver = _Turning(assembly, tilt)
     found = brittle_path(solver, STEP / INCREMENT, PRECISION)
     to_peak = found.path[: found.peak + 1]
@@ -224,10 +236,10 @@ def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     missed where there are bonds, or where the axis is not horizontal. `InfeasibleError` if there
     are no forces before gravity turns; other errors of `limit_load`.
     """
-    for side in (-1.0, 1.0):
-        state = _across(assembly, tilt, 0.0, side)
-        if state is not None and state.load < -UPRIGHT * free_weight(assembly):
-            raise InfeasibleError("limit analysis: no forces balance gravity before it turns")
+    try:
+        require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
+    except InfeasibleError:
+        raise InfeasibleError("limit analysis: no forces balance gravity before it turns") from None
     if tilt.level and not ContactLaw.of(assembly).cohesive.any():
         return _by_sectors(assembly, tilt)
     return _by_scan(assembly, tilt)
@@ -250,14 +262,11 @@ def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     return LimitTilt(LARGEST)
 
 
-def _across(assembly: Assembly, tilt: Tilt, angle: float, side: float = 1.0) -> LimitState | None:
-    """The largest load along which gravity at ``angle`` (degrees) turns, beside it; None for any.
-
-    ``side``: -1 for the opposite direction.
-    """
+def _across(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+    """The largest load beside gravity at ``angle`` (degrees), where it turns to; None for any."""
     gravity = turned(assembly, tilt, angle)
     beside = np.zeros_like(gravity.permanent)
-    beside[:, :3] = np.cross(side * tilt.unit, gravity.permanent[:, :3]) / gravity.scale
+    beside[:, :3] = np.cross(tilt.unit, gravity.permanent[:, :3]) / gravity.scale
     loads = replace(gravity, variable=beside)
     try:
         return limit_load(assembly, loads, friction=True)

@@ -5,6 +5,7 @@ python -m studies.structures.compare --results results-structures
 
 import argparse
 import math
+import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -15,12 +16,25 @@ import yaml
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid.solver import RigidSolver
-from sidmacib.structure.tilt import LARGEST, Tilt, limit_tilt, static_tilt, turned
+from sidmacib.problem import Problem
+from sidmacib.structure.tilt import (
+    LARGEST,
+    Tilt,
+    limit_tilt,
+    static_tilt,
+    tilt_of_load,
+    tilting,
+    turned,
+)
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
 from studies.structures.pyramid import pyramid_tilt
 from studies.structures.samples import AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
+from workflow.engines import ENGINES
+from workflow.engines.numerics import Numerics
+from workflow.engines.run import run_engine
+from workflow.results.files import read_outcome
 
 PUBLISHED = Path(__file__).parent / "published.yaml"
 TYPES = ("type-a", "type-b", "type-c", "type-d")
@@ -34,6 +48,7 @@ CHANGES: dict[str, dict[str, Any]] = {  # of the static model, where it is far f
     "Lobatto nodes": {"nodes": NodeLayout.LOBATTO},
 }
 FAR = 1.5  # degrees
+TIME_LIMIT = 600.0  # s, of an engine's run
 
 
 def main() -> None:
@@ -75,12 +90,22 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
                     "threedec_degrees": told.get("threedec", math.nan),
                     "static_degrees": static.angle,
                     "motion": str(static.motion),
+                    "yade_degrees": engine_tilt("yade", model, tilt),
                     "relaxed_degrees": relaxed_tilt(model, tilt, finite=False),
                     "finite_rotation_degrees": relaxed_tilt(model, tilt, finite=True),
                     "rbe_degrees": told.get("rbe", math.nan),
                     "pyramid_degrees": pyramid_tilt(model, tilt),
                     "limit_degrees": limit_tilt(model, tilt).angle,
                 }
+
+
+def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
+    """The critical tilt (degrees) after an engine."""
+    problem = Problem(model, tilting(model, tilt))
+    with tempfile.TemporaryDirectory() as folder:
+        run_engine(ENGINES[name], problem, Numerics(), "tilted block", Path(folder), TIME_LIMIT)
+        peak = read_outcome(Path(folder), model).path[-1]
+    return tilt_of_load(peak.load, problem.loads.scale)
 
 
 def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:

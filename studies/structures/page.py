@@ -43,6 +43,7 @@ def by_threedec(results: Path) -> str:
             "3DEC, published": lambda row: _degrees(row.threedec_degrees),
             "static": lambda row: _degrees(row.static_degrees, 2),
             "difference": lambda row: _apart(row.static_degrees, row.threedec_degrees),
+            "YADE": lambda row: _degrees(row.yade_degrees, 2),
             "ends by": lambda row: row.motion,
             "relaxation, small rotations": lambda row: _degrees(row.relaxed_degrees, 2),
             "relaxation, finite rotations": lambda row: _degrees(row.finite_rotation_degrees, 2),
@@ -70,6 +71,8 @@ def within(results: Path) -> str:
     rows = []
     for what, ours, theirs, near in (
         ("static model, 3DEC", "static_degrees", "threedec_degrees", 1.5),
+        ("YADE, 3DEC", "yade_degrees", "threedec_degrees", 2.0),
+        ("YADE, static model", "yade_degrees", "static_degrees", 0.5),
         (
             "relaxation with finite rotations, 3DEC",
             "finite_rotation_degrees",

@@ -89,6 +89,7 @@ def script(
         first_increment_N=numerics.first_increment * loads.scale,
         tolerance=numerics.tolerance,
         guide=guide,
+        half_turn_N=None if loads.axis is None else math.pi * loads.scale,
         **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )
 
@@ -130,8 +131,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
         "loads": [
             {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
             for index, load in enumerate(loads.variable)
-            if load.any()
+            if load.any() and loads.axis is None
         ],
+        "axis": loads.axis and list(loads.axis),
         "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
         "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
         "layout": str(assembly.layout),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind
 from sidmacib.problem import Problem
 from workflow.engines.engine import Engine
 from workflow.engines.execute import EngineNoAnswerError, execute
@@ -25,7 +25,7 @@ def run_engine(
     Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
-    if reason := refusal(engine, problem.assembly, problem.loads):
+    if reason := refusal(engine, problem.assembly):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
     guided = numerics.guided and "guided" not in engine.ignores
     guide = guide_of(*problem) if guided else None
@@ -33,9 +33,9 @@ def run_engine(
     execute(engine, folder, time_limit)
 
 
-def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> str | None:
-    """Why the engine cannot compute ``assembly`` under ``loads``; None if it can."""
-    if reason := _structure_refusal(engine, assembly, loads):
+def refusal(engine: Engine, assembly: Assembly) -> str | None:
+    """Why the engine cannot compute ``assembly``; None if it can."""
+    if reason := _structure_refusal(engine, assembly):
         return reason
     if assembly.failure is Failure.SOFTENING:
         return f"inner faces are {assembly.failure}; no engine has bonds that fade"
@@ -50,16 +50,11 @@ def refusal(engine: Engine, assembly: Assembly, loads: Loads | None = None) -> s
     return next(filter(None, reasons), None)
 
 
-def _structure_refusal(engine: Engine, assembly: Assembly, loads: Loads | None) -> str | None:
-    """Why the engine cannot compute loads, faces or pieces of this kind; None if it can."""
-    if loads is not None and type(loads) is not Loads:
-        return f"loads are of the kind {type(loads).__name__}; it knows only loads in proportion"
+def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:
+    """Why the engine cannot compute pieces or faces of this kind; None if it can."""
     if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
         return "pieces are polyhedra; it knows only cuboids along the axes"
-    for face in assembly.faces:
-        if face.kind is Kind.LOCKED:
-            return f"{face.name} has condensed locks, which have no stiffness; cut them out"
-    return None
+    return assembly.without_stiffness
 
 
 def _bond_refusal(engine: Engine, face: Face) -> str | None:

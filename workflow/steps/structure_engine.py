@@ -48,7 +48,7 @@ def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> Str
     engine = ENGINES[case.model]
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     problem = structure_of(case.description, "the description")
-    if reason := refusal(engine, *problem):
+    if reason := refusal(engine, problem.assembly):
         return record_without_result(case, refused=f"{engine.name}: {reason}")
     run_engine(engine, problem, case.numerics, f"{case.name}.", folder, time_limit)
     outcome = read_outcome(folder, problem.assembly)

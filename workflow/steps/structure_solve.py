@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import Kind
 from sidmacib.structure.file import structure_of
 from workflow.model import Ability
 from workflow.models import MODELS
@@ -30,10 +29,9 @@ def solved(case: StructureCase, module: str) -> StructureRecord:
     """The record of ``case``, solved by the ``solve`` of a module."""
     try:
         problem = structure_of(case.description, "the description")
-        condensed = [face.name for face in problem.assembly.faces if face.kind is Kind.LOCKED]
-        if condensed and Ability.CONDENSED not in MODELS[case.model].abilities:
-            reason = f"{case.model}: {condensed[0]} has condensed locks, which have no stiffness"
-            return record_without_result(case, refused=f"{reason}; cut them out")
+        reason = problem.assembly.without_stiffness
+        if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
+            return record_without_result(case, refused=f"{case.model}: {reason}")
         found = importlib.import_module(module).solve(problem)
         return structure_record(case, problem, found, {})
     except (CapacityError, ResultError, ValueError, MemoryError) as error:

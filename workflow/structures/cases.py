@@ -2,6 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import groupby
+from operator import itemgetter
 
 from sidmacib.quantities import shown
 from workflow.case import REFERENCE, CaseId
@@ -108,13 +110,23 @@ def structure_faults(study: Study) -> Iterator[str]:
 
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
-    from sidmacib.structure.file import structure_of  # noqa: PLC0415 (polygons take long to import)
+    # Polygons take long to import.
+    from sidmacib.structure.file import assembly_of, loads_of  # noqa: PLC0415
 
-    for load, variant, description in described(section):
+    for variant, group in groupby(described(section), key=itemgetter(1)):
+        place = f"variants.{variant}" if variant != REFERENCE else "description"
+        cases = [(load, description) for load, _, description in group]
         try:
-            structure_of(description, "the description")
+            assembly = assembly_of(cases[0][1], "the description")
         except ValueError as error:
-            place = f"variants.{variant}" if variant != REFERENCE else "description"
-            if str(error).startswith("load") and section.loads:
-                place = f"loads.{load}"
-            yield f"{key}.{place}: {' '.join(str(error).split())}"
+            yield f"{key}.{place}: {_in_a_line(error)}"
+            continue
+        for load, description in cases:
+            try:
+                loads_of(assembly, description["load"])
+            except ValueError as error:
+                yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
+
+
+def _in_a_line(error: ValueError) -> str:
+    return " ".join(str(error).split())

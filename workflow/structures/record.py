@@ -76,6 +76,7 @@ class BlockRow:
 class StructureRecord:
     """The result of a case; loads as in `workflow.results.record.CaseRecord`.
 
+    ``tilts``: whether gravity turns; loads are then the angle in radians times the weight.
     ``first_interface``: whose bond fails first. ``refused``: why the model cannot do the structure,
     ``error``: why there is no result; all numbers are None in both.
     """
@@ -87,6 +88,7 @@ class StructureRecord:
     name: str
     case_digest: str
     physics: str
+    tilts: bool = False
     load_N: float | None = None
     weight_N: float | None = None
     failed_load_N: float | None = None
@@ -151,6 +153,7 @@ def structure_record(
     first = outcome.first_failure_load
     return StructureRecord(
         **_identity(case),
+        tilts=loads.axis is not None,
         load_N=rounded(peak.load),
         weight_N=rounded(free_weight(assembly)),
         failed_load_N=rounded(outcome.failed_load),

@@ -55,6 +55,7 @@ class RigidSolver:
         return other
 
     def _carry(self, loads: Loads) -> None:
+        loads.require_proportional()
         self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
         self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)

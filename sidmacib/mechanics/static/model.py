@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags, utilisation
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import (
@@ -51,11 +51,8 @@ def solver_of(assembly: Assembly, loads: Loads) -> Solver:
 
     `CapacityError` for contact points in place of locks, which have no stiffness.
     """
-    for face in assembly.faces:
-        if face.kind is Kind.LOCKED:
-            raise CapacityError(
-                f"{face.name}: condensed locks are for limit analysis only; resolve them"
-            )
+    if reason := assembly.without_stiffness:
+        raise CapacityError(reason)
     if any(piece.elastic and not piece.fixed for piece in assembly.pieces):
         # Imported here: finite elements take longer to import than most joints to solve.
         elastic = importlib.import_module("sidmacib.mechanics.elastic.solver")

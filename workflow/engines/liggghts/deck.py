@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, plus
+from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, cross, dot, plus
 from ..scripts.records import NoAnswerError
 from .loads import beyond_gravity, common_acceleration, common_gravity, handle_forces
 
@@ -274,6 +274,9 @@ class Deck:
                 f"variable permanent equal (step<{self.permanent_ramp})*({part})"
                 f"+(step>={self.permanent_ramp})"
             )
+        if self.assembly.axis is not None:
+            yield from self._turning(gravity, share)
+            return
         if gravity and share:
             yield f"variable gravity atom {share}mass*({-gravity!r})"
             yield "fix gravity handles addforce 0.0 0.0 v_gravity"
@@ -313,6 +316,18 @@ class Deck:
             raise NoAnswerError(
                 f"liggghts: {groups} places to put the loads; it can have {GROUPS} at most"
             )
+
+    def _turning(self, gravity: float, share: str) -> Iterator[str]:
+        """Gravity (m/s2) that turns: all that acts."""
+        assembly = self.assembly
+        axis, down = assembly.axis or (), (0.0, 0.0, -gravity)
+        along = [dot(down, axis) * part for part in axis]
+        across, aside = plus(down, along, -1.0), cross(axis, down)
+        yield f"variable angle equal v_load/{assembly.permanent_N!r}"
+        for k, name in enumerate("xyz"):
+            turn = f"({across[k]!r})*cos(v_angle)+({aside[k]!r})*sin(v_angle)"
+            yield f"variable pull_{name} atom {share}mass*(({along[k]!r})+{turn})"
+        yield "fix gravity handles addforce v_pull_x v_pull_y v_pull_z"
 
     def _bodies(self) -> Iterator[str]:
         """The drag, the rigid bodies, and the variables that tell how they move."""

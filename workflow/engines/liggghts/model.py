@@ -184,13 +184,8 @@ class LiggghtsModel:
         return [placed[piece].motion() if piece in placed else STILL for piece in pieces]
 
     def displacement(self) -> float:
-        """The displacement that the load works on: its work per unit of load, in m."""
-        motions = self.motions()
-        return math.fsum(
-            dot(part.force, motions[part.piece].displacement)
-            + dot(part.moment_m, motions[part.piece].rotation)
-            for part in self.assembly.loads
-        )
+        """The displacement that the load works on, in m, see `Assembly.displacement`."""
+        return self.assembly.displacement(self.motions().__getitem__)
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""

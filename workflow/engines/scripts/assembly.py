@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 Vector = Sequence[float]
 
 LEAST_TENSION = 1e-6  # over the cohesion
+LARGEST_LOAD = 1e6  # over the first increment
 LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 
@@ -114,14 +115,17 @@ class Node:
 class Assembly:
     """Pieces that meet across faces with nodes, and the loads on them.
 
-    For elastic pieces only: ``sides``, the parts of the loads that act on sides of pieces, the rest
-    being spread over the volume; ``mesh_m`` and ``layout`` tell how the nodes were made.
+    ``axis``: a unit vector if gravity turns: what always acts turns about it, by the load over
+    `permanent_N` in radians. For elastic pieces only: ``sides``, the parts of the loads that act on
+    sides of pieces, the rest being spread over the volume; ``mesh_m`` and ``layout`` tell how the
+    nodes were made.
     """
 
     pieces: list[Piece]
     faces: list[Face]
     nodes: list[Node]
     loads: list[PieceLoad]
+    axis: Vector | None = None
     sides: Sequence[SideLoad] = ()
     mesh_m: float | None = None
     layout: str = ""
@@ -135,6 +139,30 @@ class Assembly:
     def permanent_N(self) -> float:
         """Sum of the forces that always act on the free pieces, such as their weight."""
         return math.fsum(length(self.pieces[index].force_N) for index in self.free)
+
+    def always(self, load: float) -> list[tuple[Vector, Vector]]:
+        """Force (N) and moment (N m) that always act on each piece, as turned by ``load`` (N)."""
+        given = [(piece.force_N, piece.moment_Nm) for piece in self.pieces]
+        if self.axis is None:
+            return given
+        angle = load / self.permanent_N
+        return [(turned(f, self.axis, angle), turned(m, self.axis, angle)) for f, m in given]
+
+    def displacement(self, motion: Callable[[int], tuple[Vector, Vector]]) -> float:
+        """The displacement that the load works on: its work per unit of load, in m.
+
+        ``motion``: displacement (m) and rotation (rad) of a piece, by index. Where gravity turns,
+        the direction changes: then how far pieces have moved, on average over their weights.
+        """
+        if self.axis is None:
+            return math.fsum(
+                dot(part.force, moved) + dot(part.moment_m, turn)
+                for part in self.loads
+                for moved, turn in (motion(part.piece),)
+            )
+        weights = {index: length(self.pieces[index].force_N) for index in self.free}
+        work = math.fsum(weight * length(motion(index)[0]) for index, weight in weights.items())
+        return work / self.permanent_N
 
 
 @dataclass(frozen=True)
@@ -166,6 +194,7 @@ class Search:
     period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
     ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
     last increment over the peak. ``guide``: where to look first, if anything tells.
+    ``half_turn_N``: the load at which gravity that turns has done so by 180 degrees, the last one.
     """
 
     time_step_s: float
@@ -177,6 +206,15 @@ class Search:
     first_increment_N: float
     tolerance: float
     guide: Guide | None = None
+    half_turn_N: float | None = None
+
+    def endless(self, load: float) -> str | None:
+        """Why no peak is expected beyond a ``load`` (N) that is carried; None if one is."""
+        if self.half_turn_N is not None and load > self.half_turn_N:
+            return "the assembly is in equilibrium up to a tilt of 180 degrees"
+        if load > LARGEST_LOAD * self.first_increment_N:
+            return "the load grows without a peak"
+        return None
 
     def ramp(self, rise: float, whole: float) -> int:
         """Time steps in which a load is raised by ``rise``, to ``whole`` (N).
@@ -210,6 +248,7 @@ def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> Assembly
         faces,
         nodes,
         [PieceLoad(**load) for load in data["loads"]],
+        data["axis"],
         [SideLoad(**side) for side in data["sides"]],
         data["mesh_m"],
         data["layout"],
@@ -238,6 +277,14 @@ def cross(one: Vector, other: Vector) -> list[float]:
         one[2] * other[0] - one[0] * other[2],
         one[0] * other[1] - one[1] * other[0],
     ]
+
+
+def turned(vector: Vector, axis: Vector, angle: float) -> list[float]:
+    """``vector`` turned about a unit ``axis`` by ``angle`` (rad)."""
+    along = [dot(vector, axis) * part for part in axis]
+    across = plus(vector, along, -1.0)
+    aside = plus(along, cross(axis, vector), math.sin(angle))
+    return plus(aside, across, math.cos(angle))
 
 
 def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> float:

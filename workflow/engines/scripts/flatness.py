@@ -15,7 +15,7 @@ show it as well. There pieces that fall over find another equilibrium on round f
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from .assembly import Assembly, Vector, cross, dot, length, plus
 from .records import NoAnswerError, NodeForce, Peak
@@ -27,8 +27,7 @@ MARGIN = 0.05  # more load than where it was seen first
 FIRM = 2.0  # times the displacement before the last step, at most, of what stands firmly
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(NamedTuple):
     """Displacement (m) of a piece's centroid, and its rotation as a vector (rad)."""
 
     displacement: Vector

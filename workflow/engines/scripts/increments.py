@@ -12,7 +12,6 @@ from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 GROWTH = 1.5  # of the increment while the load is carried
 BEYOND = 0.01  # of such a load: further on, nothing is expected any more
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
-LARGEST_LOAD = 1e6  # over the first increment
 STEPS = 10  # to a load that is known
 
 
@@ -137,8 +136,8 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
             first_failure, bracket = load, bracket.towards_the_peak(guide)
         model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
-        if load > LARGEST_LOAD * least:
-            raise NoAnswerError("the load grows without a peak")
+        if reason := search.endless(load):
+            raise NoAnswerError(reason)
 
 
 def _beyond(model: Model, start: float, load: float) -> Outcome:

@@ -10,7 +10,6 @@ from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mod
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
-LARGEST_LOAD = 1e6  # over the first increment
 NEAR = 0.01  # of a load: what is as near to it is reached in one go
 AFTER = 0.05  # of the load, the first increment after a failure: the next one may be near
 TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
@@ -129,8 +128,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
             model.back()
             load = peak + increment
         print(f"{load:12.4f} N stands", flush=True)
-        if load > LARGEST_LOAD * first:
-            raise NoAnswerError("the load grows without a peak")
+        if reason := search.endless(load):
+            raise NoAnswerError(reason)
         increment *= GROWTH if load >= expected else 1.0
 
 

@@ -146,9 +146,9 @@ class YadeModel:
     # --- loads and measurements ------------------------------------------------------------------
     def _apply(self, load: float, permanent: float) -> None:
         """Put the load (N) and a share of the permanent loads on the pieces."""
-        pieces = self.assembly.pieces
-        forces = [permanent * Vector3(piece.force_N) for piece in pieces]
-        moments = [permanent * Vector3(piece.moment_Nm) for piece in pieces]
+        always = self.assembly.always(load)
+        forces = [permanent * Vector3(force) for force, _ in always]
+        moments = [permanent * Vector3(moment) for _, moment in always]
         for part in self.assembly.loads:
             forces[part.piece] += load * Vector3(part.force)
             moments[part.piece] += load * Vector3(part.moment_m)
@@ -157,18 +157,17 @@ class YadeModel:
             O.forces.setPermT(self.clumps[index], moments[index])
 
     def displacement(self) -> float:
-        """The displacement that the load works on: its work per unit of load, in m."""
-        work = 0.0
-        for part in self.assembly.loads:
-            state = O.bodies[self.clumps[part.piece]].state
-            turn = state.refOri * state.rot()  # rot() is in the clump's own frame
-            work += Vector3(part.force).dot(state.displ()) + Vector3(part.moment_m).dot(turn)
-        return work
+        """The displacement that the load works on, in m, see `Assembly.displacement`."""
+        return self.assembly.displacement(self._motion)
 
     def motions(self) -> list[Motion]:
         """Displacement and rotation of each piece."""
-        states = [O.bodies[clump].state for clump in self.clumps]
-        return [Motion(tuple(s.displ()), tuple(s.refOri * s.rot())) for s in states]
+        return [self._motion(index) for index in range(len(self.clumps))]
+
+    def _motion(self, piece: int) -> Motion:
+        state = O.bodies[self.clumps[piece]].state
+        # rot() is in the clump's own frame.
+        return Motion(tuple(state.displ()), tuple(state.refOri * state.rot()))
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
