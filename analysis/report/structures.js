@@ -182,6 +182,8 @@ function tellMotion(share) {
   at("structure-factor").textContent = moves ? size : "this model tells no motion";
 }
 
+const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${short(row.first_failure_load_N)} N` : `${short(row.first_failure_tilt_degrees)}°`);
+
 function orderOf({ row, interfaces }) {
   if (row.refused !== null || row.error !== null) return `${labelOf(row.model).name}: ${row.refused === null ? "no result" : "refused"}. ${row.refused === null ? row.error : row.refused}`;
   const all = [...(interfaces || [])].map(([, own]) => own);
@@ -192,21 +194,21 @@ function orderOf({ row, interfaces }) {
   if (row.first_interface === null) return `No first failure of a bond is told.${used}`;
   const broken = bonded.filter((own) => own.bonded_share < 1);
   const others = broken.map((own) => `${own.interface} (${Math.ceil(100 * (1 - own.bonded_share))} %)`);
-  const first = `The first bond to fail is that of ${row.first_interface}, outlined in red, at ${short(row.first_failure_load_N)} N.`;
+  const first = `The first bond to fail is that of ${row.first_interface}, outlined in red, at ${firstFailure(row)}.`;
   return `${first} ${others.length ? `At the last equilibrium bonds have failed over a part of the area of ${others.join(", ")}.` : "The last equilibrium is before that."}`;
 }
 
 const COLUMNS = [
   ["model", (row) => labelOf(row.model).name], ["load (N)", (row) => row.load_N], ["load / weight", (row) => row.load_over_weight],
-  ["tilt (°)", (row) => row.tilt_degrees ?? null],
+  ["tilt (°)", (row) => row.tilt_degrees],
   ["to static (%)", (row) => (row.difference_to_static === null ? null : Number((100 * row.difference_to_static).toFixed(2)))],
-  ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["at (N)", (row) => (row.first_interface === null ? null : row.first_failure_load_N)],
+  ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
   ["used most", (row) => row.most_used_interface], ["refused", (row) => row.refused], ["no result", (row) => row.error],
 ];
 
 function tellModels() {
   const rows = structureRows.filter((row) => ["structure", "load", "variant"].every((part) => row[part] === drawn.row[part]));
-  const shown = COLUMNS.filter(([title, read], k) => k < 2 || rows.some((row) => read(row) !== null));
+  const shown = COLUMNS.filter(([, read], k) => k < 1 || rows.some((row) => read(row) !== null));
   const head = document.createElement("tr");
   head.append(...shown.map(([title]) => Object.assign(document.createElement("th"), { scope: "col", textContent: title })));
   at("structure-models").tHead.replaceChildren(head);
@@ -218,7 +220,8 @@ function tellModels() {
 }
 
 function tellStructure() {
-  const hasRoom = STRUCTURES.told.includes(`${drawn.row.model}/${drawn.row.case}`) || drawn.row.load_N === null;
+  const answers = drawn.row.load_N !== null || drawn.row.tilt_degrees !== null;
+  const hasRoom = !answers || STRUCTURES.told.includes(`${drawn.row.model}/${drawn.row.case}`);
   at("structure-order").textContent = drawn.shape && hasRoom ? orderOf(drawn) : "There is no room for this case on the page: its tables and its files for ParaView are in the results.";
   const most = drawn.shape ? drawn.forces.reduce((one, other) => (other.size > (one ? one.size : 0) ? other : one), null) : null;
   at("structure-longest").textContent = most ? `The longest is ${short(most.size)} N, at ${most.each.name}; where a force acts outside of its interface, its line goes through the middle, with an open dot.` : "";

@@ -9,7 +9,7 @@ import pandas as pd
 from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.summary import AGREEMENT
-from sidmacib.structure.file import loaded_or_tilted
+from sidmacib.structure.file import assembly_of
 from workflow.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
 from workflow.structures.case import StructureCase
@@ -29,7 +29,7 @@ def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> 
     shapes: dict[str, int] = {}
     found, room = [], MOST_POINTS
     for case in cases:
-        shape = shape_of(loaded_or_tilted(case.description).assembly)
+        shape = shape_of(assembly_of(case.description))
         text = json.dumps(shape)
         if text not in shapes and points_of(shape) <= room:
             room -= points_of(shape)
@@ -89,9 +89,8 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
 
 def _answer(row: Mapping[str, Any]) -> str | None:
     """The load of a row, or its tilt; None if it has neither."""
-    tilt = row.get("tilt_degrees")
-    if tilt is not None and pd.notna(tilt):
-        return f"{tilt:.4g}°"
+    if pd.notna(row["tilt_degrees"]):
+        return f"tilts by {row['tilt_degrees']:.4g}°"
     if pd.isna(row["load_N"]):
         return None
     share = row["load_over_weight"]
