@@ -2,7 +2,6 @@
 
 import csv
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,8 +9,8 @@ from typing import Any
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
-from playwright.sync_api import Page, sync_playwright
 
 from analysis.report import paths
 from analysis.report.files import FILES, REPORT
@@ -28,9 +27,6 @@ pytestmark = pytest.mark.study
 
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
-CHROMIUM = shutil.which("chromium")
-
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 
 
 @pytest.fixture(scope="module")
@@ -84,35 +80,10 @@ def test_what_is_missing_or_infinite_is_plain() -> None:
 
 
 # --- in a browser --------------------------------------------------------------------------------
-class Opened:
-    """The report in a browser, with what it said and asked for."""
-
-    def __init__(self, page: Page) -> None:
-        self.page = page
-        self.errors: list[str] = []
-        self.requests: list[str] = []
-        page.on("console", self._heard)
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url))
-
-    def _heard(self, message: Any) -> None:
-        if message.type == "error":
-            self.errors.append(message.text)
-
-    def traces(self, plot: str) -> list[dict[str, Any]]:
-        found = self.page.evaluate(
-            f"document.getElementById('{plot}').data.map(t => ({{name: t.name, x: [...t.x]}}))"
-        )
-        return list(found)
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with sync_playwright() as playwright:
-        flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+    with chromium() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -5,7 +5,8 @@ const VIEWS = { // from where, in directions
   "along y": [0, -2.3, 0.1], "from above": [0, -0.01, 2.4], "from below": [-0.5, -1.2, -1.6],
 };
 const WHOLE = 0.15; // of the structure's size: the largest displacement that is drawn
-const LONGEST = 0.35; // of that size: the line of the largest resultant
+const LONGEST = 1; // of the mean diagonal of free blocks: the line of the largest resultant
+const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey
 const AWAY = 1.0; // of the diagonal of the box around it: how far the eye is
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
 const PERIOD = 4000; // ms, from rest to rest
@@ -52,14 +53,14 @@ function prepared(row) {
     return { centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
   });
   const points = shape.blocks.flatMap((block) => block.points);
-  const size = norm(extent(points).map(([lo, hi]) => hi - lo));
+  const size = diagonal(points);
   const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(place(p, moves[k], 1), p, -1)))));
   const turn = Math.max(...moves.map((move) => norm(move.moved.slice(3))));
   const moving = largest > 1e-12 * size;
   const factor = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
   const far = shape.blocks.flatMap((block, k) => block.points.map((p) => place(p, moves[k], factor)));
   const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
-  return { row, shape, interfaces, moves, size, factor, motion, ranges: extent([...points, ...far]), forces: forcesOf(shape, interfaces, size) };
+  return { row, shape, interfaces, moves, size, factor, motion, ranges: extent([...points, ...far]), forces: forcesOf(shape, interfaces) };
 }
 
 const place = (p, { centre, moved }, factor) => shifted(p, centre, moved, factor);
@@ -69,19 +70,21 @@ function placeBetween(p, [below, above], moves, factor) {
   return plus(place(p, moves[below], factor), place(p, moves[above], factor)).map((v) => v / 2);
 }
 
-function forcesOf(shape, interfaces, size) {
-  const found = [];
+const diagonal = (points) => norm(extent(points).map(([lo, hi]) => hi - lo));
+
+function forcesOf(shape, interfaces) {
+  const found = [], free = shape.blocks.filter((block) => !block.fixed);
+  const longest = (LONGEST * free.reduce((sum, block) => sum + diagonal(block.points), 0)) / free.length;
   for (const each of shape.interfaces) {
     const row = interfaces.get(each.name);
     if (!row) continue;
     const force = [row.force_x_N, row.force_y_N, row.force_z_N];
-    const reach = norm(extent(each.points).map(([lo, hi]) => hi - lo));
     const point = row.at_x_m === null ? null : [row.at_x_m, row.at_y_m, row.at_z_m];
-    const acts = point !== null && norm(plus(point, each.middle, -1)) <= reach;
+    const acts = point !== null && norm(plus(point, each.middle, -1)) <= diagonal(each.points);
     found.push({ each, row, force, size: norm(force), acts, point: acts ? point : each.middle });
   }
   const most = Math.max(0, ...found.map((one) => one.size));
-  for (const one of found) one.half = most > 0 ? one.force.map((v) => (0.5 * LONGEST * size * v) / most) : AT_REST;
+  for (const one of found) one.half = most > 0 ? one.force.map((v) => (0.5 * longest * v) / most) : AT_REST;
   return found;
 }
 
@@ -124,12 +127,14 @@ function toldOf(name, row) {
   return `${name}${used}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
-function interfaceTraces({ row, shape, interfaces, moves, factor }, share) {
+function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
+  const most = Math.max(0, ...forces.map((one) => one.size));
+  const carrying = new Set(forces.filter((one) => one.size > NEXT_TO_NOTHING * most).map((one) => one.row));
   const known = newMesh(), unknown = newMesh(), marked = newLines(), intensity = [];
   for (const each of shape.interfaces) {
     const own = interfaces.get(each.name);
     const points = each.points.map((p) => placeBetween(p, each.between, moves, share * factor));
-    const used = own && own.utilisation !== null;
+    const used = own && own.utilisation !== null && carrying.has(own);
     addMesh(used ? known : unknown, points, each.triangles, toldOf(each.name, own));
     if (used) intensity.push(...each.triangles.map(() => own.utilisation));
     if (each.name === row.first_interface) for (const edge of each.edges) addLine(marked, closedLine(points, edge));
@@ -154,8 +159,8 @@ function forceTraces({ forces, moves, factor }, share) {
   }
   return [
     lineTrace(lines, { color: FORCE, width: 5 }),
-    lineTrace(acting, {}, { mode: "markers", marker: { size: 3, color: FORCE }, hoverinfo: "text" }),
-    lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 6, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
+    lineTrace(acting, {}, { mode: "markers", marker: { size: 2, color: FORCE }, hoverinfo: "text" }),
+    lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 4, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
   ];
 }
 

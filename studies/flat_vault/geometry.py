@@ -1,4 +1,4 @@
-"""Abeille's flat vault (1699), and the file `vault.yaml`: `python -m studies.flat_vault.geometry`.
+"""Abeille's flat vault (1699), and its files: `python -m studies.flat_vault.geometry`.
 
 Its blocks are truncated tetrahedra: squares below, whose sides lean outwards along one direction
 and inwards along the other, in turn from block to block. Each rests on two neighbours and carries
@@ -8,19 +8,18 @@ of rigid blocks carries any load.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import yaml
 
-FILE = Path(__file__).parent / "vault.yaml"
+FILES = {blocks: Path(__file__).parent / f"vault{blocks}.yaml" for blocks in (3, 5)}
 HEAD = """\
-# A flat vault of 5 x 5 of Abeille's blocks, 0.15 m thick, between kerb stones on walls, loaded at
+# A flat vault of {0} x {0} of Abeille's blocks, 0.15 m thick, between kerb stones on walls, loaded at
 # the middle: written by studies/flat_vault/geometry.py, which says how the blocks lean. Lengths in
 # m, densities in kg/m3.
 """
-BLOCKS = 5  # along either side
 SIDE, THICKNESS = 0.3, 0.15  # m: of a block's square, of the vault
 LEAN = 0.4  # tangent of the sides' angle to the vertical
 KERB = 0.6  # m, width of the kerb stones and of the walls below
@@ -30,7 +29,7 @@ DENSITY = 2000  # kg/m3
 
 
 def description(
-    blocks: int = BLOCKS, lean: float = LEAN, friction: float = FRICTION, kerb: float = KERB
+    blocks: int, lean: float = LEAN, friction: float = FRICTION, kerb: float = KERB
 ) -> dict[str, Any]:
     """The vault of so many blocks along either side, loaded downwards at its middle block."""
     middle = blocks // 2
@@ -115,10 +114,10 @@ def _short(value: float) -> float:
     return round(value, 6) + 0.0
 
 
-def text(vault: Mapping[str, Any]) -> str:
-    """The file of a vault, a line for each block."""
-    lines = [HEAD]
-    for key, value in vault.items():
+def text(blocks: int) -> str:
+    """The file of a vault of so many blocks along either side, a line for each block."""
+    lines = [HEAD.format(blocks)]
+    for key, value in description(blocks).items():
         if key != "blocks":
             lines.append(f"{key}: {_in_a_line(value)}")
             continue
@@ -133,4 +132,5 @@ def _in_a_line(value: Any) -> str:
 
 
 if __name__ == "__main__":
-    FILE.write_text(text(description()))
+    for number, path in FILES.items():
+        path.write_text(text(number))
