@@ -90,7 +90,7 @@ def test_files_are_found_beside_the_configuration(tmp_path: Path) -> None:
         read_study_file(path)
 
 
-@pytest.mark.parametrize("folder", ["arch", "wall"])
+@pytest.mark.parametrize("folder", ["arch", "wall", "flat_vault"])
 def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     study = read_study_file(ROOT / "studies" / folder / "config.yaml")
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
