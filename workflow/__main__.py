@@ -130,6 +130,8 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
             print(path.read_text(), end="")
         elif path.is_file():
             old += f" ({name} is of an earlier run)"
+    if whole and own.structures and not own.samples:  # whose summary names it
+        print(f"Report: {own.results}/{REPORT}")
     return None if whole else f"{own.results}: the study is incomplete{old}{_because()}"
 
 

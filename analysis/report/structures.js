@@ -6,9 +6,10 @@ const VIEWS = { // from where, in directions
 };
 const WHOLE = 0.15; // of the structure's size: the largest displacement that is drawn
 const LONGEST = 1; // of the mean diagonal of free blocks: the line of the largest resultant
-const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey
+const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey, without a line
 const AWAY = 1.0; // of the diagonal of the box around it: how far the eye is
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
+const STEEP = 2.5; // times the height from which flat structures are seen
 const PERIOD = 4000; // ms, from rest to rest
 const MARKED = "#d55e00", FORCE = "#0072b2";
 const AT_REST = [0, 0, 0, 0, 0, 0];
@@ -84,8 +85,8 @@ function forcesOf(shape, interfaces) {
     found.push({ each, row, force, size: norm(force), acts, point: acts ? point : each.middle });
   }
   const most = Math.max(0, ...found.map((one) => one.size));
-  for (const one of found) one.half = most > 0 ? one.force.map((v) => (0.5 * longest * v) / most) : AT_REST;
-  return found;
+  const felt = found.filter((one) => one.size > NEXT_TO_NOTHING * most);
+  return felt.map((one) => ({ ...one, half: one.force.map((v) => (0.5 * longest * v) / most) }));
 }
 
 // --- drawing ---------------------------------------------------------------------------------
@@ -128,8 +129,7 @@ function toldOf(name, row) {
 }
 
 function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
-  const most = Math.max(0, ...forces.map((one) => one.size));
-  const carrying = new Set(forces.filter((one) => one.size > NEXT_TO_NOTHING * most).map((one) => one.row));
+  const carrying = new Set(forces.map((one) => one.row));
   const known = newMesh(), unknown = newMesh(), marked = newLines(), intensity = [];
   for (const each of shape.interfaces) {
     const own = interfaces.get(each.name);
@@ -164,13 +164,19 @@ function forceTraces({ forces, moves, factor }, share) {
   ];
 }
 
+// What is flat is looked at more from above.
+function seenFrom([x, y, z]) {
+  const name = at("structure-view").value, view = VIEWS[name];
+  return name.startsWith("from the") && z < 0.5 * Math.min(x, y) ? [view[0], view[1], STEEP * view[2]] : view;
+}
+
 function drawStructure() {
   const share = Number(at("structure-motion").value) / 100;
   tellMotion(share);
   if (!drawn.shape) return Promise.resolve();
   const ranges = drawn.ranges.map(([lo, hi]) => [lo - 0.02 * drawn.size, hi + 0.02 * drawn.size]);
   const lengths = ranges.map(([lo, hi]) => hi - lo), most = Math.max(...lengths);
-  const ratio = lengths.map((v) => v / most), view = VIEWS[at("structure-view").value];
+  const ratio = lengths.map((v) => v / most), view = seenFrom(lengths);
   const plot = at("structure-plot"), away = AWAY * norm(ratio) * Math.max(1, plot.clientHeight / plot.clientWidth);
   const eye = view.map((v) => (away * v) / norm(view));
   const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, gridcolor: "#e5e8ee", nticks: Math.max(2, Math.round(6 * ratio[k])) });
