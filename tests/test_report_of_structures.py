@@ -326,7 +326,7 @@ def test_models_stand_side_by_side_and_a_refusal_is_told(opened: Opened) -> None
     cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
     assert cells[:3] == ["static model", "7848", "0.25"]
     choose(opened, name="keyed", model="static")
-    assert "refused. static: base-block has condensed locks" in str(
+    assert "static model refuses it: base-block has condensed locks" in str(
         page.text_content("#structure-order")
     )
     assert page.is_disabled("#structure-play")

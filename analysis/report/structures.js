@@ -195,8 +195,11 @@ function tellMotion(share) {
 
 const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${short(row.first_failure_load_N)} N` : `${short(row.first_failure_tilt_degrees)}°`);
 
+const reasonOf = (row, column) => (row[column] === null ? null : row[column].replace(`${row.model}: `, ""));
+
 function orderOf({ row, interfaces }) {
-  if (row.refused !== null || row.error !== null) return `${labelOf(row.model).name}: ${row.refused === null ? "no result" : "refused"}. ${row.refused === null ? row.error : row.refused}`;
+  if (row.refused !== null) return `${labelOf(row.model).name} refuses it: ${reasonOf(row, "refused")}.`;
+  if (row.error !== null) return `${labelOf(row.model).name} has no result: ${reasonOf(row, "error")}.`;
   const all = [...(interfaces || [])].map(([, own]) => own);
   const bonded = all.filter((own) => own.cohesion_Pa > 0 || own.tensile_strength_Pa > 0);
   const used = row.most_used_interface === null ? "" : ` Used most: ${row.most_used_interface}.`;
@@ -214,7 +217,7 @@ const COLUMNS = [
   ["tilt (°)", (row) => row.tilt_degrees],
   ["to static (%)", (row) => (row.difference_to_static === null ? null : Number((100 * row.difference_to_static).toFixed(2)))],
   ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
-  ["used most", (row) => row.most_used_interface], ["refused", (row) => row.refused], ["no result", (row) => row.error],
+  ["used most", (row) => row.most_used_interface], ["refused", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
 ];
 
 function tellModels() {
