@@ -212,10 +212,11 @@ function orderOf({ row, interfaces }) {
   return `${first} ${others.length ? `At the last equilibrium bonds have failed over a part of the area of ${others.join(", ")}.` : "The last equilibrium is before that."}`;
 }
 
+const percent = (share) => (share === null ? null : Number((100 * share).toFixed(2)));
 const COLUMNS = [
   ["model", (row) => labelOf(row.model).name], ["load (N)", (row) => row.load_N], ["load / weight", (row) => row.load_over_weight],
   ["tilt (°)", (row) => row.tilt_degrees],
-  ["to static (%)", (row) => (row.difference_to_static === null ? null : Number((100 * row.difference_to_static).toFixed(2)))],
+  ["to static (%)", (row) => percent(row.difference_to_static)], ["mesh error (%)", (row) => percent(row.mesh_error)],
   ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
   ["used most", (row) => row.most_used_interface], ["refused", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
 ];
