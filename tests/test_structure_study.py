@@ -90,7 +90,7 @@ def test_files_are_found_beside_the_configuration(tmp_path: Path) -> None:
         read_study_file(path)
 
 
-@pytest.mark.parametrize("folder", ["arch", "wall"])
+@pytest.mark.parametrize("folder", ["arch", "wall", "flat_vault"])
 def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     study = read_study_file(ROOT / "studies" / folder / "config.yaml")
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
@@ -225,6 +225,31 @@ def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) 
     share = free["weight_N"] / free["weight_N"].sum()
     assert float(share @ free["move_x_m"]) == pytest.approx(1.0, rel=1e-5)  # m along the load
     assert set(own["motion"]) == {"mechanism"}
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("model", ["static", "limit"])
+def test_resultants_through_their_points_hold_each_block(results: Path, model: str) -> None:
+    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
+    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == model)]
+    blocks = read_table(BLOCKS, results / "tables/blocks.csv")
+    blocks = blocks[(blocks["case"] == "trilith-load-dry") & (blocks["model"] == model)]
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    load, weight = table.loc[("trilith-load-dry", model), ["load_N", "weight_N"]]
+    for block in blocks[~blocks["fixed"]].itertuples():
+        push = load * block.weight_N / weight  # along x, in proportion to the mass
+        left = np.array([push, 0.0, -block.weight_N, 0.0, 0.0, 0.0])
+        for row in own.itertuples():
+            below, above = row.interface.split("-")
+            sign = (block.block == above) - (block.block == below)
+            force = np.array([row.force_x_N, row.force_y_N, row.force_z_N])
+            arm = np.array([row.at_x_m - block.x_m, row.at_y_m - block.y_m, row.at_z_m - block.z_m])
+            left += sign * np.concatenate([force, np.cross(arm, force)])
+        left[5] = 0.0  # torsion, which no force in the plane's normal has
+        assert np.abs(left).max() < 1e-4 * weight
+    size = np.hypot(own["normal_N"], own["shear_N"])
+    total = np.sqrt(np.square(own[["force_x_N", "force_y_N", "force_z_N"]]).sum(axis=1))
+    assert total.to_numpy() == pytest.approx(size.to_numpy(), rel=1e-6)
 
 
 @pytest.mark.study
