@@ -2,8 +2,8 @@
 
     python -m studies.pages results-locks docs/law.md
 
-A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced, unless the
-tables of it are not in the results.
+A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced, unless
+its tables are not in the results.
 """
 
 import re

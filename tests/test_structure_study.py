@@ -1,6 +1,7 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 import yaml
 from conftest import ROOT
 
+from analysis.tables.structures import most_used
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.planning.plan import why
@@ -19,6 +21,7 @@ from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.job import run_job
 from workflow.structures.case import StructureCase, changed
 from workflow.structures.cases import structure_cases
+from workflow.structures.record import InterfaceRow
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -259,3 +262,21 @@ def test_paraview_files_have_the_shape_and_the_motion(results: Path) -> None:
     assert np.abs(mesh.point_data["displacement_m"]).max() > 0.0
     faces = meshio.read(results / "structures/vtk/trilith-load-static-interfaces.vtu")
     assert sum(len(cells.data) for cells in faces.cells) == 4
+
+
+def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> None:
+    law = {"kind": "dry", "area_m2": 1.0, "friction": 0.5, "cohesion_Pa": 0.0}
+    zero = dict.fromkeys(
+        field.name for field in fields(InterfaceRow) if field.name.endswith(("_N", "_Nm", "_m"))
+    )
+    rows = [
+        InterfaceRow(
+            **dict.fromkeys(zero, 0.0)
+            | law
+            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 0.0}
+            | {"normal_N": normal, "utilisation": used}
+        )
+        for name, normal, used in (("pressed", 100.0, 0.4), ("idle", 1e-3, 0.99))
+    ]
+    assert most_used(rows) == "pressed"
+    assert most_used([]) is None
