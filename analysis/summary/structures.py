@@ -51,11 +51,13 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     if pd.notna(row["mode"]):
         yield f"ends by: {row['mode']}"
     if pd.notna(row["first_interface"]):
-        yield f"first bond: {row['first_interface']} at {_first_failure(row)}"
+        error = row["first_failure_mesh_error"]
+        about = "" if pd.isna(error) else f" (mesh error {100 * error:.1f} %)"
+        yield f"first bond: {row['first_interface']} at {_first_failure(row)}{about}"
     elif pd.notna(row["most_used_interface"]):
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
-        yield f"mesh error {100 * row['mesh_error']:.1f} %"
+        yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"
 

@@ -189,8 +189,13 @@ def law(form: str, push: str, **flags: Any) -> None:
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
+@click.option(
+    "--compas",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write forces and mechanism of limit analysis as Results of compas_dem, in JSON.",
+)
 @_format
-def assembly(file: Path, interfaces: bool, form: str) -> None:
+def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
     """What a structure of blocks of any shape carries; FILE describes it in YAML.
 
     Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
@@ -209,6 +214,10 @@ def assembly(file: Path, interfaces: bool, form: str) -> None:
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
+        if compas is not None:
+            from sidmacib.structure.compas_results import write_compas_results
+
+            write_compas_results(problem, file, compas)
         rows = interface_rows(problem) if interfaces else structure_rows(problem)
         click.echo(text_of(rows, form))
     if not any(row[key] is not None for row in rows for key in row.keys() - {"model", "note"}):

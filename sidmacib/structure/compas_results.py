@@ -1,0 +1,170 @@
+"""What limit analysis finds for a model of compas_dem, as that package's `Results` in JSON."""
+
+import json
+import uuid
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.linalg import expm
+
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.problem import Problem
+from sidmacib.structure.compas import MODEL
+from sidmacib.validation import refused
+
+SHOWN = 0.1  # largest displacement of the mechanism, over the mean size of the blocks
+DIGITS = 9  # of transformations after the decimal point; the rest is rounding
+NAMESPACE = uuid.UUID("8a2c5f0e-5f0b-4d0e-9f55-2d6a3f1c7e11")  # of identities made here
+
+
+def write_compas_results(problem: Problem, model: Path, results: Path) -> None:
+    """Write the forces and the mechanism at the limit load of a ``model`` read from JSON.
+
+    ValueError unless the file is a model of compas_dem and all pieces are its blocks; errors of
+    `sidmacib.mechanics.limit.limit_load`.
+    """
+    content = json.loads(model.read_text(encoding="utf-8"))
+    if content.get("dtype") != MODEL:
+        raise refused("compas", content.get("dtype"), f"for a {MODEL}")
+    require_standing(*problem, friction=True)
+    found = limit_load(*problem, friction=True)
+    told = {"program": "multilock", "analysis": "limit, associated friction", "load_N": found.load}
+    data = compas_results(problem.assembly, found.force, found.mechanism, content["guid"], told)
+    results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+
+
+def compas_results(
+    assembly: Assembly,
+    force: Floats,
+    mechanism: Floats,
+    model: str,
+    metadata: Mapping[str, Any],
+) -> dict[str, Any]:
+    """The JSON of compas_dem's `Results` for a model of this identity.
+
+    ``force``: (N, 3) in N, see `sidmacib.mechanics.limit.LimitState`; ``mechanism``: (P, 6), of
+    which the largest displacement is drawn as a tenth of a block. Nodes have their
+    ``transformation``, edges the points and forces of all contacts between two blocks, compression
+    positive, on the second block; ``contacts`` tells them contact by contact, ``contact_data`` the
+    one that carries most.
+    """
+    nodes = [_node(piece.name) for piece in assembly.pieces]
+    largest = float(np.linalg.norm(mechanism[:, :3], axis=1).max(initial=0.0))
+    scale = SHOWN * assembly.length / largest if largest else 0.0
+    moved = {
+        str(node): {"transformation": _transformation(piece.centre, scale * motion)}
+        for node, piece, motion in zip(nodes, assembly.pieces, mechanism, strict=True)
+    }
+    edges: dict[str, list[dict[str, Any]]] = {}
+    for number, face in enumerate(assembly.faces):
+        assert isinstance(face, Polygon)
+        own = assembly.nodes.face == number
+        key = f"{nodes[face.below]},{nodes[face.above]}"
+        edges.setdefault(key, []).append(_contact(face, assembly.nodes.position[own], force[own]))
+    data = {
+        "model_id": model,
+        "problem_id": _identity(model, "problem"),
+        "displacement_scale": 1.0,
+        "node_data": moved,
+        "edge_data": {key: _edge(contacts) for key, contacts in edges.items()},
+        "metadata": {**metadata, "mechanism_scale": scale},
+    }
+    return _object("compas_dem.problem/Results", data, model)
+
+
+def _node(name: str) -> int:
+    number = name.rpartition("-")[2]
+    if not number.isdecimal():
+        raise ValueError(f"{name}: must be a block of the model; condense locks that are cut out")
+    return int(number)
+
+
+def _contact(face: Polygon, places: Floats, force: Floats) -> dict[str, Any]:
+    """A contact: its frame, points, and the forces at these on the block above."""
+    normal, first, second = force.T
+    return {
+        "frame": (face.middle, face.axes[1], face.axes[2]),
+        "polygon": face.corners,
+        "points": places,
+        "normal": normal,
+        "tangents": (first, second),
+        "force": force @ face.axes,
+    }
+
+
+def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """All contacts between two blocks."""
+    every = np.concatenate([each["force"] for each in contacts])
+    resultant = every.sum(axis=0)
+    most = max(contacts, key=lambda each: float(np.linalg.norm(each["force"].sum(axis=0))))
+    axes = np.array([most["frame"][1], most["frame"][2]])
+    axes = np.array([*axes, np.cross(*axes)])
+    return {
+        "contact_data": _friction_contact(most),
+        "contact_polygon": _object(
+            "compas.geometry/Polygon", {"points": _lists(most["polygon"])}, "polygon"
+        ),
+        "contact_frame": _frame(most),
+        "contacts": [_friction_contact(each) for each in contacts],
+        "contact_points": _lists(np.concatenate([each["points"] for each in contacts])),
+        "force_normal": _lists(np.concatenate([each["normal"] for each in contacts])),
+        "force_tangent1": _lists(np.concatenate([each["tangents"][0] for each in contacts])),
+        "force_tangent2": _lists(np.concatenate([each["tangents"][1] for each in contacts])),
+        "force_vector": _lists(every),
+        "resultant_global": _lists(resultant),
+        "resultant_local": _lists(axes @ resultant),
+        "force_magnitude": float(np.linalg.norm(resultant)),
+        "face_contact": True,
+        "edge_contact": False,
+        "point_contact": False,
+    }
+
+
+def _friction_contact(contact: Mapping[str, Any]) -> dict[str, Any]:
+    points = _lists(contact["points"])
+    forces = zip(*map(_lists, (contact["normal"], *contact["tangents"])), strict=True)
+    data = {
+        "name": "FrictionContact",
+        "points": [_object("compas.geometry/Point", point, str(point)) for point in points],
+        "frame": _frame(contact),
+        "size": None,
+        "mesh": None,
+        "holes": None,
+        "forces": [
+            {"c_np": max(float(n), 0.0), "c_nn": max(-float(n), 0.0) + 0.0, "c_u": u, "c_v": v}
+            for n, u, v in forces
+        ],
+    }
+    return _object("compas_dem.interactions/FrictionContact", data, str(points))
+
+
+def _frame(contact: Mapping[str, Any]) -> dict[str, Any]:
+    point, x, y = contact["frame"]
+    data = {"point": _lists(np.array(point)), "xaxis": _lists(x), "yaxis": _lists(y)}
+    return _object("compas.geometry/Frame", data, str(data))
+
+
+def _transformation(centre: Floats, motion: Floats) -> dict[str, Any]:
+    """The screw that begins with a ``motion`` (m, rad) of the centroid (m)."""
+    twist = np.zeros((4, 4))
+    twist[:3, :3] = np.cross(np.eye(3), motion[3:])  # for the vector product
+    twist[:3, 3] = motion[:3] - np.cross(motion[3:], centre)
+    rows = _lists(np.round(expm(twist), DIGITS))
+    return _object("compas.geometry/Transformation", {"matrix": rows}, str(rows))
+
+
+def _object(kind: str, data: Any, of: str) -> dict[str, Any]:
+    """An object of COMPAS, with an identity that follows from what it is ``of``."""
+    return {"dtype": kind, "data": data, "guid": _identity(kind, of)}
+
+
+def _identity(*of: str) -> str:
+    return str(uuid.uuid5(NAMESPACE, " ".join(of)))
+
+
+def _lists(values: Floats) -> Any:
+    return (np.asarray(values) + 0.0).tolist()
