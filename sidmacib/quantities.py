@@ -162,3 +162,4 @@ Strength = Annotated[float, Number(at_least=0, unit="Pa")]
 FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
 Friction = Annotated[float, Number(at_least=0)]
 Part = Annotated[float, Number(at_least=0, at_most=1)]
+Share = Annotated[float, Number(above=0, below=1)]  # neither nothing nor all

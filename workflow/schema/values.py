@@ -25,7 +25,6 @@ def shown_key(key: Any) -> str:
 
 
 Positive = Annotated[float, Number(above=0)]
-Share = Annotated[float, Number(above=0, below=1)]
 
 
 def switch(value: Any) -> bool:
