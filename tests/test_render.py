@@ -5,7 +5,7 @@ import json
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +14,9 @@ from stack import tilted_stack
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
 from sidmacib.pieces import assemble
+from sidmacib.problem import posed
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine
 from workflow.engines.guide import guide_of
@@ -28,6 +29,7 @@ from workflow.engines.render import (
     script,
     write_script,
 )
+from workflow.engines.run import run_engine
 from workflow.engines.scripts.assembly import read_assembly
 
 
@@ -145,6 +147,25 @@ def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
         return float(text.split("time_step_s=")[1].split(",")[0])
 
     assert time_step(0.8) == pytest.approx(2 * time_step(0.4))
+
+
+@pytest.mark.parametrize("key", [field.name for field in fields(Numerics)])
+def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
+    engine: Engine, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("workflow.engines.run.execute", lambda *_: None)
+    problem = posed(
+        Joint(3, elastic=Elastic(1e10) if engine.elastic else None),
+        Loading(Direction(0.5)),
+        0.03,
+        NodeLayout.CENTRES,
+    )
+    value = getattr(Numerics(), key)
+    other = not value if isinstance(value, bool) else type(value)(2 * value)
+    for number, numerics in enumerate((Numerics(), replace(Numerics(), **{key: other}))):
+        run_engine(engine, problem, numerics, "joint", tmp_path / str(number), 1.0)
+    one, two = ((tmp_path / folder / engine.script).read_text() for folder in "01")
+    assert (one != two) == (key in engine.reads)
 
 
 def test_data_are_plain_json(case) -> None:
