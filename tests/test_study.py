@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 import yaml
-from conftest import ROOT
+from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -17,6 +17,7 @@ from sidmacib.pieces import assemble
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
+from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
 from workflow.schema import Study
 from workflow.schema.dem import NumericsChanges, NumericsSection
@@ -223,7 +224,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(dem={"engines": ["3dec"]}),
-            "dem.engines: '3dec' is not allowed; it must be yade or liggghts or calculix",
+            f"dem.engines: '3dec' is not allowed; it must be {' or '.join(ENGINES)}",
         ),
         (
             merged(models=["magic", "static"]),
@@ -376,7 +377,7 @@ def test_an_engine_that_is_not_installed_is_left_out_and_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = read_study(ONE)
-    assert installed_engines(study) == ["yade", "liggghts"]
+    assert installed_engines(study) == [*DISTINCT]
     monkeypatch.setenv("PATH", "")
     assert installed_engines(study) == []
     assert "yade: not installed; on Debian: apt-get install yade" in capsys.readouterr().err
@@ -385,7 +386,7 @@ def test_an_engine_that_is_not_installed_is_left_out_and_named(
 def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -> None:
     assert notes(read_study(ONE)) == []
     config = merged(
-        dem={"numerics": {"ranks": 4}},
+        dem={**BOTH["dem"], "numerics": {"ranks": 4}},
         variants={"soft": {"numerics": {"damping": 0.3}}, "same": {"numerics": {"damping": 0.4}}},
         overrides={"n3-mesh0.02-e0a": {"damping": 0.2}},
     )
