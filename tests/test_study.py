@@ -1,6 +1,7 @@
 """The schema and what must hold between its sections: defaults, and one clear line for a fault."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import fields
 from typing import Any
 
@@ -30,8 +31,10 @@ from workflow.schema.joint import (
     LockSection,
     SampleSection,
 )
+from workflow.schema.section import Section
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
+BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
 
 
 def merged(**change: Any) -> dict[str, Any]:
@@ -39,14 +42,24 @@ def merged(**change: Any) -> dict[str, Any]:
 
 
 # --- defaults ------------------------------------------------------------------------------------
+def left_out(section: type[Section], given: dict[str, Any], path: str = "") -> Iterator[str]:
+    """Keys of ``section`` and those below it that ``given`` has not, but none of named entries."""
+    for key, field in section.model_fields.items():
+        kind = field.annotation
+        if key not in given:
+            yield f"{path}{key}"
+        elif isinstance(kind, type) and issubclass(kind, Section):
+            yield from left_out(kind, given[key], f"{path}{key}.")
+
+
 def test_config_yaml_spells_out_the_defaults() -> None:
     config = yaml.safe_load((ROOT / "config.yaml").read_text())
     study = read_study(config)
-    default = read_study({"samples": config["samples"], "variants": config["variants"]})
+    default = read_study({key: config[key] for key in ("samples", "variants")} | BOTH)
     assert study == default.model_copy(update={"nodes": NodeLayout.VERTICES})  # 3DEC's
-    assert set(config) == set(type(study).model_fields) - {
-        *("samplings", "campaign", "measured", "structures")
-    }
+    assert [*left_out(Study, config)] == ["samplings", "campaign", "measured", "structures"]
+    del config["dem"]["numerics"]["damping"]
+    assert "dem.numerics.damping" in left_out(Study, config)
     assert study.joint("n3") == Joint(3)
     assert {k: o.contact_option() for k, o in study.sidmacib.options.items()} == OPTIONS
 
@@ -97,7 +110,6 @@ def test_a_ready_option_is_taken_by_its_name(options: Any) -> None:
 
 
 # --- faults --------------------------------------------------------------------------------------
-BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
 DUCTILE: dict[str, Any] = {"assembly": {"failure": "ductile"}}
 
 
@@ -276,7 +288,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
             "samples.n.models: 'magic' is not allowed; it must be yade or .* or limit or law .*",
         ),
         (
-            {"samples": {"n": {"locks": 3, "models": ["limit"]}}},
+            {"samples": {"n": {"locks": 3, "models": ["limit"]}}, **BOTH},
             "samples.n.models: limit is not enough; it must have yade or liggghts or static",
         ),
         (
