@@ -128,11 +128,11 @@ format: .venv/test.ready
 	@sh workflow/environment.sh
 
 .venv/test.ready: requirements-dev.txt .venv/study.ready | system-test
-	$(BIN)/pip install --quiet --require-hashes --requirement requirements-dev.txt
+	@sh workflow/install.sh requirements-dev.txt
 	@touch $@
 
 .venv/%.ready: requirements-%.txt .venv/study.ready
-	$(BIN)/pip install --quiet --require-hashes --requirement $<
+	@sh workflow/install.sh $<
 	@touch $@
 
 # A faulty configuration is told before minutes of installing.
@@ -149,10 +149,10 @@ system-test:
 # from constraints, and whoever runs studies installs nothing of the developers.
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
-	for extra in dev slurm peers; do \
+	for extra in installer dev slurm peers; do \
 		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt \
 			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements.txt) && \
-		sed -i '2a --requirement requirements.txt' requirements-$$extra.txt || exit 1; \
+		{ [ $$extra = installer ] || sed -i '2a --requirement requirements.txt' requirements-$$extra.txt; } || exit 1; \
 	done
 
 clean:

@@ -99,6 +99,8 @@ class Number:
             (self.below, "less than {:g}"),
         ]
         words = " and ".join(text.format(x) for x, text in bounds if math.isfinite(x))
+        if not words:
+            return f"a finite number{f' ({self.unit})' if self.unit else ''}"
         if self.at_least == self.at_most:
             words = f"{self.at_least:g}"
         elif math.isfinite(self.at_least) and math.isfinite(self.at_most):

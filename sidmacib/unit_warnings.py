@@ -1,7 +1,7 @@
 """Warnings about values that are allowed but look as if they were in another unit."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from sidmacib.joint import Joint
 
@@ -11,13 +11,14 @@ STRENGTH = (100.0, 1e9)
 STIFFNESS = (1e6, 1e15)
 MODULUS = (1e6, 1e13)
 DENSITY = (10.0, 3e4)
+Value = tuple[str, float, tuple[float, float], str]  # what it is of, itself, its range, its unit
 ROUGHEST = 1.2  # friction of masonry and concrete is 0.5 to 1
 
 
 def unit_warnings(joint: Joint) -> Iterator[str]:
     """One line, with its unit, for each value of ``joint`` outside these ranges."""
     inner, dry = joint.inner, joint.dry
-    values = [
+    values: list[Value] = [
         *((name, getattr(joint, name), LENGTH, "m") for name in "abhH"),
         ("cohesion", inner.cohesion, STRENGTH, "Pa"),
         ("tensile strength", inner.tensile_strength, STRENGTH, "Pa"),
@@ -28,11 +29,21 @@ def unit_warnings(joint: Joint) -> Iterator[str]:
     ]
     if joint.elastic is not None:
         values.append(("Young's modulus", joint.elastic.young, MODULUS, "Pa"))
+    yield from beyond(values)
+    yield from rough({"friction": dry.friction, "friction of inner faces": inner.friction})
+
+
+def beyond(values: Iterable[Value]) -> Iterator[str]:
+    """One line for each of ``values`` that is outside its range; 0 counts as none."""
     for name, value, (least, most), unit in values:
         if value and not least <= value <= most:
             what = "small" if value < least else "large"
             yield f"{name}: {value:g} {unit} is very {what}; is it in {unit}?"
-    for name, friction in (("friction", dry.friction), ("friction of inner faces", inner.friction)):
+
+
+def rough(frictions: Mapping[str, float]) -> Iterator[str]:
+    """One line for each coefficient of friction, by what it is of, that is hardly ever so large."""
+    for name, friction in frictions.items():
         if friction > ROUGHEST:
             yield f"{name}: {friction:g} is very large; {_angle(friction)}"
 

@@ -1,6 +1,7 @@
 """The environment is made anew, or stays as it was."""
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -8,12 +9,19 @@ import pytest
 from conftest import ROOT
 
 PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> told\n'
-PIP = '#!/bin/sh\necho "$@" >> told\n{fails}\n'
+PIP = """#!/bin/sh
+echo "$@" >> told
+case "$*" in *installer.txt) [ ! -f uv ] || cp uv .venv/bin/uv;; esac
+{fails}
+"""
+UV = '#!/bin/sh\necho uv "$@" >> told\nexit {status}\n'
 
 
-def made(folder: Path, fails: str) -> subprocess.CompletedProcess[str]:
-    """What the script does with programs that only say what they are told."""
-    for path, text in (("bin/python3", PYTHON), ("pip", PIP.format(fails=fails))):
+def made(folder: Path, fails: str, **more: str) -> subprocess.CompletedProcess[str]:
+    """What the script does with programs that only say what they are told; ``more`` of these."""
+    (folder / "workflow").mkdir()
+    shutil.copy(ROOT / "workflow/install.sh", folder / "workflow")
+    for path, text in (("bin/python3", PYTHON), ("pip", PIP.format(fails=fails)), *more.items()):
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text)
         (folder / path).chmod(0o755)
@@ -37,7 +45,7 @@ def test_an_environment_that_cannot_be_made_leaves_the_one_that_is_there(
     (tmp_path / ".venv/mine").write_text("mine")
     found = made(tmp_path, fails)
     assert found.returncode != 0
-    assert found.stderr == "The environment .venv could not be made; it is as it was.\n"
+    assert found.stderr.endswith("The environment .venv could not be made; it is as it was.\n")
     assert [path.name for path in (tmp_path / ".venv").iterdir()] == ["mine"]
     assert not (tmp_path / ".venv.old").exists()
 
@@ -58,3 +66,15 @@ def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> Non
     assert not (tmp_path / ".venv.old").exists()
     told = (tmp_path / "told").read_text().splitlines()
     assert told[-1] == "install --quiet --no-deps --no-build-isolation --editable ."
+
+
+@pytest.mark.parametrize(("status", "pip_too"), [(0, False), (1, True)])
+def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
+    tmp_path: Path, status: int, pip_too: bool
+) -> None:
+    assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
+    told = (tmp_path / "told").read_text().splitlines()
+    (by_uv,) = (line for line in told if line.startswith("uv "))
+    assert "--require-hashes --requirement requirements.txt" in by_uv
+    by_pip = "install --quiet --require-hashes --requirement requirements.txt"
+    assert (by_pip in told) == pip_too

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import sidmacib.contact_points.programme as programme_module
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, _programme, capacities, capacity
 from sidmacib.errors import InfeasibleError
@@ -71,6 +72,22 @@ def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> f
         except InfeasibleError:
             return count * step
         count += 1
+
+
+def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
+    joint: Joint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    model = Sidmacib(joint, ContactOption.pair(0.123), overload=777.0)
+    directions = [Direction(e) for e in (0.0, 0.3, -2.0)]
+    made = []
+    monkeypatch.setattr(
+        programme_module, "_programme", lambda asked: made.append(asked) or _programme(asked)
+    )
+    singly = [capacity(model, direction) for direction in directions]
+    assert made == [model]
+    for one, other in zip(singly, capacities(model, directions), strict=True):
+        assert one.load == other.load
+        assert (one.forces == other.forces).all()
 
 
 @pytest.mark.parametrize("friction", [False, True])

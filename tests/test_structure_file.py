@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from command_runner import answers, run
 from conftest import ROOT
 
@@ -14,6 +15,8 @@ from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.file import read_structure
 from sidmacib.structure.forces import interface_forces
+from sidmacib.yaml_text import read_yaml
+from workflow.structures.case import changed
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
 BLOCK = {"low": [0, 0, 0], "high": [0.4, 0.6, 1.0], "density": 2000}
@@ -91,9 +94,11 @@ def test_what_stands_only_under_its_load_has_no_limit(path: Path) -> None:
     }
     path.write_text(json.dumps(held_up))
     assert limit_load(*read_structure(path), friction=True).load > 0.0
-    for row in answers("assembly", str(path)):
-        assert row["load (N)"] is None, row
-    assert "no forces balance the permanent loads" in answers("assembly", str(path))[0]["note"]
+    found = run("assembly", str(path), "--format", "json")
+    assert found.exit_code == 1  # for scripts
+    rows = json.loads(found.stdout)
+    assert {row["load (N)"] for row in rows} == {None}
+    assert "no forces balance the permanent loads" in rows[0]["note"]
 
 
 def test_the_models_of_the_example_bound_each_other() -> None:
@@ -184,7 +189,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"load": {}}, "load: must have one key, acceleration, force or tilt"),
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
         ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
-        ({"load": {"acceleration": [0, 0, 0]}}, "direction: .* not all 0"),
+        ({"load": {"acceleration": [0, 0, 0]}}, r"load\.acceleration: .* not all 0"),
         (
             {"load": {"force": {"block": "x", "at": [0, 0, 0], "direction": [1, 0, 0]}}},
             "load.force.block: 'x'",
@@ -203,3 +208,52 @@ def test_a_fault_is_told_in_a_line_that_names_the_key(
     assert found.exit_code == 1
     assert found.output.startswith("Error: ")
     assert found.output.count("\n") == 1
+
+
+BAD = [
+    (
+        {"blocks": {"block": {"density": 1e300}}},
+        "blocks.block.density: .* is not allowed; it must be greater than 0 and at most",
+    ),
+    ({"blocks": {"block": {"low": [0, 0, math.inf]}}}, "it must be a finite number"),
+    ({"nodes": "corners"}, "nodes: 'corners' is not allowed; it must be centres, vertices or"),
+    ({"load": {"acceleration": [0, 0, 0]}}, "load.acceleration: .* must be three numbers"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), BAD)
+def test_a_bad_number_is_told_with_its_key_and_what_is_allowed(
+    path: Path, changes: dict[str, Any], words: str
+) -> None:
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, changes)))
+    with pytest.raises(ValueError, match=words):
+        read_structure(path)
+
+
+def test_a_box_without_volume_is_refused(path: Path) -> None:
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, {"blocks": {"block": {"high": [1, 0, 1]}}})))
+    with pytest.raises(ValueError, match=r"block: high .* and low .* must differ on each axis"):
+        read_structure(path)
+
+
+def test_numbers_that_look_like_another_unit_are_told(path: Path) -> None:
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, {"interfaces": {"friction": 30.0}})))
+    result = run("assembly", str(path))
+    assert "friction: 30 is very large; is it an angle in degrees?" in result.stderr
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, {"blocks": {"block": {"density": 2.4}}})))
+    assert "block: density: 2.4 kg/m3 is very small" in run("assembly", str(path)).stderr
+
+
+def test_a_structure_that_nothing_answers_for_ends_with_a_status(path: Path) -> None:
+    floats = {"blocks": {"block": {"low": [1.5, 0, 0], "high": [3.5, 1, 1]}}}
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, floats)))
+    assert run("assembly", str(path)).exit_code == 1
+
+
+def test_a_material_for_a_pair_with_locks_is_refused(path: Path) -> None:
+    keyed = read_yaml(ROOT / "studies/structures/keyed.yaml")
+    (locks,) = keyed["locks"]
+    keyed["special"] = [{"between": locks["between"], "cohesion": 1.0}]
+    path.write_text(yaml.safe_dump(keyed))
+    with pytest.raises(ValueError, match="it must be two blocks without locks"):
+        read_structure(path)

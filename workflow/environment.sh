@@ -15,7 +15,7 @@ restore # of a try that was killed
 trap 'restore; echo "The environment .venv could not be made; it is as it was." >&2' EXIT
 trap 'exit 130' INT TERM HUP
 python3 -m venv --clear .venv
-.venv/bin/pip install --quiet --require-hashes --requirement requirements.txt
+sh workflow/install.sh requirements.txt
 # Built by the setuptools that is pinned there, not by any that an index has.
 .venv/bin/pip install --quiet --no-deps --no-build-isolation --editable .
 trap - EXIT

@@ -54,6 +54,8 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
         yield f"first bond: {row['first_interface']} at {_first_failure(row)}"
     elif pd.notna(row["most_used_interface"]):
         yield f"most used: {row['most_used_interface']}"
+    if pd.notna(row["mesh_error"]):
+        yield f"mesh error {100 * row['mesh_error']:.1f} %"
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"
 

@@ -195,13 +195,21 @@ def assembly(file: Path, interfaces: bool, form: str) -> None:
 
     limit assumes associated friction, which can overestimate; static follows the load on elastic
     interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
-    both give the angle beyond which there is no equilibrium.
+    both give the angle beyond which there is no equilibrium. Ends with status 1 if no model has an
+    answer.
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, structure_rows
+        from sidmacib.structure.file import read_structure
+        from sidmacib.structure.unit_warnings import structure_warnings
 
-        rows = interface_rows(file) if interfaces else structure_rows(file)
+        problem = read_structure(file)
+        for warning in structure_warnings(problem.assembly):
+            click.echo(f"Note: {warning}", err=True)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem)
         click.echo(text_of(rows, form))
+    if not any(row[key] is not None for row in rows for key in row.keys() - {"model", "note"}):
+        sys.exit(1)
 
 
 @main.command()

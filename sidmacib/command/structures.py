@@ -1,44 +1,33 @@
 """What the command says of structures of blocks."""
 
-import math
 from collections.abc import Iterator
-from pathlib import Path
-
-import numpy as np
 
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Kind
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
-from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.problem import Problem
-from sidmacib.structure.file import read_structure
 from sidmacib.structure.forces import interface_forces
 from sidmacib.structure.loads import free_weight
+from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
 from sidmacib.structure.structure import refined
 from sidmacib.structure.tilt import Tilt, limit_tilt, moves_most, static_tilt
 
 
-def structure_rows(path: Path) -> list[Row]:
-    """What a structure carries after each model: loads, or angles if gravity turns.
-
-    Errors of `read_structure`.
-    """
-    problem = read_structure(path)
+def structure_rows(problem: Problem) -> list[Row]:
+    """What a structure carries after each model: loads, or angles if gravity turns."""
     if problem.loads.axis is not None:
         return list(_tilts(problem.assembly, Tilt(problem.loads.axis)))
     return list(_rows(problem))
 
 
-def interface_rows(path: Path) -> list[Row]:
+def interface_rows(problem: Problem) -> list[Row]:
     """What each interface carries at the last equilibrium of the static model.
 
-    Errors of `read_structure`, and `CapacityError` if the model has no answer.
+    `CapacityError` if the model has no answer.
     """
-    problem = read_structure(path)
     if problem.loads.axis is not None:
         peak = static_tilt(problem.assembly, Tilt(problem.loads.axis)).path[-1]
     else:
@@ -86,7 +75,11 @@ def _rows(problem: Problem) -> Iterator[Row]:
         fine = static_peak(refined(problem.assembly), problem.loads)
         if not fine.peak.load > 0.0:
             raise CapacityError("does not stand before the load is raised")
-        first, peak = _mesh_errors(problem.assembly, coarse, fine)
+        first, peak = structure_mesh_errors(
+            problem.assembly,
+            *(Failures(each.first_failure_load, each.peak.load) for each in (coarse, fine)),
+            of_fine=True,
+        )
         yield row("static, first failure", fine.first_failure_load, "of a bond, or the peak", first)
         yield row("static, peak", fine.peak.load, f"ends by: {fine.mode}", peak)
     except CapacityError as error:
@@ -98,28 +91,6 @@ def _assumes(assembly: Assembly) -> str:
     if any(face.kind is Kind.INNER for face in assembly.faces):
         return "bonds yield and never rub: no bound for brittle ones"
     return "associated friction: may overestimate"
-
-
-def _mesh_errors(
-    assembly: Assembly, coarse: StaticSolution, fine: StaticSolution
-) -> tuple[float | None, float | None]:
-    """Of the first failure and of the peak on cells of half the size, each over its load.
-
-    None of a load that is 0.
-    """
-    sides = [math.sqrt(face.area) for face in assembly.faces]
-    cells = max(1.0, float(np.mean(sides)) / assembly.mesh)
-    loads = [(each.peak.load, each.first_failure_load) for each in (coarse, fine)]
-    errors = [
-        mesh_errors({cells: one, 2 * cells: other}, assembly.layout, kind)[2 * cells]
-        if one > 0.0 and other > 0.0
-        else None
-        for one, other, kind in (
-            (coarse.first_failure_load, fine.first_failure_load, LoadKind.FIRST_FAILURE),
-            (coarse.peak.load, fine.peak.load, kind_of(loads)),
-        )
-    ]
-    return errors[0], errors[1]
 
 
 def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:

@@ -12,8 +12,10 @@ programme here maximises the load, with the same result.
 """
 
 import math
+import threading
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import cast
 
 import cvxpy as cp
@@ -26,6 +28,8 @@ from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import Family
 from sidmacib.pieces import cut_pieces, upper_block
 from sidmacib.validation import refused, require_not_negative
+
+KEPT = 16  # programmes that are asked again, such as those of a loop over directions
 
 
 @dataclass(frozen=True)
@@ -183,19 +187,24 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
     return weight, np.asarray(moments / math.fsum(volumes))
 
 
+@lru_cache(maxsize=KEPT)
+def _directed(model: Sidmacib, thread: int) -> tuple[_Programme, cp.Variable, Family]:
+    """The programme of ``model``, its load, and the load's largest values along any direction.
+
+    Kept, as it takes longer to make than to solve; each ``thread`` has its own, which it fills.
+    """
+    programme = _programme(model)
+    load, slope = cp.Variable(), cp.Parameter(2)
+    along = [*programme.constraints, load >= 0, programme.loads == slope * load]
+    return programme, load, Family(cp.Problem(cp.Maximize(load), along))
+
+
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:
     """The largest load in each of ``directions``.
 
     Raises `sidmacib.errors.CapacityError` if there is none.
     """
-    programme = _programme(model)
-    load, slope = cp.Variable(), cp.Parameter(2)
-    family = Family(
-        cp.Problem(
-            cp.Maximize(load),
-            [*programme.constraints, load >= 0, programme.loads == slope * load],
-        )
-    )
+    programme, load, family = _directed(model, threading.get_ident())
 
     def along(direction: Direction) -> Capacity:
         # V and M per newton of load, and the load at which they are about their units.

@@ -221,7 +221,9 @@ def prism(
 
 
 def box(name: str, low: Vector, high: Vector, density: float, *, fixed: bool = False) -> Block:
-    """The cuboid between two opposite corners, in m."""
+    """The cuboid between two opposite corners, in m; ValueError unless it has a volume."""
+    if any(one == other for one, other in zip(low, high, strict=True)):
+        raise ValueError(f"{name}: high {list(high)} and low {list(low)} must differ on each axis")
     (x, y, z), (to_x, to_y, to_z) = low, high
     base = [(x, y, z), (to_x, y, z), (to_x, to_y, z), (x, to_y, z)]
     return prism(name, base, (0.0, 0.0, to_z - z), density, fixed=fixed)

@@ -40,6 +40,7 @@ SHAPES = {  # the keys that give a block's shape
 }
 _FINITE, _POSITIVE = Number(), Number(above=0)
 _INDEX = Number(at_least=0, whole=True)
+_DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 
 
 def read_structure(path: Path) -> Problem:
@@ -75,7 +76,10 @@ def assembly_of(description: Any, what: str = "the file", folder: Path = Path())
     if "mesh" in given:
         cells["mesh"] = _number("mesh", given["mesh"], _POSITIVE)
     if "nodes" in given:
-        cells["nodes"] = choice(NodeLayout, given["nodes"])
+        try:
+            cells["nodes"] = choice(NodeLayout, given["nodes"])
+        except ValueError as error:
+            raise ValueError(f"nodes: {error}") from None
     return structure(blocks, material, special, locked, **cells)
 
 
@@ -194,7 +198,10 @@ def _pair(key: str, value: Any) -> Pair:
 
 def _load(assembly: Assembly, load: dict[str, Any]) -> Loads:
     if "acceleration" in load:
-        return acceleration(assembly, _vector("load.acceleration", load["acceleration"]))
+        along = _vector("load.acceleration", load["acceleration"])
+        if not any(along):
+            raise refused("load.acceleration", list(along), "three numbers, not all 0")
+        return acceleration(assembly, along)
     force = _mapping("load.force", load["force"], ("block", "at", "direction"))
     at, along = (_vector(f"load.force.{name}", force[name]) for name in ("at", "direction"))
     try:
@@ -209,7 +216,7 @@ def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
         return [_block(name, value)]
     key = f"blocks.{name}"
     given = _mapping(key, value, ("file",), ("density", "fixed", "scale"))
-    density = _number(f"{key}.density", given.get("density", DENSITY), _POSITIVE)
+    density = _number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
     scale = _number(f"{key}.scale", given.get("scale", 1), _POSITIVE)
     try:
         bodies = blocks_from_mesh(folder / str(given["file"]), density, scale)
@@ -235,7 +242,7 @@ def _block(name: str, value: Any) -> Block:
     shape = frozenset(given) & frozenset(shapes)
     if shape not in SHAPES:
         raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}, or file")
-    density = _number(f"{key}.density", given.get("density", DENSITY), _POSITIVE)
+    density = _number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
     fixed = given.get("fixed", False)
     if not isinstance(fixed, bool):
         raise ValueError(f"{key}.fixed: {shown(fixed)} is not allowed; it must be true or false")

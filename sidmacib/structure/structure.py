@@ -68,6 +68,9 @@ def structure(
         for pair in given:
             if pair not in pairs:
                 raise refused(key, " and ".join(sorted(pair)), "two blocks that touch")
+    for pair in special.keys() & (locked or {}).keys():
+        allowed = "two blocks without locks, which have materials of their own"
+        raise refused("special", " and ".join(sorted(pair)), allowed)
     for pair, locks in (locked or {}).items():
         rows[pair] = _row(
             pair, locks, [each for each, p in zip(found, pairs, strict=True) if p == pair], names

@@ -150,8 +150,8 @@ STRUCTURES = Table(
         *(*_STRUCTURE, "blocks", "interfaces", "nodes", "load_N", "load_over_weight", "weight_N"),
         *("failed_load_N", "first_failure_load_N", "tilt_degrees", "failed_tilt_degrees"),
         *("first_failure_tilt_degrees", "first_interface", "most_used_interface"),
-        *("mode", "peak_spread", "unbalanced_share", "difference_to_static", "refused", "error"),
-        *("versions", "case"),
+        *("mode", "peak_spread", "mesh_error", "first_failure_mesh_error", "unbalanced_share"),
+        *("difference_to_static", "refused", "error", "versions", "case"),
     ),
     _STRUCTURE,
 )

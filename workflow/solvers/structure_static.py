@@ -4,14 +4,20 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Kind
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.solution import Equilibrium, Mode
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.problem import Problem
+from sidmacib.structure.mesh_error import UNKNOWN, Failures, MeshErrors, structure_mesh_errors
+from sidmacib.structure.structure import refined
 from sidmacib.structure.tilt import PRECISION, Tilt, load_of_tilt, static_tilt
 from workflow.outcome import Outcome, State
 from workflow.solvers.static import solve_with_path
 from workflow.structures.found import AT_THE_PEAK, MECHANISM, Found
+
+FINER = 4  # times as many nodes on cells of half the size
+MOST_NODES = 4000  # on these: more take longer than the answer
 
 
 def solve(problem: Problem) -> Found:
@@ -25,7 +31,9 @@ def solve(problem: Problem) -> Found:
     motion = np.zeros((len(problem.assembly.pieces), 6))
     free = [number for number, piece in enumerate(problem.assembly.pieces) if not piece.fixed]
     motion[free] = path[-1].unknowns.reshape(len(free), 6)
-    return Found(outcome, motion, AT_THE_PEAK, _first_face(problem, path))
+    coarse = Failures(outcome.first_failure_load or 0.0, outcome.path[-1].load)
+    errors = _mesh_errors(problem, coarse)
+    return Found(outcome, motion, AT_THE_PEAK, _first_face(problem, path), errors)
 
 
 def _tilted(problem: Problem, tilt: Tilt) -> Found:
@@ -42,7 +50,32 @@ def _tilted(problem: Problem, tilt: Tilt) -> Found:
         str(found.motion),
     )
     first = _lost(assembly, found.path)
-    return Found(outcome, found.mechanism, MECHANISM, first)
+    errors = _mesh_errors(problem, Failures(found.first_failure, found.angle))
+    return Found(outcome, found.mechanism, MECHANISM, first, errors)
+
+
+def _mesh_errors(problem: Problem, coarse: Failures) -> MeshErrors:
+    """Of the failures that were found; None where cells of half the size have none or too many."""
+    assembly, loads = problem
+    if FINER * len(assembly.nodes.area) > MOST_NODES:
+        return UNKNOWN
+    try:
+        fine = _failures(refined(assembly), loads, first_only=coarse.peak == coarse.first)
+    except CapacityError:
+        return UNKNOWN
+    return structure_mesh_errors(assembly, coarse, fine)
+
+
+def _failures(assembly: Assembly, loads: Loads, *, first_only: bool) -> Failures:
+    """First failure and peak; the first failure in place of the peak if only that counts."""
+    if loads.axis is not None:
+        tilt = static_tilt(assembly, Tilt(loads.axis))
+        return Failures(tilt.first_failure, tilt.angle)
+    if first_only:
+        first = static_first_failure(assembly, loads).point.load
+        return Failures(first, first)
+    found = static_peak(assembly, loads)
+    return Failures(found.first_failure_load, found.peak.load)
 
 
 def _first_face(problem: Problem, path: tuple[Equilibrium, ...]) -> int | None:

@@ -69,8 +69,9 @@ class StructureRecord:
     """The result of a case; loads as in `workflow.results.record.CaseRecord`.
 
     ``tilts``: whether gravity turns; loads are then the angle in radians times the weight.
-    ``first_interface``: whose bond fails first. ``refused``: why the model cannot do the structure,
-    ``error``: why there is no result; all numbers are None in both.
+    ``mesh_error``: of the load, over it, and ``first_failure_mesh_error``; None where no other mesh
+    was solved. ``first_interface``: whose bond fails first. ``refused``: why the model cannot do
+    the structure, ``error``: why there is no result; all numbers are None in both.
     """
 
     model: str
@@ -88,6 +89,8 @@ class StructureRecord:
     first_interface: str | None = None
     mode: str | None = None
     peak_spread: float | None = None
+    mesh_error: float | None = None
+    first_failure_mesh_error: float | None = None
     unbalanced_share: float | None = None
     nodes: int | None = None
     interfaces: tuple[InterfaceRow, ...] = ()
@@ -153,6 +156,8 @@ def structure_record(
         first_interface=_name(assembly, found.first_face),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
+        mesh_error=found.mesh_errors.peak,
+        first_failure_mesh_error=found.mesh_errors.first,
         unbalanced_share=None if balance is None else float(f"{balance:.1e}"),
         nodes=len(assembly.nodes.area),
         interfaces=interfaces,
