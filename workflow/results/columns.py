@@ -107,7 +107,7 @@ MEANINGS: Mapping[str, str] = {
     "first_failure": "load of the first failure by the static model, over T0, on the finer mesh",
     "peak": "peak by the static model, over T0, on the finer mesh",
     "peak_mesh_error": "the peak on the coarser mesh over that on the finer one, less 1",
-    "limit": "load by limit analysis, over T0, on the coarser mesh; of every nth joint, n: `limited`",
+    "limit": "load by limit analysis, over T0, on the coarser mesh; of every `limited`th joint",
     # published and measured numbers
     "quantity": "name of the published number; its unit stands at the end",
     "published": "the published number",
