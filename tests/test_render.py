@@ -5,18 +5,23 @@ import json
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
 from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from stack import tilted_stack
+from structures import dry
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
 from sidmacib.pieces import assemble
-from sidmacib.problem import posed
+from sidmacib.problem import Problem, posed
+from sidmacib.structure.blocks import box
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine
 from workflow.engines.guide import guide_of
@@ -149,22 +154,33 @@ def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
     assert time_step(0.8) == pytest.approx(2 * time_step(0.4))
 
 
+def problems_of(engine: Engine) -> Iterator[Problem]:
+    """A joint and, for an engine that can do it, a structure of blocks."""
+    joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
+    yield posed(joint, Loading(Direction(0.5)), 0.03, NodeLayout.CENTRES)
+    if not engine.elastic:
+        ground = box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True)
+        block = box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2), 2e3)
+        blocks = structure([ground, block], dry(0.5))
+        yield Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0)))
+
+
 @pytest.mark.parametrize("key", [field.name for field in fields(Numerics)])
 def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     engine: Engine, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("workflow.engines.run.execute", lambda *_: None)
-    problem = posed(
-        Joint(3, elastic=Elastic(1e10) if engine.elastic else None),
-        Loading(Direction(0.5)),
-        0.03,
-        NodeLayout.CENTRES,
-    )
     value = getattr(Numerics(), key)
     other = not value if isinstance(value, bool) else type(value)(2 * value)
-    for number, numerics in enumerate((Numerics(), replace(Numerics(), **{key: other}))):
-        run_engine(engine, problem, numerics, "joint", tmp_path / str(number), 1.0)
-    one, two = ((tmp_path / folder / engine.script).read_text() for folder in "01")
+
+    def scripts(numerics: Numerics) -> list[str]:
+        found = []
+        for problem in problems_of(engine):
+            run_engine(engine, problem, numerics, "", tmp_path, 1.0)
+            found.append((tmp_path / engine.script).read_text())
+        return found
+
+    one, two = scripts(Numerics()), scripts(replace(Numerics(), **{key: other}))
     assert (one != two) == (key in engine.reads)
 
 

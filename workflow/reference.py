@@ -36,8 +36,8 @@ WORDS = {  # of checks that are functions
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
 INTRODUCTION = """# Every key of the configuration
 
-A study is a YAML file of these keys. What it does not name has the default. A fault is told in one
-line that names the key, its value and what is allowed.
+A study is a YAML file of these keys. Omitted keys take their defaults. Each error is reported on
+one line, with the key, its value and what is allowed.
 """
 
 
