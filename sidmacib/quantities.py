@@ -1,6 +1,6 @@
 """Numbers with a range and a unit: what the fields of a joint are annotated with.
 
-Whoever reads a joint takes ranges, units and messages from these annotations: the library's
+Everything that reads a joint takes ranges, units and messages from these annotations: the library's
 dataclasses, the command, its files, and the configuration of a study.
 """
 

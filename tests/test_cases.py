@@ -188,7 +188,9 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
         ConfigError, match=r"^MODEL: 'yade' is not allowed; .* static or limit or law .*"
     ):
         find_case(study, "n3-mesh0.02-e0a", "yade")
-    with pytest.raises(ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is no case of static; it must"):
+    with pytest.raises(
+        ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is not a case of static; it must"
+    ):
         find_case(study, "n3-mesh0.2-e0a")
 
 

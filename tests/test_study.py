@@ -328,11 +328,11 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(overrides={"x": {}}),
-            "overrides: 'x' is no case; it must be one of the study's, such as n3-mesh.*",
+            "overrides: 'x' is not a case; it must be one of the study's, such as n3-mesh.*",
         ),
         (
             merged(overrides={"n3-mesh0.02-torson": {}}),
-            "overrides: 'n3-mesh0.02-torson' is no case; .*, such as n3-mesh0.02-torsion.*",
+            "overrides: 'n3-mesh0.02-torson' is not a case; .*, such as n3-mesh0.02-torsion.*",
         ),
         (
             merged(meshes=0.01),
@@ -403,9 +403,9 @@ def test_what_an_engine_takes_no_notice_of_is_noted_where_a_study_changes_it() -
         overrides={"n3-mesh0.02-e0a": {"damping": 0.2}},
     )
     assert notes(read_study(config)) == [
-        "dem.numerics.ranks: yade takes no notice of it",
-        "variants.soft.numerics.damping: liggghts takes no notice of it",
-        "overrides.n3-mesh0.02-e0a.damping: liggghts takes no notice of it",
+        "dem.numerics.ranks: no effect in yade",
+        "variants.soft.numerics.damping: no effect in liggghts",
+        "overrides.n3-mesh0.02-e0a.damping: no effect in liggghts",
     ]
     assert notes(read_study({**config, "dem": {"engines": []}})) == []
 

@@ -154,7 +154,7 @@ def notes(study: Study) -> list[str]:
         for place, numerics in given.items():
             for key in ignored:
                 if getattr(numerics, key) not in (None, getattr(default, key)):
-                    found.append(f"{place}.{key}: {engine.name} takes no notice of it")
+                    found.append(f"{place}.{key}: no effect in {engine.name}")
     return found
 
 

@@ -1,6 +1,6 @@
 """Kinds of values in the configuration that a joint has not: each with its range and message.
 
-A fault raises a ValueError whose text comes after the key's name: "-1 is not allowed; it must
+A bad value raises a ValueError whose text follows the key's name: "-1 is not allowed; it must
 be ...".
 """
 
