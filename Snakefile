@@ -56,7 +56,6 @@ if STUDY.samples:
         *rules.validation.output,
         *rules.figures.output,
         *rules.summary.output,
-        *rules.report.output,
         *rules.complete.output,
     ]
 
@@ -66,6 +65,13 @@ if STUDY.structures:
     include: "workflow/rules/structures.smk"
 
     STUDY_FILES += STRUCTURE_FILES
+
+
+if STUDY.samples or STUDY.structures:
+
+    include: "workflow/rules/report.smk"
+
+    STUDY_FILES += rules.report.output
 
 
 if STUDY.measured is not None:

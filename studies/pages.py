@@ -2,7 +2,8 @@
 
     python -m studies.pages results-locks docs/law.md
 
-A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced.
+A block stands between <!-- numbers: name --> and <!-- end -->; what was there is replaced, unless
+its tables are not in the results.
 """
 
 import re
@@ -37,13 +38,20 @@ def blocks_of(text: str) -> list[str]:
 
 
 def filled(text: str, results: Path) -> str:
-    """A page with its blocks made from the tables in ``results``; raises `PageError`."""
+    """A page with its blocks made from the tables in ``results``; raises `PageError`.
+
+    A block whose table is not there stays as it is, and a line says so.
+    """
 
     def block(match: re.Match[str]) -> str:
         begin, name, end = match.groups()
         if name not in BLOCKS:
             raise PageError(f"{name}: unknown numbers; they must be one of {', '.join(BLOCKS)}")
-        return f"{begin}{BLOCKS[name](results)}\n{end}"
+        try:
+            return f"{begin}{BLOCKS[name](results)}\n{end}"
+        except FileNotFoundError as error:
+            print(f"{name}: left as it is, as {error.filename} is not there", file=sys.stderr)
+            return match[0]
 
     return BLOCK.sub(block, text)
 

@@ -1,14 +1,20 @@
 """Assemblies of COMPAS, read without it."""
 
 import json
+import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from structures import dry
+from command_runner import answers
+from scipy.spatial.transform import Rotation
+from structures import dry, moved
 
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.file import read_structure, structure_of
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.structure import structure
 
@@ -33,6 +39,33 @@ def assembly() -> dict[str, Any]:
     return {"dtype": KIND, "data": {"graph": graph}}
 
 
+def model() -> dict[str, Any]:
+    """The same as compas_dem writes it: elements by an identity, to which nodes refer."""
+
+    def element(block: Block, **more: Any) -> dict[str, Any]:
+        geometry = mesh(block) | {"dtype": "compas.datastructures/Mesh"}
+        data = {"geometry": geometry, "is_support": block.fixed, "material": None}
+        return {"dtype": "compas_dem.elements/Block", "data": data | more}
+
+    shifted = moved(CUBE, Rotation.identity(), (0.0, 0.0, -5.0))
+    up = {"matrix": [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 5], [0, 0, 0, 1]]}
+    up = {"dtype": "compas.geometry/Transformation", "data": up}
+    elements = {"g": element(GROUND), "c": element(shifted, transformation=up, material="stone")}
+    stone = {"dtype": "compas_dem.material/Stone", "data": {"density": 2600.0}}
+    graph = {"node": {"3": {"element": "c"}, "0": {"element": "g"}}, "edge": {}}
+    tree = {"root": {"children": [{"element": "g"}, {"element": "c"}]}}
+    return {
+        "dtype": "compas_dem.models/BlockModel",
+        "data": {
+            "elements": elements,
+            "graph": graph,
+            "materials": {"stone": stone},
+            "transformation": None,
+            "tree": tree,
+        },
+    }
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "assembly.json"
@@ -55,6 +88,51 @@ def test_a_face_that_is_not_plane_is_cut_into_triangles(path: Path) -> None:
     block = read_compas(path, 2e3)[1]
     assert sorted(map(len, block.faces)) == [3] * 2 + [4] * 5
     assert block.volume > CUBE.volume
+
+
+def test_a_model_of_compas_dem_has_blocks_that_are_moved_and_materials(path: Path) -> None:
+    path.write_text(json.dumps(model()))
+    ground, cube = read_compas(path, 2e3)
+    assert (ground, cube.density) == (GROUND, 2600.0)
+    assert np.array(cube.vertices) == pytest.approx(np.array(CUBE.vertices))
+
+
+def test_a_model_with_groups_is_refused(path: Path) -> None:
+    given = model()
+    given["data"]["tree"]["root"]["children"].append({"children": [{"element": "c"}]})
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match=r"assembly.json: tree: must have no groups"):
+        read_compas(path, 2e3)
+
+
+@pytest.mark.parametrize("content", [assembly, model])
+def test_the_command_takes_a_model_as_it_is_and_laws_from_a_file_beside_it(
+    path: Path, content: Callable[[], dict[str, Any]]
+) -> None:
+    path.write_text(json.dumps(content()))
+    limit = answers("assembly", str(path))[0]
+    assert limit["load / weight"] == pytest.approx(0.4)  # it overturns
+    path.with_suffix(".yaml").write_text(
+        "interfaces: {friction: 0.3}\nload: {tilt: {axis: [0, 1, 0]}}"
+    )
+    limit = answers("assembly", str(path))[0]
+    assert limit["tilt (degrees)"] == pytest.approx(math.degrees(math.atan(0.3)))
+    path.with_suffix(".yaml").write_text("blocks: {}")
+    with pytest.raises(ValueError, match=r"assembly\.yaml: blocks: must not be there"):
+        read_structure(path)
+
+
+def test_blocks_of_a_structure_come_from_a_model_in_other_units(path: Path) -> None:
+    path.write_text(json.dumps(assembly()))
+    given = {"file": path.name, "scale": 0.1, "fixed": [0], "density": 2500}
+    described = {"blocks": {"vault": given}, "load": {"acceleration": [1, 0, 0]}}
+    ground, cube = structure_of(described, folder=path.parent).assembly.pieces
+    assert (ground.name, cube.name, ground.fixed) == ("vault-0", "vault-3", True)
+    assert cube.mass == pytest.approx(1e-3 * 2500 * CUBE.volume)
+    with pytest.raises(
+        ValueError, match=r"blocks\.vault\.fixed: 7 is not allowed; it must be a node"
+    ):
+        structure_of(described | {"blocks": {"vault": given | {"fixed": [7]}}}, folder=path.parent)
 
 
 @pytest.mark.parametrize("turned", [1, -1])
@@ -85,7 +163,7 @@ def test_an_interface_without_an_area_is_refused(path: Path) -> None:
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
-        (("dtype",), "compas_dem.models/BlockModel", "assembly.json: dtype 'compas_dem"),
+        (("dtype",), "compas_fea2.model/Model", "assembly.json: dtype 'compas_fea2"),
         (("data", "graph"), 3, "assembly.json: graph: 3 is not allowed; it must be a mapping"),
         (("data", "graph", "data"), {}, "assembly.json: lacks the key node"),
         (("data", "graph", "data", "node", "3"), {}, "block3: lacks the key block"),

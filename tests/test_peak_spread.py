@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.report.content import verdict_of_spread
+from analysis.report.joints import verdict_of_spread
 from analysis.summary.summary import spread_lines
 from analysis.tables.collect import compared_loads
 from sidmacib.joint import INNER, Direction, Joint, UpperBody

@@ -2,7 +2,6 @@
 
 import csv
 import re
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,14 +9,15 @@ from typing import Any
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
+from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
-from playwright.sync_api import Page, sync_playwright
 
 from analysis.report import paths
-from analysis.report.content import law_of, plain
 from analysis.report.files import FILES, REPORT
+from analysis.report.joints import law_of
 from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
+from analysis.report.plain import plain
 from sidmacib.joint import Joint
 from workflow.cases import cases_of
 from workflow.planning.snakefile import plan_of
@@ -27,9 +27,6 @@ pytestmark = pytest.mark.study
 
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
-CHROMIUM = shutil.which("chromium")
-
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="chromium is not installed")
 
 
 @pytest.fixture(scope="module")
@@ -54,9 +51,9 @@ def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
     assert leaving_in_html(report.read_text()) == []
 
 
-def test_data_cannot_end_their_script(study: Study) -> None:
-    told = {"verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
-    text = page(told, study, "summary & <b>more</b>")
+def test_data_cannot_end_their_script() -> None:
+    told = {"names": [], "verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
+    text = page(told, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
 
@@ -83,35 +80,10 @@ def test_what_is_missing_or_infinite_is_plain() -> None:
 
 
 # --- in a browser --------------------------------------------------------------------------------
-class Opened:
-    """The report in a browser, with what it said and asked for."""
-
-    def __init__(self, page: Page) -> None:
-        self.page = page
-        self.errors: list[str] = []
-        self.requests: list[str] = []
-        page.on("console", self._heard)
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("request", lambda request: self.requests.append(request.url))
-
-    def _heard(self, message: Any) -> None:
-        if message.type == "error":
-            self.errors.append(message.text)
-
-    def traces(self, plot: str) -> list[dict[str, Any]]:
-        found = self.page.evaluate(
-            f"document.getElementById('{plot}').data.map(t => ({{name: t.name, x: [...t.x]}}))"
-        )
-        return list(found)
-
-
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    with sync_playwright() as playwright:
-        flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
+    with chromium() as opened:
         yield opened
-        opened.close()
 
 
 @pytest.fixture

@@ -1,6 +1,7 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 import yaml
 from conftest import ROOT
 
+from analysis.tables.structures import most_used
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.planning.plan import why
@@ -19,6 +21,7 @@ from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.job import run_job
 from workflow.structures.case import StructureCase, changed
 from workflow.structures.cases import structure_cases
+from workflow.structures.record import InterfaceRow
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -90,7 +93,7 @@ def test_files_are_found_beside_the_configuration(tmp_path: Path) -> None:
         read_study_file(path)
 
 
-@pytest.mark.parametrize("folder", ["arch", "wall"])
+@pytest.mark.parametrize("folder", ["arch", "wall", "flat_vault"])
 def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     study = read_study_file(ROOT / "studies" / folder / "config.yaml")
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
@@ -228,9 +231,52 @@ def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) 
 
 
 @pytest.mark.study
+@pytest.mark.parametrize("model", ["static", "limit"])
+def test_resultants_through_their_points_hold_each_block(results: Path, model: str) -> None:
+    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
+    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == model)]
+    blocks = read_table(BLOCKS, results / "tables/blocks.csv")
+    blocks = blocks[(blocks["case"] == "trilith-load-dry") & (blocks["model"] == model)]
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    load, weight = table.loc[("trilith-load-dry", model), ["load_N", "weight_N"]]
+    for block in blocks[~blocks["fixed"]].itertuples():
+        push = load * block.weight_N / weight  # along x, in proportion to the mass
+        left = np.array([push, 0.0, -block.weight_N, 0.0, 0.0, 0.0])
+        for row in own.itertuples():
+            below, above = row.interface.split("-")
+            sign = (block.block == above) - (block.block == below)
+            force = np.array([row.force_x_N, row.force_y_N, row.force_z_N])
+            arm = np.array([row.at_x_m - block.x_m, row.at_y_m - block.y_m, row.at_z_m - block.z_m])
+            left += sign * np.concatenate([force, np.cross(arm, force)])
+        left[5] = 0.0  # torsion, which no force in the plane's normal has
+        assert np.abs(left).max() < 1e-4 * weight
+    size = np.hypot(own["normal_N"], own["shear_N"])
+    total = np.sqrt(np.square(own[["force_x_N", "force_y_N", "force_z_N"]]).sum(axis=1))
+    assert total.to_numpy() == pytest.approx(size.to_numpy(), rel=1e-6)
+
+
+@pytest.mark.study
 def test_paraview_files_have_the_shape_and_the_motion(results: Path) -> None:
     mesh = meshio.read(results / "structures/vtk/trilith-load-static-blocks.vtu")
     assert np.ptp(mesh.points, axis=0) == pytest.approx([4.0, 0.5, 3.0])
     assert np.abs(mesh.point_data["displacement_m"]).max() > 0.0
     faces = meshio.read(results / "structures/vtk/trilith-load-static-interfaces.vtu")
     assert sum(len(cells.data) for cells in faces.cells) == 4
+
+
+def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> None:
+    law = {"kind": "dry", "area_m2": 1.0, "friction": 0.5, "cohesion_Pa": 0.0}
+    zero = dict.fromkeys(
+        field.name for field in fields(InterfaceRow) if field.name.endswith(("_N", "_Nm", "_m"))
+    )
+    rows = [
+        InterfaceRow(
+            **dict.fromkeys(zero, 0.0)
+            | law
+            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 0.0}
+            | {"normal_N": normal, "utilisation": used}
+        )
+        for name, normal, used in (("pressed", 100.0, 0.4), ("idle", 1e-3, 0.99))
+    ]
+    assert most_used(rows) == "pressed"
+    assert most_used([]) is None

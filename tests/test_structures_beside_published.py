@@ -148,6 +148,7 @@ def test_the_page_counts_what_agrees(tmp_path: Path) -> None:
         "threedec_degrees": 20.0,
         "static_degrees": 21.6,
         "motion": "sliding",
+        "yade_degrees": 21.9,
         "relaxed_degrees": 21.5,
         "finite_rotation_degrees": 20.25,
         "rbe_degrees": math.nan,
@@ -157,7 +158,9 @@ def test_the_page_counts_what_agrees(tmp_path: Path) -> None:
     pd.DataFrame([row]).to_csv(tmp_path / "tables/tilts.csv", index=False)
     lines = page.within(tmp_path).splitlines()
     assert lines[2] == "| static model, 3DEC | 0 of 1 within 1.5° | 1.60° |"
-    assert lines[3].endswith("| 1 of 1 within 1.5° | 0.25° |")
+    assert lines[3] == "| YADE, 3DEC | 1 of 1 within 2° | 1.90° |"
+    assert lines[4] == "| YADE, static model | 1 of 1 within 0.5° | 0.30° |"
+    assert lines[5].endswith("| 1 of 1 within 1.5° | 0.25° |")
     assert "type-a, μ = 0.2, (√3, 1, 0) | 20.0 | 21.60 | +1.6" in page.by_threedec(tmp_path)
     assert f"| {page.NONE} | 25.00 | {page.NONE} | 23.00 |" in page.by_rbe(tmp_path)
 

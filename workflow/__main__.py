@@ -130,6 +130,8 @@ def study(config: Path, results: str | None, profile: Path | None = None) -> str
             print(path.read_text(), end="")
         elif path.is_file():
             old += f" ({name} is of an earlier run)"
+    if whole and own.structures and not own.samples:  # whose summary names it
+        print(f"Report: {own.results}/{REPORT}")
     return None if whole else f"{own.results}: the study is incomplete{old}{_because()}"
 
 
@@ -209,7 +211,9 @@ def _with_joints(config: Path, results: str | None) -> Study:
 
 def report(config: Path, results: str | None, engines: bool = True) -> str | None:
     """Write the report, without engines of what needs none; returns why there is no report."""
-    own = _with_joints(config, results)
+    own = read_study_file(config, results)
+    if not own.samples and not own.structures:
+        raise ConfigError("samples: missing; a report is of joints or structures")
     path = str(Path(own.results, REPORT))
     if not snakemake(config, own.results, (path,), installed_engines(own) if engines else ()):
         return f"no report{_because()}"

@@ -6,7 +6,7 @@ const at = (id) => document.getElementById(id);
 const axis = (title, more) => ({ title: { text: title }, gridcolor: "#dddddd", zerolinecolor: "#999999", ...more });
 
 function chart(id, traces, layout) {
-  Plotly.react(id, traces, { margin: { l: 60, r: 20, t: 20, b: 50 }, font: CHART_FONT, legend: { orientation: "h", y: -0.2 }, paper_bgcolor: "white", plot_bgcolor: "white", showlegend: true, ...layout }, CHART_CONFIG);
+  return Plotly.react(id, traces, { margin: { l: 60, r: 20, t: 20, b: 50 }, font: CHART_FONT, legend: { orientation: "h", y: -0.2 }, paper_bgcolor: "white", plot_bgcolor: "white", showlegend: true, ...layout }, CHART_CONFIG);
 }
 
 // A curve or point: its shear (N), torque (N m), name and whatever else Plotly has for a trace.

@@ -1,211 +1,67 @@
-"""The report's data: from the tables, and from a few load paths of the static model."""
+"""The report's data: those of joints, of structures, and what both have in common."""
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from analysis.drawing.labels import SERIES, label_of, option_colour, option_name, rule_name
-from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.summary.summary import AGREEMENT, leading_models
-from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.mechanics.solution import SPREAD_LIMIT
-from sidmacib.rule.law import RULES
-from sidmacib.rule.pairs import pairs_of
-from workflow.case import REFERENCE
-from workflow.cases import cases_of
+from analysis.drawing.labels import SERIES, label_of
+from analysis.report.joints import joints_content, joints_verdict
+from analysis.report.plain import plain
+from analysis.report.structures import (
+    structures_content,
+    structures_verdict,
+    with_room,
+)
 from workflow.engines import ENGINES
-from workflow.models import MODELS, REFERENCE_MODEL
+from workflow.models import MODELS
 from workflow.run.job import read_times
 from workflow.schema import Study
-
-PEAK = "dem_pure_shear_N"
-NEAR = 0.005  # of a published number
-NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
+from workflow.structures.case import StructureCase
 
 
-def plain(table: pd.DataFrame) -> dict[str, Any]:
-    """A table's columns and rows for JSON: None for a missing value, "inf" for an infinite one."""
+def content(
+    study: Study | None,
+    tables: Mapping[str, pd.DataFrame],
+    structures: Sequence[StructureCase],
+    results: Path,
+) -> dict[str, Any]:
+    """All data of the page.
+
+    ``study``: None if it has no joints. ``structures``: a case of each structure, load and variant.
+    """
+    data: dict[str, Any] = {"labels": labels(), "series": SERIES, "times": times_of(results)}
+    names, verdict, shown = [], [], dict(tables)
+    if study is not None:
+        names += list(study.samples)
+        verdict += joints_verdict(tables, study)
+        data["joints"] = joints_content(study, tables)
+    if structures:
+        names += dict.fromkeys(case.structure for case in structures)
+        verdict += structures_verdict(tables["structures"])
+        shown |= with_room(tables)
+        data["structures"] = structures_content(structures, shown["blocks"])
+    failed = [
+        tables[name]
+        .loc[tables[name]["error"].notna(), ["model", column, "error"]]
+        .set_axis(["model", "name", "error"], axis=1)
+        for name, column in (("cases", "name"), ("structures", "case"))
+        if name in tables
+    ]
     return {
-        "columns": list(table.columns),
-        "rows": [[_plain(value) for value in row] for row in table.itertuples(index=False)],
+        **data,
+        "names": names,
+        "verdict": verdict,
+        "tables": {name: plain(table) for name, table in shown.items()},
+        "failed": plain(pd.concat(failed)),
     }
-
-
-def _plain(value: Any) -> Any:
-    if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
-        return None
-    if isinstance(value, float):
-        return "inf" if math.isinf(value) else float(f"{value:.6g}")
-    return value.item() if hasattr(value, "item") else value
 
 
 def labels() -> dict[str, dict[str, Any]]:
     """Name and colour of each model, and whether it is an engine, drawn with marks only."""
     return {name: {**asdict(label_of(name)), "engine": name in ENGINES} for name in MODELS}
-
-
-def law_of(joint: Joint) -> dict[str, list[Any]]:
-    """Locks that work in pure shear, for joints like ``joint`` with more and fewer locks."""
-    rows: dict[str, list[Any]] = {"locks": list(NUMBERS_OF_LOCKS), "closed": [], "half": []}
-    rows |= {name: [] for name in RULES}
-    for locks in NUMBERS_OF_LOCKS:
-        similar = replace(joint, locks=locks, different=())
-        rows["closed"].append(_plain(pairs_of(similar).working))
-        rows["half"].append((locks - 1) / 2 if locks % 2 else None)
-        for name, rule in RULES.items():
-            try:
-                rows[name].append(_plain(rule(similar, Direction(0.0)).load / similar.T0))
-            except (CapacityError, ValueError):
-                rows[name].append(None)
-    return rows
-
-
-def verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, str]]:
-    """The first findings of the page: ``title``, ``text``, and ``kind``: good, bad or note."""
-    return [
-        *_failed(tables["cases"]),
-        *_published(tables["validation"]),
-        *_agreement(tables["cases"]),
-        *_safe_rule(tables["capacity"], leading_models(tables["fit"])),
-        *_mesh(tables["capacity"], study),
-        *verdict_of_spread(tables["capacity"]),
-        {
-            "title": "What is assumed",
-            "text": "The positions of the contact points."
-            if tables["validation"].empty
-            else "The positions of the contact points, and a, b, h and H of the published samples: "
-            "the paper's text gives a·b only.",
-            "kind": "note",
-        },
-    ]
-
-
-def _failed(cases: pd.DataFrame) -> list[dict[str, str]]:
-    failed = cases[cases["error"].notna()]
-    if failed.empty:
-        return []
-    return [
-        {
-            "title": "Cases without a result",
-            "text": f"{len(failed)} of {len(cases)}: they are listed at the end.",
-            "kind": "bad",
-        }
-    ]
-
-
-def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
-    peaks = validation[validation["quantity"].eq(PEAK) & validation["model"].ne("limit")]
-    peaks = peaks.dropna(subset=["relative_difference"])
-    if peaks.empty:
-        return [
-            {
-                "title": "Published numbers",
-                "text": "There are none for the samples of this study.",
-                "kind": "note",
-            }
-        ]
-    found = []
-    for setting, part in peaks.groupby("setting", sort=True):
-        worst = part.loc[part["relative_difference"].abs().idxmax()]
-        size = abs(float(worst["relative_difference"]))
-        found.append(
-            {
-                "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                "text": f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
-                f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
-                f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
-                "kind": "good" if size < NEAR else "note",
-            }
-        )
-    return found
-
-
-def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
-    compared = cases[cases["difference_to_static"].notna() & cases["model"].ne("limit")]
-    if compared.empty:
-        return []
-    worst = float(compared["difference_to_static"].abs().max())
-    return [
-        {
-            "title": "Engines against the static model",
-            "text": f"{len(compared)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
-            "kind": "good" if worst < AGREEMENT else "bad",
-        }
-    ]
-
-
-def _safe_rule(capacity: pd.DataFrame, leading: Mapping[str, str]) -> list[dict[str, str]]:
-    """Revised SiDMACIB against the peaks of each sample's leading model, rule by rule."""
-    rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
-    rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
-    selected = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
-    peaks = capacity[capacity["variant"].eq(REFERENCE)].set_index(["model", "case"])["load_N"]
-    if selected.empty or peaks.empty:
-        return []
-    against = peaks.reindex(pd.MultiIndex.from_frame(selected[["weights_from", "case"]]))
-    over = selected["load_N"].to_numpy() / against.to_numpy() - 1.0
-    with_peak = selected.assign(over=over).dropna(subset=["over"])
-    findings = []
-    for name, part in with_peak.groupby("reduction", sort=True):
-        worst = part.loc[part["over"].idxmax()]
-        words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
-        findings.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
-    models = ", ".join(label_of(name).name for name in dict.fromkeys(leading.values()))
-    return [
-        {
-            "title": "Which rule is safe",
-            "text": f"SiDMACIB, Option 4, no friction, against {models}. {'; '.join(findings)}.",
-            "kind": "note",
-        }
-    ]
-
-
-def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
-    selected = capacity[capacity["variant"].eq(REFERENCE) & capacity["mesh_m"].isin(study.meshes)]
-    error = selected.groupby("mesh_m")["mesh_error"].max().dropna()
-    if error.empty:
-        return []
-    words = ", ".join(f"{100 * value:.1f} % at {mesh:g} m" for mesh, value in error.items())
-    return [{"title": "Largest mesh error", "text": f"{words}.", "kind": "note"}]
-
-
-def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
-    """Which capacities of the static model are first failures, as peaks spread too far."""
-    spread = capacity["peak_spread"].dropna()
-    if spread.empty:
-        return []
-    far = int((spread > SPREAD_LIMIT).sum())
-    words = (
-        f"At most {100 * spread.max():.2f} %"
-        if not far
-        else (
-            f"Above {100 * SPREAD_LIMIT:g} % in {far} of {len(spread)} capacities, up to "
-            f"{100 * spread.max():.0f} % or more: there capacities are first failures"
-        )
-    )
-    return [
-        {
-            "title": "Spread of the static model's peaks",
-            "text": f"{words}, under changes of the input by 1e-9.",
-            "kind": "bad" if far else "good",
-        }
-    ]
-
-
-def _ends(cases: pd.DataFrame) -> dict[str, str]:
-    """What the end of the static model's path means, by case, where peaks spread too far."""
-    selected = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
-    far = selected[selected["peak_spread"] > SPREAD_LIMIT]
-    return {
-        row.case: f"The capacity is the first failure, {row.first_failure_load_N:.4g} N: peaks "
-        f"spread by {100 * float(row.peak_spread):.0f} % or more. End of this path"
-        for row in far.itertuples()
-    }
 
 
 def times_of(results: Path) -> list[list[Any]]:
@@ -219,32 +75,3 @@ def times_of(results: Path) -> list[list[Any]]:
     return [
         [kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in totals.items()
     ]
-
-
-def content(
-    study: Study, tables: Mapping[str, pd.DataFrame], shown: Sequence[str], results: Path
-) -> dict[str, Any]:
-    """All data of the page; ``shown``: names of the tables that it has in full."""
-    cases = shown_cases(cases_of(study).values())
-    samples = {case.sample: case for case in cases}
-    ends = _ends(tables["cases"])
-    return {
-        "samples": list(study.samples),
-        "meshes": sorted(study.meshes),
-        "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
-        "labels": labels(),
-        "series": SERIES,
-        "options": {
-            name: {"name": option_name(name), "colour": option_colour(name)}
-            for name in study.sidmacib.options
-        },
-        "verdict": verdict(tables, study),
-        "paths": [path | {"end": ends.get(path["case"], "Peak")} for path in paths_of(cases)],
-        "pieces": {name: pieces_of(case) for name, case in samples.items()},
-        "law": {name: law_of(study.joint(name)) for name in study.interlocking},
-        "tables": {name: plain(tables[name]) for name in shown},
-        "failed": plain(
-            tables["cases"].loc[tables["cases"]["error"].notna(), ["model", "name", "error"]]
-        ),
-        "times": times_of(results),
-    }

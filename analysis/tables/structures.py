@@ -18,6 +18,7 @@ from workflow.structures.record import (
 )
 
 LOADS = ("load_N", "failed_load_N", "first_failure_load_N")
+NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in the report
 IDENTITY = ("structure", "load", "variant", "model")
 MOTION = ("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z")
 
@@ -54,8 +55,17 @@ def _row(record: StructureRecord, static: StructureRecord | None) -> dict[str, A
 
 
 def most_used(interfaces: Iterable[InterfaceRow]) -> str | None:
-    """The interface with the largest utilisation; None if none has any."""
-    used = {each.interface: each.utilisation for each in interfaces if each.utilisation}
+    """The interface with the largest utilisation, of those that carry anything; None if none has.
+
+    What carries next to nothing may be at its limit without a meaning.
+    """
+    carried = {each: math.hypot(each.normal_N, each.shear_N) for each in interfaces}
+    least = NEXT_TO_NOTHING * max(carried.values(), default=0.0)
+    used = {
+        each.interface: each.utilisation
+        for each, force in carried.items()
+        if each.utilisation and force > least
+    }
     return max(used, key=lambda name: used[name]) if used else None
 
 

@@ -193,6 +193,9 @@ def law(form: str, push: str, **flags: Any) -> None:
 def assembly(file: Path, interfaces: bool, form: str) -> None:
     """What a structure of blocks of any shape carries; FILE describes it in YAML.
 
+    Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
+    name beside it has what it lacks: interfaces, locks, load.
+
     limit assumes associated friction, which can overestimate; static follows the load on elastic
     interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
     both give the angle beyond which there is no equilibrium. Ends with status 1 if no model has an

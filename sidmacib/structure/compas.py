@@ -1,14 +1,16 @@
-"""Blocks and interfaces from a file of the COMPAS framework, without COMPAS: an assembly's JSON.
+"""Blocks and interfaces from a file of the COMPAS framework, without COMPAS.
 
-Read are assemblies of compas_assembly and compas_cra (`compas.json_dump` of COMPAS 2): a graph
-whose nodes have a block, a mesh of vertices and faces, and whose edges may have interfaces. Where
-blocks touch exactly, `sidmacib.structure.interfaces` finds interfaces as well; those of the file
-are for blocks with gaps between them.
+Read is the JSON that `compas.json_dump` of COMPAS 2 writes of an assembly of compas_assembly or
+compas_cra, or of a model of compas_dem: a graph whose nodes have a block, a mesh of vertices and
+faces, and whose edges may have interfaces. Where blocks touch exactly,
+`sidmacib.structure.interfaces` finds interfaces as well; those of the file are for blocks with gaps
+between them.
 """
 
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -24,37 +26,101 @@ from sidmacib.structure.interfaces import Interface, tangents
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
 INTERFACE = "compas_assembly.datastructures/Interface"
+MODEL = "compas_dem.models/BlockModel"
+ELEMENT, MESH = "compas_dem.elements/Block", "compas.datastructures/Mesh"
+CONTACT = "compas_dem.interactions/FrictionContact"
 ALONG = 0.9  # least cosine between the normals of an interface and of a face beside it
 AWAY = 1e-3  # weight of the distance along a face, against that from its plane
+
+
+@dataclass(frozen=True)
+class _Node:
+    """A node of the graph: the mesh of its block, whether it is a support, its density (kg/m3).
+
+    ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
+    file tells none.
+    """
+
+    number: int
+    mesh: Mapping[str, Any]
+    support: bool
+    density: float | None = None
+    matrix: Floats | None = None
 
 
 def read_compas(
     path: Path, density: float, fixed: Collection[int] | None = None
 ) -> tuple[Block, ...]:
-    """The blocks of the assembly in the JSON file ``path``, called block0, … after their nodes.
+    """The blocks in the JSON file ``path``, called block0, … after their nodes.
 
-    Lengths are taken as m; ``density`` in kg/m3, of all blocks. ``fixed``: nodes of the blocks that
-    cannot move, in place of those that the file calls supports. Faces that are not plane are cut
-    into triangles. ValueError, which names the node and the key, for what is not understood.
+    Lengths are taken as m; ``density`` in kg/m3, of all blocks whose material has none. ``fixed``:
+    nodes of the blocks that cannot move, in place of those that the file calls supports. Faces that
+    are not plane are cut into triangles. ValueError, which names the node and the key, for what is
+    not understood.
     """
-    graph = _graph(path)
-    nodes = _mapping(f"{path.name}: node", _key(path.name, graph, "node"))
-    default = graph.get("default_node_attributes", {}).get("is_support", False)
-    supports = {
-        _number(node): bool(_mapping(f"node {node}", value).get("is_support", default))
-        for node, value in nodes.items()
-    }
-    for node in fixed or ():
-        if node not in supports:
-            known = ", ".join(map(str, sorted(supports)))
-            raise ValueError(f"fixed: {node} is not allowed; it must be a node of {known}")
-    if fixed is not None:
-        supports = {node: node in fixed for node in supports}
-    if not any(supports.values()):
+    nodes = _nodes(path)
+    known = {node.number for node in nodes}
+    for number in fixed or ():
+        if number not in known:
+            allowed = ", ".join(map(str, sorted(known)))
+            raise ValueError(f"fixed: {number} is not allowed; it must be a node of {allowed}")
+    held = {node.number for node in nodes if node.support} if fixed is None else set(fixed)
+    if not held:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
-    return tuple(
-        _block(number, nodes[str(number)], density, supports[number]) for number in sorted(supports)
-    )
+    return tuple(_block(node, node.density or density, node.number in held) for node in nodes)
+
+
+def _nodes(path: Path) -> list[_Node]:
+    """The nodes of the graph in a file, by their numbers."""
+    content, graph = _content(path)
+    nodes = _mapping(f"{path.name}: node", _key(path.name, graph, "node"))
+    if content["dtype"] == MODEL:
+        found = _elements(path.name, content, nodes)
+    else:
+        default = graph.get("default_node_attributes", {}).get("is_support", False)
+        found = [_of_assembly(node, value, default) for node, value in nodes.items()]
+    return sorted(found, key=lambda node: node.number)
+
+
+def _of_assembly(node: str, value: Any, default: bool) -> _Node:
+    number, held = _number(node), _mapping(f"node {node}", value)
+    name = f"block{number}"
+    mesh = _data(f"{name}: block", _key(name, held, "block"), (BLOCK,))
+    return _Node(number, mesh, bool(held.get("is_support", default)))
+
+
+def _elements(file: str, content: Mapping[str, Any], nodes: Mapping[str, Any]) -> list[_Node]:
+    """The nodes of a model, whose blocks are elements by an identity of theirs."""
+    model = _data(file, content, (MODEL,))
+    elements = _mapping(f"{file}: elements", _key(file, model, "elements"))
+    materials = _mapping(f"{file}: materials", model.get("materials") or {})
+    root = _mapping(f"{file}: tree", _key(file, _mapping(file, _key(file, model, "tree")), "root"))
+    if any(child.get("children") for child in root.get("children", ())):
+        raise ValueError(f"{file}: tree: must have no groups; take the blocks out of theirs")
+    whole = _matrix(f"{file}: transformation", model.get("transformation"))
+    found = []
+    for node, value in nodes.items():
+        name, identity = f"block{node}", _key(f"node {node}", _mapping(node, value), "element")
+        element = _data(name, _key(f"{file}: elements", elements, identity), (ELEMENT,))
+        mesh = _data(f"{name}: geometry", _key(name, element, "geometry"), (MESH,))
+        own = _matrix(f"{name}: transformation", element.get("transformation"))
+        density = None
+        if element.get("material") is not None:
+            law = _data(name, _key(f"{file}: materials", materials, element["material"]), ())
+            density = law.get("density")
+        support = bool(element.get("is_support"))
+        found.append(_Node(_number(node), mesh, support, density, whole @ own))
+    return found
+
+
+def _matrix(name: str, value: Any) -> Floats:
+    """A transformation, (4, 4)."""
+    if value is None:
+        return np.eye(4)
+    matrix = np.array(_key(name, _data(name, value, ()), "matrix"), float)
+    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers")
+    return matrix
 
 
 def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interface, ...]:
@@ -63,17 +129,19 @@ def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interfa
     Their normals are those of the blocks' nearest faces. Errors of `read_compas`, and ValueError,
     which names the edge, for an interface that has no area or is at no face.
     """
-    edges = _mapping(f"{path.name}: edge", _key(path.name, _graph(path), "edge"))
+    edges = _mapping(f"{path.name}: edge", _key(path.name, _content(path)[1], "edge"))
     names = {block.name: place for place, block in enumerate(blocks)}
     found = []
     for one, others in edges.items():
         for other, edge in _mapping(f"edge {one}", others).items():
             name = f"edge {one}-{other}"
-            for given in _mapping(name, edge).get("interfaces") or ():
-                points = _key(name, _data(name, given, (INTERFACE,)), "points")
+            held = _mapping(name, edge)
+            for given in held.get("interfaces") or held.get("contacts") or ():
+                points = _key(name, _data(name, given, (INTERFACE, CONTACT)), "points")
                 try:
                     ends = names[f"block{one}"], names[f"block{other}"]
-                    corners = np.array(points, float).reshape(-1, 3)
+                    places = [each["data"] if isinstance(each, dict) else each for each in points]
+                    corners = np.array(places, float).reshape(-1, 3)
                 except (KeyError, TypeError, ValueError) as error:
                     raise ValueError(f"{name}: is not understood ({error!r})") from None
                 below, above = min(ends), max(ends)
@@ -109,27 +177,28 @@ def _interface(name: str, below: int, above: int, corners: Floats, block: Block)
     return Interface(below, above, axes, (float(x), float(y), float(z)), centred)
 
 
-def _graph(path: Path) -> Mapping[str, Any]:
-    """The graph of the assembly in a file."""
+def _content(path: Path) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    """What a file holds, and its graph."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-    except (UnicodeDecodeError, json.JSONDecodeError) as error:
+    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise ValueError(f"{path.name}: is no JSON ({error})") from None
-    held = _data(path.name, content, ASSEMBLIES)
-    return _data(f"{path.name}: graph", _key(path.name, held, "graph"), ())
+    held = _data(path.name, content, (*ASSEMBLIES, MODEL))
+    return content, _data(f"{path.name}: graph", _key(path.name, held, "graph"), ())
 
 
-def _block(number: int, node: Any, density: float, fixed: bool) -> Block:
-    name = f"block{number}"
-    mesh = _data(f"{name}: block", _key(name, _mapping(name, node), "block"), (BLOCK,))
+def _block(node: _Node, density: float, fixed: bool) -> Block:
+    name, mesh = f"block{node.number}", node.mesh
     vertices = _mapping(f"{name}: vertex", _key(name, mesh, "vertex"))
     faces = _mapping(f"{name}: face", _key(name, mesh, "face"))
     order = {key: place for place, key in enumerate(vertices)}
     try:
-        places = np.array([[float(v[k]) for k in "xyz"] for v in vertices.values()])
+        places = np.array([[float(v.get(k, 0.0)) for k in "xyz"] for v in vertices.values()])
         outlines = [[order[str(vertex)] for vertex in face] for face in faces.values()]
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ValueError(f"{name}: a vertex or face is not understood ({error!r})") from None
+    if node.matrix is not None:
+        places = places @ node.matrix[:3, :3].T + node.matrix[:3, 3]
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     return Block(
         name,

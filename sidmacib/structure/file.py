@@ -12,6 +12,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.compas import read_compas
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
@@ -31,6 +32,7 @@ MATERIAL = {  # of interfaces, where a file leaves a number out
     "bond_friction": 0.0,
 }
 OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes")
+BLOCK = "block"  # begins the names of blocks of a model of COMPAS
 ALL = "all"  # pairs of blocks that touch
 LOCKS = ("row", "run", "first", "widths", "inner", "dry", "condensed")
 SHAPES = {  # the keys that give a block's shape
@@ -44,11 +46,26 @@ _DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 
 
 def read_structure(path: Path) -> Problem:
-    """The structure that the YAML file ``path`` describes, and its load or tilt.
+    """The structure and its load or tilt in a YAML file, or in a JSON file of COMPAS.
 
     `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
     """
-    return structure_of(read_yaml(path), folder=path.parent)
+    return structure_of(_description(path), folder=path.parent)
+
+
+def _description(path: Path) -> Any:
+    """What is in a file; of a model of COMPAS with what the YAML file beside it adds.
+
+    By default such a model is pushed along x.
+    """
+    if path.suffix != ".json":
+        return read_yaml(path)
+    beside = path.with_suffix(".yaml")
+    more = read_yaml(beside) if beside.is_file() else {}
+    if isinstance(more, dict) and "blocks" in more:
+        raise ValueError(f"{beside.name}: blocks: must not be there, as {path.name} has them")
+    model = {"blocks": {BLOCK: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
+    return model | more if isinstance(more, dict) else more
 
 
 def structure_of(description: Any, what: str = "the file", folder: Path = Path()) -> Problem:
@@ -218,8 +235,11 @@ def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
     given = _mapping(key, value, ("file",), ("density", "fixed", "scale"))
     density = _number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
     scale = _number(f"{key}.scale", given.get("scale", 1), _POSITIVE)
+    path = folder / str(given["file"])
     try:
-        bodies = blocks_from_mesh(folder / str(given["file"]), density, scale)
+        if path.suffix == ".json":
+            return _from_compas(name, path, density, scale, given)
+        bodies = blocks_from_mesh(path, density, scale)
     except ValueError as error:
         raise ValueError(f"{key}.{error}") from None
     fixed = given.get("fixed", False)
@@ -232,6 +252,27 @@ def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
     return [
         replace(body, name=name if len(bodies) == 1 else f"{name}-{each}", fixed=each in held)
         for each, body in bodies.items()
+    ]
+
+
+def _from_compas(
+    name: str, path: Path, density: float, scale: float, given: Mapping[str, Any]
+) -> list[Block]:
+    """The blocks of a model or an assembly of COMPAS, whose nodes stand behind ``name``."""
+    if not path.is_file():
+        raise refused("file", str(given["file"]), "a file that is there")
+    fixed = given.get("fixed")
+    if fixed is not None:
+        if not isinstance(fixed, list):
+            raise ValueError(f"fixed: {shown(fixed)} is not allowed; it must be a list of nodes")
+        fixed = [int(_number("fixed", node, _INDEX)) for node in fixed]
+    return [
+        replace(
+            block,
+            name=block.name.replace("block", f"{name}-", 1),
+            vertices=tuple((scale * x, scale * y, scale * z) for x, y, z in block.vertices),
+        )
+        for block in read_compas(path, density, fixed)
     ]
 
 

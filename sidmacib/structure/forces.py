@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.assembly import Assembly, Floats, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
+LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere
 
 
 @dataclass(frozen=True)
@@ -17,7 +18,9 @@ class InterfaceForce:
     ``normal``: compression in N, negative in tension; ``shear``: size of the resultant along the
     interface, N. ``utilisation``: of the node that is used most, 1 at failure: shear or tension
     over strength where it is bonded, shear over friction where it is not. ``bonded``: the part of
-    its area that is bonded.
+    its area that is bonded. ``resultant``: of the forces on the block above, N, along x, y and z.
+    ``at``: the point (m) of the interface's plane through which it acts, torsion apart; None where
+    compression and tension leave next to none of either.
     """
 
     name: str
@@ -25,6 +28,8 @@ class InterfaceForce:
     shear: float
     utilisation: float
     bonded: float
+    resultant: Vector
+    at: Vector | None
 
 
 def interface_forces(
@@ -42,9 +47,31 @@ def interface_forces(
         nodes = assembly.nodes.face == number
         normal, *shear = force[nodes].sum(axis=0).tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
-        size = float(np.hypot(*shear))
-        found.append(InterfaceForce(face.name, normal, size, float(used[nodes].max()), bonded))
+        found.append(
+            InterfaceForce(
+                face.name,
+                normal,
+                float(np.hypot(*shear)),
+                float(used[nodes].max()),
+                bonded,
+                _vector(force[nodes].sum(axis=0) @ face.axes),
+                _centre(assembly.nodes.position[nodes], force[nodes, 0]),
+            )
+        )
     return tuple(found)
+
+
+def _centre(places: Floats, normal: Floats) -> Vector | None:
+    """Where normal forces, (N,) in N, act at ``places``, (N, 3) in m; None if they add up to 0."""
+    whole = float(normal.sum())
+    if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
+        return None
+    return _vector(normal @ places / whole)
+
+
+def _vector(values: Floats) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
 
 
 def _slipping(law: ContactLaw, force: Floats) -> Floats:

@@ -14,6 +14,7 @@ CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
     ".html": ("Report", "report.rst"),
 }
 LOCKS = []  # of the results' folder, for as long as this process lives
+REPORT_INPUTS = {}  # of the report: tables and summaries by name
 WILDCARDS = {}  # of all jobs of a rule that has some, by the rule's name
 
 

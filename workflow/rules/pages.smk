@@ -1,7 +1,5 @@
-# From the tables to figures, summary and report, and whether every case has a result.
+# From the tables to figures and summary, and whether every case has a result.
 from analysis.figures.catalogue import drawn_files, figures_of
-from analysis.report.files import FILES as PAGE_FILES
-from analysis.report.files import REPORT
 
 FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
 STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
@@ -68,35 +66,6 @@ rule summary:
         STEP
 
 
-rule report:
-    input:
-        plan=plan("report"),
-        validation=rules.validation.output.validation,
-        capacity=rules.capacity.output.capacity,
-        weights=rules.collect.output.weights,
-        cases=rules.collect.output.cases,
-        fit=rules.fit.output.fit,
-        best_fit=rules.fit.output.best_fit,
-        variants=rules.variants.output.variants,
-        summary=rules.summary.output.summary,
-    output:
-        page=shown(REPORT),
-    log:
-        below("logs/report.log"),
-    group:
-        "tables"
-    resources:
-        **asks("report"),
-    params:
-        step="analysis.report.page",
-        study=lambda wildcards: STUDY.pieces_json(),
-        files=PAGE_FILES,
-    message:
-        "Write the report"
-    shell:
-        STEP
-
-
 # In no group: a group that fails loses all that it made, and this rule may fail; it says what has no
 # result.
 rule complete:
@@ -116,3 +85,15 @@ rule complete:
         "Check that every case has a result"
     shell:
         STEP
+
+
+REPORT_INPUTS |= {
+    "validation": rules.validation.output.validation,
+    "capacity": rules.capacity.output.capacity,
+    "weights": rules.collect.output.weights,
+    "cases": rules.collect.output.cases,
+    "fit": rules.fit.output.fit,
+    "best_fit": rules.fit.output.best_fit,
+    "variants": rules.variants.output.variants,
+    "summary": rules.summary.output.summary,
+}

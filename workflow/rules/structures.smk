@@ -181,3 +181,7 @@ STRUCTURE_FILES = [
     *rules.structure_summary.output,
     *rules.structures_complete.output,
 ]
+REPORT_INPUTS |= {
+    **dict(rules.structure_tables.output.items()),
+    "structure_summary": rules.structure_summary.output.summary,
+}

@@ -146,6 +146,12 @@ class Study(Section):
         """What the figures depend on, as JSON."""
         return self._selected("variants", "figures", "measured")
 
+    def structures_json(self) -> str:
+        """The structures and the models that analyse them, as JSON."""
+        return self.model_dump_json(
+            include={"structures": True, "models": True, "dem": {"engines"}}
+        )
+
     def calibration_json(self) -> str:
         """What the search for the published geometry depends on, as JSON."""
         return self.model_dump_json(include={*_TABLES, "dem", "calibration"})

@@ -30,7 +30,9 @@ class InterfaceRow:
 
     ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
     the moment in its plane. ``utilisation``: of the node that is used most; None where it has no
-    strength to compare with. ``bonded_share``: the part of its area that is bonded.
+    strength to compare with. ``bonded_share``: the part of its area that is bonded. ``force_x_N``
+    …: the resultant on the block above; ``at_x_m`` …: the point of the interface's plane through
+    which it acts; None where none does.
     """
 
     interface: str
@@ -45,6 +47,12 @@ class InterfaceRow:
     bending_Nm: float
     utilisation: float | None
     bonded_share: float
+    force_x_N: float
+    force_y_N: float
+    force_z_N: float
+    at_x_m: float | None
+    at_y_m: float | None
+    at_z_m: float | None
 
 
 @dataclass(frozen=True)
@@ -195,6 +203,12 @@ def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[Inte
                 bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
+                force_x_N=_clean(each.resultant[0], size),
+                force_y_N=_clean(each.resultant[1], size),
+                force_z_N=_clean(each.resultant[2], size),
+                at_x_m=_clean(each.at[0], assembly.length) if each.at else None,
+                at_y_m=_clean(each.at[1], assembly.length) if each.at else None,
+                at_z_m=_clean(each.at[2], assembly.length) if each.at else None,
             )
         )
     return tuple(rows)

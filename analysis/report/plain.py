@@ -1,0 +1,23 @@
+"""Tables as plain values for JSON."""
+
+import math
+from typing import Any
+
+import pandas as pd
+
+
+def plain(table: pd.DataFrame) -> dict[str, Any]:
+    """A table's columns and rows for JSON: None for a missing value, "inf" for an infinite one."""
+    return {
+        "columns": list(table.columns),
+        "rows": [[plain_value(value) for value in row] for row in table.itertuples(index=False)],
+    }
+
+
+def plain_value(value: Any) -> Any:
+    """A value of a table for JSON, with six digits."""
+    if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
+        return None
+    if isinstance(value, float):
+        return "inf" if math.isinf(value) else float(f"{value:.6g}")
+    return value.item() if hasattr(value, "item") else value

@@ -1,0 +1,139 @@
+"""The report's data of structures: from their tables, and the shapes of their blocks."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from analysis.drawing.labels import label_of
+from analysis.report.solids import points_of, shape_of
+from analysis.summary.summary import AGREEMENT
+from sidmacib.structure.file import assembly_of
+from workflow.case import REFERENCE
+from workflow.models import REFERENCE_MODEL
+from workflow.structures.case import StructureCase
+
+LIMIT = "limit"
+MOST_ROWS = 20_000  # of interfaces and blocks: what the page has room for
+MOST_POINTS = 60_000  # of all shapes, for the same reason
+MOST_TOLD = 6  # loads and variants of a structure in the verdict
+
+
+def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> dict[str, Any]:
+    """The shapes of structures, and the one that each case has.
+
+    ``cases``: one of each structure, load and variant; ``blocks``: the rows that the page has. A
+    case has no shape if there is no room for it.
+    """
+    shapes: dict[str, int] = {}
+    found, room = [], MOST_POINTS
+    for case in cases:
+        shape = shape_of(assembly_of(case.description))
+        text = json.dumps(shape)
+        if text not in shapes and points_of(shape) <= room:
+            room -= points_of(shape)
+            shapes[text] = len(shapes)
+        found.append(
+            {
+                "structure": case.structure,
+                "load": case.load,
+                "variant": case.variant,
+                "shape": shapes.get(text),
+            }
+        )
+    told = blocks.drop_duplicates(["model", "case"])[["model", "case"]]
+    return {
+        "shapes": [json.loads(text) for text in shapes],
+        "cases": found,
+        "told": [f"{row.model}/{row.case}" for row in told.itertuples()],
+    }
+
+
+def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    """The rows of interfaces and blocks of as many cases as the page has room for."""
+    keys = ["model", "case"]
+    counts = pd.concat([tables[name][keys] for name in ("interfaces", "blocks")]).value_counts()
+    chosen, room = set(), MOST_ROWS
+    for row in tables["structures"].itertuples():
+        room -= int(counts.get((row.model, row.case), 0))
+        if room >= 0:
+            chosen.add((row.model, row.case))
+    return {
+        name: tables[name][[pair in chosen for pair in tables[name][keys].itertuples(index=False)]]
+        for name in ("interfaces", "blocks")
+    }
+
+
+def structures_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
+    """Findings: ``title``, ``text``, and ``kind``: good, bad or note."""
+    return [*_carried(table), *_without(table), *_agreement(table), *_limit(table)]
+
+
+def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
+    """What each structure carries in the static model, or in the first model that answers."""
+    for structure, rows in table.groupby("structure", sort=False):
+        lines = []
+        for (load, variant), own in rows.groupby(["load", "variant"], sort=False):
+            answered = own[[_answer(row) is not None for row in own.to_dict("records")]]
+            if answered.empty:
+                continue
+            static = answered[answered["model"].eq(REFERENCE_MODEL)]
+            row = (answered if static.empty else static).iloc[0].to_dict()
+            case = load if variant == REFERENCE else f"{load}, {variant}"
+            lines.append(f"{case}: {_answer(row)} ({label_of(row['model']).name})")
+        more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
+        text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has an answer"
+        yield {"title": str(structure), "text": f"{text}.", "kind": "note"}
+
+
+def _answer(row: Mapping[str, Any]) -> str | None:
+    """The load of a row, or its tilt; None if it has neither."""
+    if pd.notna(row["tilt_degrees"]):
+        return f"tilts by {row['tilt_degrees']:.4g}°"
+    if pd.isna(row["load_N"]):
+        return None
+    share = row["load_over_weight"]
+    return f"{row['load_N']:.4g} N" + ("" if pd.isna(share) else f", {share:.4g} of the weight")
+
+
+def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:
+    failed, refused = int(table["error"].notna().sum()), int(table["refused"].notna().sum())
+    if failed:
+        yield {
+            "title": "Structures without a result",
+            "text": f"{failed} of {len(table)} cases: they are listed at the end.",
+            "kind": "bad",
+        }
+    if refused:
+        yield {
+            "title": "Structures that a model cannot do",
+            "text": f"{refused} of {len(table)} cases: the reasons stand beside the drawing.",
+            "kind": "note",
+        }
+
+
+def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
+    compared = table[table["difference_to_static"].notna() & table["model"].ne(LIMIT)]
+    if compared.empty:
+        return
+    worst = compared.loc[compared["difference_to_static"].abs().idxmax()]
+    apart = float(worst["difference_to_static"])
+    yield {
+        "title": "Engines against the static model, structures",
+        "text": f"{len(compared)} cases on the same nodes, at most {100 * abs(apart):.2f} % apart: "
+        f"{worst['case']}, {label_of(worst['model']).name}.",
+        "kind": "good" if abs(apart) < AGREEMENT else "bad",
+    }
+
+
+def _limit(table: pd.DataFrame) -> Iterator[dict[str, str]]:
+    apart = table.loc[table["model"].eq(LIMIT), "difference_to_static"].dropna()
+    if apart.empty:
+        return
+    yield {
+        "title": "Limit analysis against the static model",
+        "text": f"From {100 * apart.min():+.2f} % to {100 * apart.max():+.2f} %: it takes bonds as "
+        "ductile and lets joints open as they slide.",
+        "kind": "note",
+    }

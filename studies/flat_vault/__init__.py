@@ -1,0 +1,1 @@
+"""A flat vault of blocks that lean on each other."""

@@ -1,0 +1,136 @@
+"""Abeille's flat vault (1699), and its files: `python -m studies.flat_vault.geometry`.
+
+Its blocks are truncated tetrahedra: squares below, whose sides lean outwards along one direction
+and inwards along the other, in turn from block to block. Each rests on two neighbours and carries
+the other two; the ceiling is flat, the floor has a pyramid left out at each corner. Kerb stones
+around it lie on fixed walls and take the thrust by friction: in a frame that cannot move, a vault
+of rigid blocks carries any load.
+"""
+
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+FILES = {blocks: Path(__file__).parent / f"vault{blocks}.yaml" for blocks in (3, 5)}
+HEAD = """\
+# A flat vault of {0} x {0} of Abeille's blocks, 0.15 m thick, between kerb stones on walls, loaded
+# at the middle: written by studies/flat_vault/geometry.py, which says how the blocks lean. Lengths
+# in m, densities in kg/m3.
+"""
+SIDE, THICKNESS = 0.3, 0.15  # m: of a block's square, of the vault
+LEAN = 0.4  # tangent of the sides' angle to the vertical
+KERB = 0.6  # m, width of the kerb stones and of the walls below
+WALL = 0.3  # m, height of the walls
+FRICTION = 0.6
+DENSITY = 2000  # kg/m3
+
+
+def description(
+    blocks: int, lean: float = LEAN, friction: float = FRICTION, kerb: float = KERB
+) -> dict[str, Any]:
+    """The vault of so many blocks along either side, loaded downwards at its middle block."""
+    middle = blocks // 2
+    at = [(middle + 0.5) * SIDE, (middle + 0.5) * SIDE, THICKNESS]
+    return {
+        "blocks": dict((*_walls(blocks, kerb), *_blocks(blocks, lean), *_kerb(blocks, lean, kerb))),
+        "interfaces": {"friction": friction},
+        "load": {
+            "force": {"block": name(middle, middle), "at": at, "direction": [0, 0, -1]},
+        },
+    }
+
+
+def name(column: int, row: int) -> str:
+    """Of a block, counted from 0; it is called from 1 on."""
+    return f"block{column + 1}{row + 1}"
+
+
+def _out(column: int, row: int) -> int:
+    """1 where a block leans outwards along x and inwards along y, -1 where it is the reverse."""
+    return 1 if (column + row) % 2 == 0 else -1
+
+
+def _blocks(count: int, lean: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    faces = [[3, 2, 1, 0], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    for column in range(count):
+        for row in range(count):
+            out = _out(column, row) * lean * THICKNESS
+            vertices = []
+            for height, over in ((0.0, 0.0), (THICKNESS, out)):
+                left, right = column * SIDE - over, (column + 1) * SIDE + over
+                front, back = row * SIDE + over, (row + 1) * SIDE - over
+                for x, y in ((left, front), (right, front), (right, back), (left, back)):
+                    vertices.append(_rounded(x, y, height))
+            yield name(column, row), {"vertices": vertices, "faces": faces, "density": DENSITY}
+
+
+def _sides(count: int) -> tuple[tuple[str, bool, float, float], ...]:
+    """Name, whether its thrust is along x, where it begins (m), and outwards there: 1 or -1."""
+    far = count * SIDE
+    return (
+        ("left", True, 0.0, -1.0),
+        ("right", True, far, 1.0),
+        ("front", False, 0.0, -1.0),
+        ("back", False, far, 1.0),
+    )
+
+
+def _kerb(count: int, lean: float, width: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    """A stone along each outer side of a block."""
+    for side, along_x, start, outwards in _sides(count):
+        for number in range(count):
+            edge = 0 if outwards < 0 else count - 1
+            out = _out(edge, number) if along_x else -_out(number, edge)
+            outline = [
+                (start, 0.0),
+                (start + outwards * width, 0.0),
+                (start + outwards * width, THICKNESS),
+                (start + outwards * out * lean * THICKNESS, THICKNESS),
+            ]
+            low = number * SIDE
+            points = [_rounded(p, low, z) if along_x else _rounded(low, p, z) for p, z in outline]
+            along = [0, SIDE, 0] if along_x else [SIDE, 0, 0]
+            yield f"{side}{number + 1}", {"outline": points, "along": along, "density": DENSITY}
+
+
+def _walls(count: int, width: float) -> Iterator[tuple[str, dict[str, Any]]]:
+    """A fixed wall below each row of kerb stones."""
+    for side, along_x, start, outwards in _sides(count):
+        across = sorted((start, start + outwards * width))
+        length = [0.0, count * SIDE]
+        (x, to_x), (y, to_y) = (across, length) if along_x else (length, across)
+        low, high = _rounded(x, y, -WALL), _rounded(to_x, to_y, 0.0)
+        yield f"wall_{side}", {"low": low, "high": high, "fixed": True}
+
+
+def _rounded(*values: float) -> list[float]:
+    return [_short(value) for value in values]
+
+
+def _short(value: float) -> float:
+    return round(value, 6) + 0.0
+
+
+def text(blocks: int) -> str:
+    """The file of a vault of so many blocks along either side, a line for each block."""
+    lines = [HEAD.format(blocks)]
+    for key, value in description(blocks).items():
+        if key != "blocks":
+            lines.append(f"{key}: {_in_a_line(value)}")
+            continue
+        lines.append(f"{key}:")
+        lines += [f"  {block}: {_in_a_line(shape)}" for block, shape in value.items()]
+    return "\n".join(lines) + "\n"
+
+
+def _in_a_line(value: Any) -> str:
+    told: str = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=math.inf)
+    return told.strip()
+
+
+if __name__ == "__main__":
+    for number, path in FILES.items():
+        path.write_text(text(number))

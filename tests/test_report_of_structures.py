@@ -1,0 +1,351 @@
+"""Structures in the report: what is drawn of them, how they move, what is told beside it."""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from chromium import Opened, chromium, needs_browser
+from conftest import ROOT
+from offline import WATCH, leaving_in_browser, leaving_in_html
+from test_report import MOST_BYTES
+
+from analysis.report import structures
+from analysis.report.content import content
+from analysis.report.files import FILES, REPORT
+from analysis.report.page import page
+from analysis.report.solids import shape_of
+from analysis.report.structures import structures_content, structures_verdict, with_room
+from sidmacib.structure.file import assembly_of
+from sidmacib.yaml_text import read_yaml
+from workflow.configuration import read_study
+from workflow.planning.snakefile import plan_of
+from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
+from workflow.run.job import run_job
+from workflow.structures.case import StructureCase
+from workflow.structures.cases import structure_cases
+
+pytestmark = pytest.mark.study
+
+NARROW, WIDE = {"width": 390, "height": 800}, {"width": 1200, "height": 900}
+PLOTS = "document.querySelectorAll('#structures .js-plotly-plot .gl-container').length === 1"
+OF_FREE, OF_EDGES, OF_INTERFACES, OF_FIRST, OF_LINES, OF_DOTS = 1, 2, 3, 5, 6, 7  # traces
+
+
+def example(name: str) -> dict[str, Any]:
+    found: dict[str, Any] = read_yaml(ROOT / f"studies/structures/{name}.yaml")
+    return found
+
+
+def configuration() -> dict[str, Any]:
+    """A trilith with bonds and without, locks that are condensed, and a stack that is tilted."""
+    keyed = example("keyed")
+    keyed["locks"] = [{**keyed["locks"][0], "condensed": {"working": 1}}]
+    return {
+        "structures": {
+            "trilith": {"description": example("trilith"), "variants": {"dry": {"special": None}}},
+            "keyed": {"description": keyed},
+            "stack": {"description": example("stack")},
+        },
+        "models": ["static", "limit"],
+        "dem": {"engines": []},
+    }
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The study beside a joint, made job by job, and a report of the structures alone."""
+    folder = tmp_path_factory.mktemp("structures")
+    joint = {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0, 0.3]}
+    plan = plan_of(read_study({**configuration(), **joint, "results": str(folder)}))
+    for job in plan.made.values():
+        if job.name not in ("figures", "complete", "structure_vtk"):
+            run_job(json.loads(json.dumps(job.plan(job.digest(), folder))))
+    data = content(None, tables_in(folder), shown_cases(), folder)
+    (folder / "alone.html").write_text(page(data, "", "summary"))
+    return folder
+
+
+def tables_in(folder: Path) -> dict[str, pd.DataFrame]:
+    forms = {"structures": STRUCTURES, "interfaces": INTERFACES, "blocks": BLOCKS}
+    return {name: read_table(form, folder / f"tables/{name}.csv") for name, form in forms.items()}
+
+
+def shown_cases() -> list[StructureCase]:
+    return [*{case.name: case for case in structure_cases(read_study(configuration()))}.values()]
+
+
+# --- data ----------------------------------------------------------------------------------------
+def test_a_study_of_structures_alone_has_a_report() -> None:
+    plan = plan_of(read_study(configuration()))
+    report = plan.made["report"]
+    assert set(report.inputs) == {"structures", "interfaces", "blocks", "structure_summary"}
+    assert set(FILES) <= set(report.files)
+    assert len(report.arguments["cases"]) == 4  # structures, loads and variants; not models
+    with_joint = plan_of(read_study({**configuration(), "samples": {"n3": {"locks": 3}}}))
+    assert {"capacity", "interfaces", "summary"} <= set(with_joint.made["report"].inputs)
+
+
+@pytest.mark.parametrize("name", ["trilith", "keyed", "stack"])
+def test_triangles_close_each_block_and_fill_each_interface(name: str) -> None:
+    assembly = assembly_of(example(name))
+    shape = shape_of(assembly)
+    for piece, block in zip(assembly.pieces, shape["blocks"], strict=True):
+        points = np.array(block["points"])
+        area = sum(areas(points, block["triangles"]))
+        solids = getattr(piece, "solids", (piece,))
+        sides = [shoelace(side) for solid in solids for side in solid.outlines]
+        assert area == pytest.approx(sum(sides), rel=1e-5)
+        assert max(map(max, block["edges"])) < len(points)
+    for face, region in zip(assembly.faces, shape["interfaces"], strict=True):
+        points = np.array(region["points"])
+        assert sum(areas(points, region["triangles"])) == pytest.approx(face.area, rel=1e-5)
+        assert region["between"] == [face.below, face.above]
+
+
+def areas(points: Any, triangles: list[list[int]]) -> Iterator[float]:
+    for a, b, c in triangles:
+        yield float(np.linalg.norm(np.cross(points[b] - points[a], points[c] - points[a]))) / 2
+
+
+def shoelace(corners: Any) -> float:
+    around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    return float(np.linalg.norm(around)) / 2
+
+
+def test_equal_shapes_are_told_once() -> None:
+    told = structures_content(shown_cases(), pd.DataFrame({"model": [], "case": []}))
+    shapes = {(each["structure"], each["variant"]): each["shape"] for each in told["cases"]}
+    assert shapes["trilith", "reference"] == shapes["trilith", "dry"]
+    assert len(told["shapes"]) == 3
+
+
+def test_what_the_page_has_no_room_for_is_left_out(
+    results: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tables = tables_in(results)
+    assert len(with_room(tables)["blocks"]) == len(tables["blocks"])
+    monkeypatch.setattr(structures, "MOST_ROWS", 20)
+    fewer = with_room(tables)
+    assert 0 < len(fewer["blocks"]) + len(fewer["interfaces"]) <= 20
+    monkeypatch.setattr(structures, "MOST_POINTS", 60)
+    told = structures_content(shown_cases(), fewer["blocks"])
+    assert {each["shape"] for each in told["cases"]} >= {0, None}
+
+
+def test_the_verdict_tells_loads_tilts_and_what_is_refused(results: Path) -> None:
+    table = tables_in(results)["structures"]
+    found = {each["title"]: each["text"] for each in structures_verdict(table)}
+    assert found["trilith"].startswith("load: 7848 N, 0.25 of the weight (static model); load, dry")
+    tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
+    assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model)."
+    assert found["keyed"].endswith("(limit analysis).")
+    assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
+    failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))
+    kinds = {each["title"]: each["kind"] for each in structures_verdict(failed)}
+    assert kinds["Structures without a result"] == "bad"
+
+
+def test_engines_that_differ_from_the_static_model_are_told(results: Path) -> None:
+    table = tables_in(results)["structures"]
+    row = table[table["model"].eq("limit")].iloc[[0]]
+    for apart, kind in ((-0.004, "good"), (0.03, "bad")):
+        more = pd.concat([table, row.assign(model="yade", difference_to_static=apart)])
+        found = {each["title"]: each for each in structures_verdict(more)}
+        told = found["Engines against the static model, structures"]
+        assert told["kind"] == kind
+        assert f"{100 * abs(apart):.2f} %" in told["text"]
+
+
+@pytest.mark.parametrize("name", [REPORT, "alone.html"])
+def test_the_page_is_one_file_that_asks_for_nothing(results: Path, name: str) -> None:
+    text = (results / name).read_text()
+    assert len(text.encode()) < MOST_BYTES
+    assert leaving_in_html(text) == []
+    assert ('id="curve-plot"' in text) == (name == REPORT)
+
+
+# --- in a browser --------------------------------------------------------------------------------
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with chromium() as opened:
+        yield opened
+
+
+@pytest.fixture
+def opened(browser: Any, results: Path) -> Iterator[Opened]:
+    """The report of the structures alone."""
+    page = browser.new_page(viewport=WIDE)
+    found = Opened(page)
+    page.goto((results / "alone.html").as_uri())
+    page.wait_for_function(PLOTS)
+    yield found
+    page.close()
+
+
+def points(opened: Opened, trace: int) -> Any:
+    """The points of a trace, (N, 3) in m, without gaps between lines."""
+    read = "([k]) => { const t = document.getElementById('structure-plot').data[k];"
+    read += " return [[...t.x], [...t.y], [...t.z]]; }"
+    rows = np.array(opened.page.evaluate(read, [trace]), float).T.reshape(-1, 3)
+    return rows[~np.isnan(rows).any(axis=1)]
+
+
+def choose(opened: Opened, **parts: str) -> None:
+    for part, value in parts.items():
+        opened.page.select_option(f"#structure-{part}", value)
+
+
+@needs_browser
+@pytest.mark.parametrize("name", [REPORT, "alone.html"])
+def test_it_opens_without_an_error_or_a_request(browser: Any, results: Path, name: str) -> None:
+    page = browser.new_page(viewport=WIDE)
+    page.add_init_script(WATCH)
+    found = Opened(page)
+    page.goto((results / name).as_uri())
+    page.wait_for_function(PLOTS)
+    assert found.errors == []
+    assert [url for url in found.requests if not url.startswith(("file:", "data:", "blob:"))] == []
+    assert page.locator("#structures .modebar-btn").count() > 3
+    assert leaving_in_browser(page) == []
+    page.close()
+
+
+@needs_browser
+def test_it_opens_undeformed_and_moves_with_the_keyboard(opened: Opened) -> None:
+    page = opened.page
+    assert page.text_content("#structure-factor") == "undeformed"
+    blocks = shape_of(assembly_of(example("trilith")))["blocks"]
+    free = np.array([point for each in blocks if not each["fixed"] for point in each["points"]])
+    at_rest = points(opened, OF_FREE)
+    assert at_rest == pytest.approx(free)
+    page.focus("#structure-motion")
+    page.keyboard.press("End")
+    moved = np.linalg.norm(points(opened, OF_FREE) - at_rest, axis=1).max()
+    size = np.linalg.norm(np.ptp(np.array([p for each in blocks for p in each["points"]]), axis=0))
+    assert 0.02 * size < moved < 0.16 * size
+    assert points(opened, 0) == pytest.approx(np.array(blocks[0]["points"]))  # the ground stays
+    assert (page.text_content("#structure-factor") or "").endswith("(at the peak)")
+    page.keyboard.press("Home")
+    assert points(opened, OF_FREE) == pytest.approx(at_rest)
+
+
+@needs_browser
+def test_the_factor_is_what_displacements_are_multiplied_by(opened: Opened, results: Path) -> None:
+    choose(opened, model="limit", variant="dry")
+    at_rest = points(opened, OF_FREE)
+    opened.page.focus("#structure-motion")
+    opened.page.keyboard.press("End")
+    told = opened.page.text_content("#structure-factor") or ""
+    assert told.endswith("(mechanism)")
+    rows = tables_in(results)["blocks"]
+    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "limit") & ~rows["fixed"]]
+    turn = own[["turn_x", "turn_y", "turn_z"]].to_numpy().repeat(8, axis=0)
+    centre = own[["x_m", "y_m", "z_m"]].to_numpy().repeat(8, axis=0)
+    move = own[["move_x_m", "move_y_m", "move_z_m"]].to_numpy().repeat(8, axis=0)
+    whole = move + np.cross(turn, at_rest - centre)
+    factor = float(told.split()[1])
+    assert points(opened, OF_FREE) - at_rest == pytest.approx(factor * whole, rel=0.06, abs=2e-3)
+
+
+@needs_browser
+def test_the_mechanism_plays_until_it_is_stopped(opened: Opened) -> None:
+    page = opened.page
+    page.focus("#structure-play")
+    page.keyboard.press("Enter")
+    for _ in range(200):  # the page forbids what Playwright would wait with
+        page.wait_for_timeout(50)
+        if float(page.input_value("#structure-motion")) > 20:
+            break
+    assert float(page.input_value("#structure-motion")) > 20
+    assert page.get_attribute("#structure-play", "aria-pressed") == "true"
+    page.keyboard.press("Enter")
+    assert page.text_content("#structure-play") == "Play"
+    page.wait_for_timeout(300)
+    value = page.input_value("#structure-motion")
+    page.wait_for_timeout(300)
+    assert page.input_value("#structure-motion") == value
+    choose(opened, model="limit")
+    assert page.input_value("#structure-motion") == "0"
+
+
+@needs_browser
+def test_lines_of_forces_go_through_their_points_and_are_as_long(
+    opened: Opened, results: Path
+) -> None:
+    choose(opened, variant="dry")
+    rows = tables_in(results)["interfaces"]
+    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
+    ends = points(opened, OF_LINES).reshape(-1, 2, 3)
+    acting = own[["at_x_m", "at_y_m", "at_z_m"]].to_numpy()
+    assert ends.mean(axis=1) == pytest.approx(acting, abs=1e-4)
+    assert points(opened, OF_DOTS) == pytest.approx(acting, abs=1e-4)
+    along = ends[:, 1] - ends[:, 0]
+    force = own[["force_x_N", "force_y_N", "force_z_N"]].to_numpy()
+    scale = np.linalg.norm(along, axis=1).max() / np.linalg.norm(force, axis=1).max()
+    assert along == pytest.approx(scale * force, abs=1e-4)
+    opened.page.uncheck("#structure-forces")
+    assert len(points(opened, OF_LINES)) == 0
+
+
+@needs_browser
+def test_interfaces_have_the_colour_of_their_utilisation(opened: Opened, results: Path) -> None:
+    rows = tables_in(results)["interfaces"]
+    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")]
+    read = "[...document.getElementById('structure-plot').data[3].intensity]"
+    shown = opened.page.evaluate(read)  # two triangles for each
+    assert shown[::2] == pytest.approx(own["utilisation"].tolist(), rel=1e-5)
+
+
+@needs_browser
+def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
+    told = opened.page.text_content("#structure-order") or ""
+    assert told.startswith(
+        "The first bond to fail is that of left-lintel, outlined in red, at 1600"
+    )
+    regions = {
+        each["name"]: each for each in shape_of(assembly_of(example("trilith")))["interfaces"]
+    }
+    corners = np.unique(points(opened, OF_FIRST), axis=0)
+    expected = np.unique(np.array(regions["left-lintel"]["points"]), axis=0)
+    assert corners == pytest.approx(expected)
+    choose(opened, variant="dry")
+    assert len(points(opened, OF_FIRST)) == 0
+    assert "All interfaces are dry" in (opened.page.text_content("#structure-order") or "")
+
+
+@needs_browser
+def test_models_stand_side_by_side_and_a_refusal_is_told(opened: Opened) -> None:
+    page = opened.page
+    head = page.locator("#structure-models th").all_text_contents()
+    assert head[:4] == ["model", "load (N)", "load / weight", "to static (%)"]
+    cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
+    assert cells[:3] == ["static model", "7848", "0.25"]
+    choose(opened, name="keyed", model="static")
+    assert "static model refuses it: base-block has condensed locks" in str(
+        page.text_content("#structure-order")
+    )
+    assert page.is_disabled("#structure-play")
+    assert len(points(opened, OF_FREE)) == 8
+    choose(opened, name="stack")
+    assert "tilt (°)" in page.locator("#structure-models th").all_text_contents()
+
+
+@needs_browser
+def test_it_fits_a_narrow_window(browser: Any, results: Path) -> None:
+    page = browser.new_page(viewport=NARROW)
+    page.goto((results / "alone.html").as_uri())
+    page.wait_for_function(PLOTS)
+    assert page.evaluate("document.documentElement.scrollWidth") <= NARROW["width"]
+    page.close()
+
+
+@needs_browser
+def test_everyone_can_read_it(opened: Opened) -> None:
+    """What an automatic check of accessibility can see."""
+    found = Axe().run(opened.page)
+    assert found.violations_count == 0, found.generate_report()

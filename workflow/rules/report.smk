@@ -1,0 +1,31 @@
+# The page of a study's joints and structures, of whatever these have told of themselves.
+from analysis.report.files import FILES as PAGE_FILES
+from analysis.report.files import REPORT
+
+SHOWN_STRUCTURES = {  # one case of each, whatever its model
+    case.name: case.to_json() for case in reversed(STRUCTURES.cases.values())
+}
+
+
+rule report:
+    input:
+        **REPORT_INPUTS,
+        plan=plan("report"),
+    output:
+        page=shown(REPORT),
+    log:
+        below("logs/report.log"),
+    group:
+        "tables"
+    resources:
+        **asks("report"),
+    params:
+        step="analysis.report.page",
+        study=lambda wildcards: STUDY.pieces_json() if STUDY.samples else None,
+        structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
+        cases=[*reversed(SHOWN_STRUCTURES.values())],
+        files=PAGE_FILES,
+    message:
+        "Write the report"
+    shell:
+        STEP
