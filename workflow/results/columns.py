@@ -146,6 +146,12 @@ MEANINGS: Mapping[str, str] = {
     "utilisation": "use of the node that is used most, 1 at failure: of its strength where it is "
     "bonded, of its friction where it is not",
     "bonded_share": "part of the interface's area that is bonded",
+    "force_x_N": "x component of the resultant on the second block of the interface's name",
+    "force_y_N": "y component of the resultant on the second block of the interface's name",
+    "force_z_N": "z component of the resultant on the second block of the interface's name",
+    "at_x_m": "x of the point where the resultant acts; empty where there is none",
+    "at_y_m": "y of the point where the resultant acts; empty where there is none",
+    "at_z_m": "z of the point where the resultant acts; empty where there is none",
     "fixed": "whether the block is fixed",
     "x_m": "x of the block's centroid",
     "y_m": "y of the block's centroid",
