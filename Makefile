@@ -135,7 +135,7 @@ format: .venv/test.ready
 	@sh workflow/install.sh $<
 	@touch $@
 
-# A faulty configuration is told before minutes of installing.
+# Errors in the configuration are reported before anything is installed.
 early:
 	@python3 workflow/run/before_install.py "$$CONFIG"
 

@@ -23,5 +23,5 @@ exclude_patterns = ["_build"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 
-# The page of keys is made from the schema each time.
-Path(__file__).with_name("configuration.md").write_text(reference.page())
+# The pages of keys and columns are made from the code each time.
+reference.write_pages(Path(__file__).parent)

@@ -1,6 +1,6 @@
 """Numbers with a range and a unit: what the fields of a joint are annotated with.
 
-Whoever reads a joint takes ranges, units and messages from these annotations: the library's
+Everything that reads a joint takes ranges, units and messages from these annotations: the library's
 dataclasses, the command, its files, and the configuration of a study.
 """
 
@@ -164,3 +164,4 @@ Strength = Annotated[float, Number(at_least=0, unit="Pa")]
 FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
 Friction = Annotated[float, Number(at_least=0)]
 Part = Annotated[float, Number(at_least=0, at_most=1)]
+Share = Annotated[float, Number(above=0, below=1)]  # neither nothing nor all

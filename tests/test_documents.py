@@ -21,11 +21,13 @@ from workflow import reference
 from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
 from workflow.planning.snakefile import plan_of
+from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.files import CASE, OUTPUTS, RECORD
+from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 
-MADE = {"configuration.md"}  # by the site, from the schema
+MADE = {"configuration.md", "columns.md"}  # by the site, from the code
 PAGES = [
     ROOT / "README.md",
     ROOT / "CONTRIBUTING.md",
@@ -158,6 +160,31 @@ def test_the_page_of_keys_has_every_key() -> None:
             assert f"| `{key}` |" in text
 
 
+def test_every_column_of_every_table_has_a_meaning_and_every_meaning_a_column() -> None:
+    for table in TABLES:
+        for column in columns_of(table):
+            assert meaning(table, column), f"{table.name}: {column}"
+    names = {table.name: columns_of(table) for table in TABLES}
+    assert set(MEANINGS) <= {column for columns in names.values() for column in columns}
+    for name, exceptions in EXCEPTIONS.items():
+        assert set(exceptions) <= set(names[name])
+        assert all(MEANINGS.get(column) != text for column, text in exceptions.items())
+
+
+@pytest.mark.study
+def test_columns_that_may_follow_have_a_meaning_too(solved_study: tuple[Study, Path]) -> None:
+    rows = read_table(MODELS, solved_study[1] / "tables" / "models.csv")
+    patterns = [re.sub(r"<\w+>", r"\\d+", name) for name in columns_of(MODELS)]
+    assert all(any(re.fullmatch(each, column) for each in patterns) for column in rows)
+
+
+def test_the_page_of_columns_has_every_table_and_no_broken_row() -> None:
+    text = reference.columns_page()
+    assert [f"{table.name}.csv" for table in TABLES] == re.findall("^## (.*)", text, re.M)
+    rows = [line for line in text.splitlines() if line.startswith("| ")]
+    assert {line.count("|") for line in rows} == {3}
+
+
 def test_make_knows_every_command() -> None:
     wanted = {tuple(words) for page in PAGES for words in commands(page, "make")}
     for words in wanted:
@@ -200,7 +227,8 @@ def test_keys_of_the_configuration_have_the_values_that_a_page_gives_them(page: 
 def test_links_lead_to_files(page: Path) -> None:
     for target in LINK.findall(page.read_text()):
         if "://" not in target:
-            assert (page.parent / target.partition("#")[0]).exists(), target
+            path = (page.parent / target.partition("#")[0]).resolve()
+            assert path.exists() or path in {ROOT / "docs" / name for name in MADE}, target
 
 
 @pytest.fixture(scope="module")

@@ -56,7 +56,8 @@ def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh()
 
 def test_what_runs_a_part_of_a_sample_leads_no_figure_and_shows_what_it_has() -> None:
     only = {"yade": {"eccentricities": [0]}, "liggghts": {"meshes": [0.02]}}
-    study = read_study({"samples": {"n3": {"locks": 3, "only": only}}})
+    sample = {"locks": 3, "only": only}
+    study = read_study({"samples": {"n3": sample}, "dem": {"engines": [*only]}})
     figures = figures_of(study, detailed(study.model_names))
     assert figures["shear_stress-n3"].case.model == "static"
     assert figures["torsion_stress-n3-yade"].case.name == "n3-mesh0.005-e0a"

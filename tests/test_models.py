@@ -1,8 +1,9 @@
 """The registry: a model tells what it can, gives what it says, and refuses the rest in one line."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import pytest
+from conftest import ROOT
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
@@ -10,6 +11,7 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.pieces import assemble
 from sidmacib.problem import Problem
 from workflow.engines import ENGINES
+from workflow.engines.numerics import Numerics
 from workflow.model import Ability, Model, Need
 from workflow.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
 from workflow.outcome import Outcome, State
@@ -24,7 +26,8 @@ def loaded(joint: Joint) -> Problem:
 
 
 def test_every_way_to_obtain_results_has_its_models() -> None:
-    assert tuple(ENGINES) == ("yade", "liggghts", "calculix")
+    folders = {path.parent.name for path in (ROOT / "workflow/engines").glob("*/engine.py")}
+    assert {"yade", "liggghts", "calculix"} <= set(ENGINES) == folders
     assert SOLVED == ("static", "limit")
     assert RETURNED == ("3dec",)
     assert LAWS == ("law", "safe")
@@ -56,6 +59,8 @@ def test_engines_can_what_each_of_them_must() -> None:
         assert {Ability.NUMERICS, Ability.STRESSES, Ability.FIRST_FAILURE} <= can
         assert (Ability.ELASTIC in can) == engine.elastic == (Ability.RIGID not in can)
         assert (Ability.PROGRESSIVE in can) != engine.first_failure_only
+        assert engine.reads <= {field.name for field in fields(Numerics)}
+        assert (Ability.RANKS in can) == ("ranks" in engine.reads)
 
 
 @pytest.mark.parametrize("name", SOLVED)

@@ -70,9 +70,15 @@ def test_the_watcher_sees_a_listener_of_the_run_and_no_other(tmp_path: Path) -> 
         other.wait()
 
 
-@pytest.mark.parametrize(
-    ("name", "ranks"), [("yade", 1), ("liggghts", 1), ("liggghts", 2), ("calculix", 1)]
-)
+RUNS = [
+    (name, n)
+    for name, engine in ENGINES.items()
+    for n in (1, 2)
+    if n == 1 or "ranks" in engine.reads
+]
+
+
+@pytest.mark.parametrize(("name", "ranks"), RUNS)
 def test_a_run_listens_nowhere(name: str, ranks: int, tmp_path: Path) -> None:
     if ranks > 1 and subprocess.run([*PRIVATE_NETWORK, "true"], check=False).returncode:
         pytest.skip("this system allows no private network")

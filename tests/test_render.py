@@ -5,17 +5,23 @@ import json
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from stack import tilted_stack
+from structures import dry
 
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
 from sidmacib.pieces import assemble
+from sidmacib.problem import Problem, posed
+from sidmacib.structure.blocks import box
+from sidmacib.structure.loads import acceleration
+from sidmacib.structure.structure import structure
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine
 from workflow.engines.guide import guide_of
@@ -28,6 +34,7 @@ from workflow.engines.render import (
     script,
     write_script,
 )
+from workflow.engines.run import run_engine
 from workflow.engines.scripts.assembly import read_assembly
 
 
@@ -147,11 +154,41 @@ def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
     assert time_step(0.8) == pytest.approx(2 * time_step(0.4))
 
 
+def problems_of(engine: Engine) -> Iterator[Problem]:
+    """A joint and, for an engine that can do it, a structure of blocks."""
+    joint = Joint(3, elastic=Elastic(1e10) if engine.elastic else None)
+    yield posed(joint, Loading(Direction(0.5)), 0.03, NodeLayout.CENTRES)
+    if not engine.elastic:
+        ground = box("ground", (-0.3, -0.3, -0.2), (0.3, 0.3, 0.0), 2e3, fixed=True)
+        block = box("block", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.2), 2e3)
+        blocks = structure([ground, block], dry(0.5))
+        yield Problem(blocks, acceleration(blocks, (1.0, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize("key", [field.name for field in fields(Numerics)])
+def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
+    engine: Engine, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("workflow.engines.run.execute", lambda *_: None)
+    value = getattr(Numerics(), key)
+    other = not value if isinstance(value, bool) else type(value)(2 * value)
+
+    def scripts(numerics: Numerics) -> list[str]:
+        found = []
+        for problem in problems_of(engine):
+            run_engine(engine, problem, numerics, "", tmp_path, 1.0)
+            found.append((tmp_path / engine.script).read_text())
+        return found
+
+    one, two = scripts(Numerics()), scripts(replace(Numerics(), **{key: other}))
+    assert (one != two) == (key in engine.reads)
+
+
 def test_data_are_plain_json(case) -> None:
     assert json.loads(json.dumps(assembly_data(*case))) == assembly_data(*case)
 
 
-@pytest.mark.parametrize("name", ["yade", "liggghts"])
+@pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])
 def test_the_static_model_tells_where_to_look_first(
     name: str, case: tuple[Assembly, Loads]
 ) -> None:

@@ -121,4 +121,4 @@ def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None
     assert started("-m", "workflow", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
     path.write_text(SMALL)
     asked[-1] = "n4"
-    assert started("-m", "workflow", *asked).stderr.startswith("CASE: 'n4' is no case")
+    assert started("-m", "workflow", *asked).stderr.startswith("CASE: 'n4' is not a case")

@@ -45,7 +45,7 @@ def cases_of(study: Study) -> dict[CaseId, Case]:
         names = {case.name for case in _cases(study, tuple(ENGINES))}
         for name in study.overrides:
             if name not in names:
-                raise ConfigError(f"overrides: {shown(name)} is no case; {_near(name, names)}")
+                raise ConfigError(f"overrides: {shown(name)} is not a case; {_near(name, names)}")
     return cases
 
 
@@ -214,7 +214,7 @@ def find_place(study: Study, name: str) -> Place:
         for mesh, ratio in product(meshes, ratios):
             places[case_name(sample, mesh, ratio, variant)] = Place(sample, mesh, ratio, variant)
     if name not in places:
-        raise CallError(f"CASE: {shown(name)} is no case; {_near(name, set(places))}")
+        raise CallError(f"CASE: {shown(name)} is not a case; {_near(name, set(places))}")
     return places[name]
 
 
@@ -235,5 +235,5 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
     chosen = CaseId(model, name)
     if chosen not in cases:
         names = {own for of, own in cases if of == model}
-        raise CallError(f"CASE: {shown(name)} is no case of {model}; {_near(name, names)}")
+        raise CallError(f"CASE: {shown(name)} is not a case of {model}; {_near(name, names)}")
     return cases[chosen]

@@ -1,4 +1,4 @@
-"""Read a study's configuration from a mapping or a YAML file; each fault is told in one line."""
+"""Read a study's configuration from a mapping or a YAML file; one line reports each error."""
 
 import sys
 from collections.abc import Mapping

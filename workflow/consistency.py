@@ -149,12 +149,12 @@ def notes(study: Study) -> list[str]:
         for warning in unit_warnings(study.joint(name))
     }
     found = [*sorted(warnings), *_fading(study)]
-    for model in (MODELS[name] for name in study.dem.engines):
-        ignored = model.ignores | (frozenset() if Ability.RANKS in model.abilities else {"ranks"})
+    for engine in (ENGINES[name] for name in study.dem.engines):
+        ignored = sorted({*NumericsSection.model_fields} - engine.reads)
         for place, numerics in given.items():
-            for key in sorted(ignored):
+            for key in ignored:
                 if getattr(numerics, key) not in (None, getattr(default, key)):
-                    found.append(f"{place}.{key}: {model.name} takes no notice of it")
+                    found.append(f"{place}.{key}: no effect in {engine.name}")
     return found
 
 

@@ -50,17 +50,12 @@ class Need:
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
-    """A model of the joint.
-
-    ``label``, ``colour``: in figures, report and explorer. ``ignores``: keys of dem.numerics that
-    have no effect on it.
-    """
+    """A model of the joint; ``label``, ``colour``: in figures, report and explorer."""
 
     name: str
     label: str
     colour: str
     abilities: frozenset[Ability]
-    ignores: frozenset[str] = frozenset()
 
     @property
     def first_failure_only(self) -> bool:

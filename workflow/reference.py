@@ -1,10 +1,11 @@
-"""Every key of the configuration, as a page in Markdown: made from the schema."""
+"""Pages in Markdown that are made from the code: keys of the configuration, columns of tables."""
 
 import math
 import types
 import typing
 from collections.abc import Iterator, Mapping
 from enum import StrEnum
+from pathlib import Path
 from typing import Any
 
 from pydantic import BeforeValidator
@@ -13,6 +14,8 @@ from pydantic_core import PydanticUndefined
 
 from sidmacib.hold_down import HoldDown
 from sidmacib.quantities import Number, Span
+from workflow.results.columns import TABLES, columns_of, meaning
+from workflow.results.tables import Table
 from workflow.schema import Study
 from workflow.schema.measured import words
 from workflow.schema.section import Section
@@ -33,13 +36,42 @@ WORDS = {  # of checks that are functions
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
 INTRODUCTION = """# Every key of the configuration
 
-A study is a YAML file of these keys. What it does not name has the default. A fault is told in one
-line that names the key, its value and what is allowed.
+A study is a YAML file of these keys. Omitted keys take their defaults. Each error is reported on
+one line, with the key, its value and what is allowed.
 """
 
 
+COLUMNS_INTRODUCTION = """# Every column of the tables
+
+The tables of a study are in `tables/` of the results folder, as CSV and Parquet. Units are at the
+end of the names of columns; numbers without one are pure. A cell is empty where a model has no such
+number. Columns that tell the rows of a table apart are in **bold**. Tables that only a campaign
+of `studies` writes are not here.
+"""
+
+
+def write_pages(folder: Path) -> None:
+    """Write all pages into ``folder``."""
+    (folder / "configuration.md").write_text(page())
+    (folder / "columns.md").write_text(columns_page())
+
+
+def columns_page() -> str:
+    """The page of columns, a section for each table."""
+    sections_of_tables = ["\n".join(_section(table)) for table in TABLES]
+    return "\n".join([COLUMNS_INTRODUCTION, *sections_of_tables])
+
+
+def _section(table: Table) -> list[str]:
+    rows = [
+        f"| {f'**`{name}`**' if name in table.key else f'`{name}`'} | {meaning(table, name)} |"
+        for name in columns_of(table)
+    ]
+    return [f"## {table.name}.csv", "", "| column | meaning |", "| --- | --- |", *rows, ""]
+
+
 def page() -> str:
-    """The page, a section for each section of the configuration."""
+    """The page of keys, a section for each section of the configuration."""
     lines = [INTRODUCTION]
     places: dict[type[Section], list[str]] = {}
     for path, section in sections(Study, ""):

@@ -85,7 +85,7 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
             type=click.Choice([str(push) for push in Push]),
             default="+y",
             show_default=True,
-            help="Side of the load.",
+            help="Direction of the load.",
         ),
         click.option(
             "--file",

@@ -102,11 +102,11 @@ def capacity(
     push: str,
     **flags: Any,
 ) -> None:
-    """Shear and torque that a joint carries, after several models.
+    """Shear and torque that a joint carries, by several models.
 
     safe is for design, law the best estimate of the first failure, static the peak of the joint's
-    pieces, limit what bonds that yield reach, sidmacib the published rule. Default: safe, law and
-    static. For elastic pieces: safe and law only (static takes minutes).
+    pieces, limit their load if bonds are ductile, sidmacib the published rule. Default: safe, law
+    and static. For elastic pieces: safe and law only (static takes minutes).
     """
     from sidmacib.command.answers import capacity_rows, usual_models
 
@@ -229,7 +229,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
 @click.option("--results", help="Results folder, in place of the configuration's.")
 @_format
 def cases(config: Path, results: str | None, form: str) -> None:
-    """A study's cases and their state; in the project's folder, where the workflow is."""
+    """A study's cases and their state. Works only in the project's folder."""
     if not WORKFLOW.is_file():
         raise click.ClickException("no workflow here; run this in the folder of the project")
     sys.path.insert(0, str(Path.cwd()))

@@ -26,7 +26,8 @@ class Engine(Model):
     ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
     the program, followed by the script's name; ``package``: Debian's package that has it;
     ``probe``: a program of that package, which tells whether it is installed; ``version_text``: a
-    text of the program that holds its version where ``version_pattern`` tells.
+    text of the program that holds its version where ``version_pattern`` tells; ``reads``: keys of
+    dem.numerics that have an effect on it.
     """
 
     template: str
@@ -35,6 +36,7 @@ class Engine(Model):
     probe: str
     version_text: Callable[[], str]
     version_pattern: str
+    reads: frozenset[str]
     script: str = "joint.py"
 
     @property

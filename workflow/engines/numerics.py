@@ -1,29 +1,36 @@
 """How an engine searches the peak."""
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from sidmacib.quantities import Number, Share
 
 
 @dataclass(frozen=True)
 class Numerics:
     """How the peak is searched; all numbers are pure.
 
-    ``tolerance``: last load increment over the peak. ``guided``: whether the static model tells
-    where to look first. ``first_increment``: over the loads' scale, where it does not.
-    ``ramp_periods``, ``hold_periods``: time in which the whole load is raised, and of the longest
-    wait for equilibrium after an increment, over the unbroken assembly's longest natural period.
-    ``unbalanced_ratio``: mean unbalanced force on a piece over the load. ``collapse_ratio``:
-    displacement over that of the unbroken assembly under the same load. ``damping``: share of the
-    unbalanced force that is taken out, of engines that do not ignore it. ``time_step_ratio``: over
-    the largest stable time step. ``ranks``: processes for one case, where an engine can share it.
+    The configuration takes keys, ranges and defaults of ``dem.numerics`` from here. Which of them
+    an engine takes notice of is in its `reads`.
     """
 
-    tolerance: float = 0.001
+    # last load increment over the peak
+    tolerance: Annotated[float, Number(at_least=1e-5, at_most=0.0025)] = 0.001
+    # whether the static model tells where to look first
     guided: bool = True
-    first_increment: float = 0.05
-    ramp_periods: float = 40.0
-    hold_periods: float = 400.0
-    unbalanced_ratio: float = 1e-4
-    collapse_ratio: float = 200.0
-    damping: float = 0.4
-    time_step_ratio: float = 0.4
-    ranks: int = 1
+    # over the loads' scale, where it does not
+    first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.05
+    # time in which the whole load is raised, and the longest wait for equilibrium after an
+    # increment, both over the longest natural period of the unbroken assembly
+    ramp_periods: Annotated[float, Number(at_least=1, at_most=1000)] = 40.0
+    hold_periods: Annotated[float, Number(at_least=1, at_most=100_000)] = 400.0
+    # mean unbalanced force on a piece over the load; less is equilibrium
+    unbalanced_ratio: Annotated[float, Number(at_least=1e-9, at_most=0.01)] = 1e-4
+    # displacement over that of the unbroken assembly under the same load; more is failure
+    collapse_ratio: Annotated[float, Number(at_least=5, at_most=10_000)] = 200.0
+    # share of the unbalanced force that is removed
+    damping: Share = 0.4
+    # over the largest stable time step
+    time_step_ratio: Share = 0.4
+    # processes for one case
+    ranks: Annotated[int, Number(at_least=1, at_most=1024, whole=True)] = 1

@@ -27,7 +27,7 @@ def run_engine(
     """
     if reason := refusal(engine, problem.assembly):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
-    guided = numerics.guided and "guided" not in engine.ignores
+    guided = numerics.guided and "guided" in engine.reads
     guide = guide_of(*problem) if guided else None
     write_script(engine, *problem, numerics, title, folder, guide)
     execute(engine, folder, time_limit)

@@ -2,9 +2,9 @@
 
 from typing import Annotated
 
-from sidmacib.quantities import Friction, Number
+from sidmacib.quantities import Friction, Number, Share
 from workflow.schema.section import Section
-from workflow.schema.values import Lengths, Positive, Share, Some
+from workflow.schema.values import Lengths, Positive, Some
 
 
 class CalibrationSection(Section):

@@ -5,21 +5,9 @@ from typing import Annotated, Any
 from sidmacib.quantities import Number
 from workflow.engines.numerics import Numerics
 from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Several, Share, Switch
+from workflow.schema.values import Several
 
-_KEYS: Any = section_of(
-    Numerics,
-    tolerance=Annotated[float, Number(at_least=1e-5, at_most=0.0025)],
-    guided=Switch,
-    first_increment=Annotated[float, Number(above=0, at_most=1)],
-    ramp_periods=Annotated[float, Number(at_least=1, at_most=1000)],
-    hold_periods=Annotated[float, Number(at_least=1, at_most=100_000)],
-    unbalanced_ratio=Annotated[float, Number(at_least=1e-9, at_most=0.01)],
-    collapse_ratio=Annotated[float, Number(at_least=5, at_most=10_000)],
-    damping=Share,
-    time_step_ratio=Share,
-    ranks=Annotated[int, Number(at_least=1, at_most=1024, whole=True)],
-)
+_KEYS: Any = section_of(Numerics)
 
 
 class NumericsSection(_KEYS):

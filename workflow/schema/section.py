@@ -5,6 +5,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, create_model
 
 from sidmacib.fields import kinds_of
+from workflow.schema.values import Switch
 
 
 class Section(BaseModel):
@@ -17,10 +18,12 @@ def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
     """A section of some fields of the dataclass ``source``, or all, with its defaults.
 
     ``source`` may be an instance, whose values are the defaults then. ``kinds``: annotations that
-    are narrower than those of the dataclass.
+    are narrower than those of the dataclass. Where it has a ``bool``, the section takes nothing
+    but true and false.
     """
     dataclass: Any = source if isinstance(source, type) else type(source)
-    annotations = {**kinds_of(dataclass), **kinds}
+    own = {key: Switch if kind is bool else kind for key, kind in kinds_of(dataclass).items()}
+    annotations = {**own, **kinds}
     chosen: dict[str, Any] = {
         key: (annotations[key], getattr(source, key, ...)) for key in keys or annotations
     }

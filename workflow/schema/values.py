@@ -1,6 +1,6 @@
 """Kinds of values in the configuration that a joint has not: each with its range and message.
 
-A fault raises a ValueError whose text comes after the key's name: "-1 is not allowed; it must
+A bad value raises a ValueError whose text follows the key's name: "-1 is not allowed; it must
 be ...".
 """
 
@@ -25,7 +25,6 @@ def shown_key(key: Any) -> str:
 
 
 Positive = Annotated[float, Number(above=0)]
-Share = Annotated[float, Number(above=0, below=1)]
 
 
 def switch(value: Any) -> bool:

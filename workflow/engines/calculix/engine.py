@@ -32,10 +32,5 @@ CALCULIX = Engine(
     probe="ccx",
     version_text=_version,
     version_pattern=r"Version ([\d.]+)",
-    ignores=frozenset(
-        {
-            *("ramp_periods", "hold_periods", "unbalanced_ratio", "collapse_ratio"),
-            *("damping", "time_step_ratio", "guided"),
-        }
-    ),
+    reads=frozenset({"tolerance", "first_increment"}),
 )

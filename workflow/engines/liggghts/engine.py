@@ -38,5 +38,10 @@ LIGGGHTS = Engine(
     probe="liggghts",
     version_text=_help,
     version_pattern=r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)",
-    ignores=frozenset({"damping"}),
+    reads=frozenset(
+        {
+            *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
+            *("unbalanced_ratio", "collapse_ratio", "time_step_ratio", "ranks"),
+        }
+    ),
 )

@@ -34,5 +34,10 @@ YADE = Engine(
     probe="yade",
     version_text=_configuration,
     version_pattern=r"^version='(.+)'",
-    ignores=frozenset({"ranks"}),
+    reads=frozenset(
+        {
+            *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
+            *("unbalanced_ratio", "collapse_ratio", "time_step_ratio", "damping"),
+        }
+    ),
 )
