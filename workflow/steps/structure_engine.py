@@ -57,13 +57,12 @@ def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> Str
         case.numerics.tolerance,
         case.numerics.first_increment * problem.loads.scale,
     )
-    face = first_broken(folder / HISTORY, problem.assembly)
-    found = Found(outcome, first_face=face)
+    found = Found(outcome, broken_at=broken_at(folder / HISTORY, problem.assembly))
     return structure_record(case, problem, found, {engine.name: engine.version()})
 
 
-def first_broken(history: Path, assembly: Assembly) -> int | None:
-    """The face with the largest broken share at the least load with any; None if there is none."""
+def broken_at(history: Path, assembly: Assembly) -> dict[int, float]:
+    """The least load (N) with a broken share of each face; in the order of loads, then shares."""
     names = {f"{face.name}{BROKEN}": number for number, face in enumerate(assembly.faces)}
     rows = read_table(history, ("load_N",))
     broken = [
@@ -72,4 +71,7 @@ def first_broken(history: Path, assembly: Assembly) -> int | None:
         for name, number in names.items()
         if name in row and float(row[name]) > 0.0
     ]
-    return min(broken)[2] if broken else None
+    found: dict[int, float] = {}
+    for load, _, number in sorted(broken):
+        found.setdefault(number, load)
+    return found
