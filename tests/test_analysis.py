@@ -20,7 +20,8 @@ from analysis.tables.collect import (
     weight_sums,
     weights_table,
 )
-from analysis.tables.fit import best_pair, fit_table, misfit, winner
+from analysis.tables.fit import best_pair, fit_table
+from analysis.tables.misfit import misfit, winner
 from analysis.tables.study_points import pure_shear_weights
 from analysis.tables.validation import quantity_label
 from sidmacib.contact_points.options import ContactOption

@@ -14,12 +14,12 @@ from structures import dry, moved
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Vector
 from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.limit_tilt import limit_tilt
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
 from sidmacib.structure.tilt import (
     Motion,
     Tilt,
-    limit_tilt,
     load_of_tilt,
     motion_of,
     moves_most,

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_name
-from analysis.tables.fit import winner
+from analysis.tables.misfit import winner
 from workflow.case import REFERENCE
 from workflow.engines import ENGINES
 

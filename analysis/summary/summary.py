@@ -17,7 +17,7 @@ from analysis.summary.answers import (
     percent,
     ratios,
 )
-from analysis.tables.fit import winner
+from analysis.tables.misfit import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT

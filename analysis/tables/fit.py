@@ -7,7 +7,6 @@ relative difference of the loads: positive where SiDMACIB promises more than the
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
 
+from analysis.tables.misfit import misfit
 from analysis.tables.study_points import study_points
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
@@ -23,25 +23,6 @@ from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
 from workflow.schema import Study
-
-
-@dataclass(frozen=True)
-class LoadErrors:
-    """Relative errors of a curve: root mean square, largest unsafe and largest safe one."""
-
-    misfit: float
-    largest_unsafe_error: float
-    largest_safe_error: float
-
-
-def misfit(promised: Floats, carried: Floats) -> LoadErrors:
-    """Errors of SiDMACIB's loads against those of a detailed model, both in N, of shape (N,)."""
-    error = promised / carried - 1.0
-    return LoadErrors(
-        float(np.sqrt(np.mean(error**2))),
-        float(max(error.max(), 0.0)),
-        float(max(-error.min(), 0.0)),
-    )
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:
@@ -84,14 +65,6 @@ def detailed_curves(capacity: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]
     carried = capacity[(capacity["variant"] == REFERENCE) & capacity["model"].isin(used)]
     for model, rows in carried.groupby("model", sort=False):
         yield str(model), rows
-
-
-def winner(fit: pd.DataFrame, sample: str, mesh: float, **chosen: object) -> pd.Series:
-    """The row of ``fit`` that fits a sample at a mesh best, among those with ``chosen`` values."""
-    rows = fit[(fit["sample"] == sample) & np.isclose(fit["mesh_m"], mesh)]
-    for column, value in chosen.items():
-        rows = rows[rows[column] == value]
-    return rows.sort_values("misfit", kind="stable").iloc[0]
 
 
 def best_pair(

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.published import Published, read_published
-from analysis.tables.fit import winner
+from analysis.tables.misfit import winner
 from analysis.tables.study_points import pure_shear_weights, study_points
 from workflow.case import REFERENCE
 from workflow.models import LAWS, first_failure_only

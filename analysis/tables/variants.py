@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.tables.fit import LoadErrors, misfit
+from analysis.tables.misfit import LoadErrors, misfit
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
 from workflow.schema import Study
 

@@ -10,10 +10,11 @@ from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.limit_tilt import limit_tilt
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
 from sidmacib.structure.structure import refined
-from sidmacib.structure.tilt import Tilt, limit_tilt, moves_most, static_tilt
+from sidmacib.structure.tilt import Tilt, moves_most, static_tilt
 
 
 def structure_rows(problem: Problem) -> list[Row]:

@@ -98,8 +98,10 @@ def _imports(module: str) -> tuple[str, ...]:
 
 
 def _statements(node: ast.AST) -> Iterator[ast.AST]:
-    """All nodes below ``node``, except those for type checkers only."""
+    """All statements below ``node``, except those for type checkers only."""
     for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.expr):  # no import is in there, and most nodes are
+            continue
         if not (isinstance(child, ast.If) and ast.unparse(child.test) == "TYPE_CHECKING"):
             yield child
             yield from _statements(child)

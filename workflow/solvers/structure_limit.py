@@ -3,7 +3,8 @@
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.problem import Problem
-from sidmacib.structure.tilt import Tilt, limit_tilt, load_of_tilt
+from sidmacib.structure.limit_tilt import limit_tilt
+from sidmacib.structure.tilt import Tilt, load_of_tilt
 from workflow.outcome import Outcome, State
 from workflow.structures.found import MECHANISM, Found
 

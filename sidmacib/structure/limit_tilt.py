@@ -1,0 +1,111 @@
+"""Gravity that turns, by limit analysis: the angle above which no admissible forces carry it.
+
+With friction that is associated this is an upper bound: blocks that wedge each other carry any load
+in limit analysis, but in a path of loading only if something presses them together first.
+
+Apart from `sidmacib.structure.tilt`, so that whoever follows a path loads no solver of programmes.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.structure.loads import free_weight
+from sidmacib.structure.tilt import LARGEST, Tilt, turned
+
+SECTOR = 60.0  # degrees that one programme of limit analysis sees
+SCAN = 5.0  # degrees between programmes where what they see is no sector
+LIMIT_PRECISION = 1e-4  # degrees
+
+
+@dataclass(frozen=True)
+class LimitTilt:
+    """The angle (degrees) up to which admissible forces exist, and the mechanism there, (P, 6).
+
+    Without a mechanism they exist up to 180 degrees.
+    """
+
+    angle: float
+    mechanism: Floats | None = None
+
+
+def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """The smallest angle above which limit analysis finds no admissible forces in ``assembly``.
+
+    Friction is associated. Angles without such forces that are less than 5 degrees apart may be
+    missed where there are bonds, or where the axis is not horizontal. `InfeasibleError` if there
+    are no forces before gravity turns; other errors of `limit_load`.
+    """
+    try:
+        require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
+    except InfeasibleError:
+        raise InfeasibleError("limit analysis: no forces balance gravity before it turns") from None
+    strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
+    if tilt.level and not strong:
+        return _by_sectors(assembly, tilt)
+    return _by_scan(assembly, tilt)
+
+
+def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """`limit_tilt` of an assembly without strengths about a horizontal axis.
+
+    Directions of gravity that admissible forces carry are a convex cone, in the plane in which
+    gravity turns a sector. Its end is the largest tangent of an angle: one programme.
+    """
+    weight = free_weight(assembly)
+    for begin in np.arange(0.0, LARGEST, SECTOR).tolist():
+        state = _across(assembly, tilt, begin)
+        if state is None:
+            continue
+        further = math.degrees(math.atan(state.load / weight))
+        if further < SECTOR:
+            return LimitTilt(begin + max(further, 0.0), state.mechanism)
+    return LimitTilt(LARGEST)
+
+
+def _across(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+    """The largest load beside gravity at ``angle`` (degrees), where it turns to; None for any."""
+    gravity = turned(assembly, tilt, angle)
+    beside = np.zeros_like(gravity.permanent)
+    beside[:, :3] = np.cross(tilt.unit, gravity.permanent[:, :3]) / gravity.scale
+    loads = replace(gravity, variable=beside)
+    try:
+        return limit_load(assembly, loads, friction=True)
+    except UnboundedError:
+        return None
+
+
+def _by_scan(assembly: Assembly, tilt: Tilt) -> LimitTilt:
+    """`limit_tilt` of any assembly: angles one after the other, then bisection."""
+    low = high = 0.0
+    state: LimitState | None = None
+    while state is None:
+        low, high = high, high + SCAN
+        if high > LARGEST:
+            return LimitTilt(LARGEST)
+        state = _short_of(assembly, tilt, high)
+    while high - low > LIMIT_PRECISION:
+        middle = (low + high) / 2
+        found = _short_of(assembly, tilt, middle)
+        low, high, state = (middle, high, state) if found is None else (low, middle, found)
+    return LimitTilt(low, state.mechanism)
+
+
+def _short_of(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
+    """The limit state on the way from upright gravity to that at ``angle``; None if it gets there.
+
+    The way is straight. It leads to ``angle`` if that has admissible forces, as the directions and
+    sizes of gravity that have them are a convex set.
+    """
+    upright, weight = turned(assembly, tilt, 0.0), free_weight(assembly)
+    change = turned(assembly, tilt, angle).permanent - upright.permanent
+    try:
+        state = limit_load(assembly, replace(upright, variable=change / weight), friction=True)
+    except UnboundedError:
+        return None
+    return None if state.load >= weight else state
