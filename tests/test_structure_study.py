@@ -296,3 +296,25 @@ def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> Non
     ]
     assert most_used(rows) == "pressed"
     assert most_used([]) is None
+
+
+@pytest.mark.engine
+def test_what_never_falls_is_an_answer_of_the_static_model_and_of_engines(tmp_path: Path) -> None:
+    glued = {
+        "blocks": {
+            "ground": {"low": [-1, -1, -1], "high": [1, 1, 0], "fixed": True},
+            "block": {"low": [0, 0, 0], "high": [0.4, 0.4, 0.4]},
+        },
+        "interfaces": {"cohesion": 1e8, "tensile_strength": 1e8},
+        "load": {"tilt": {"axis": [0, 1, 0]}},
+    }
+    config = {"structures": {"glued": {"description": glued}}, "models": ["static"]}
+    plan = plan_of(read_study({**config, "dem": {"engines": ["yade"]}, "results": str(tmp_path)}))
+    for job in plan.made.values():
+        run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    table = read_table(STRUCTURES, tmp_path / "tables/structures.csv").set_index("model")
+    for model in ("static", "yade"):
+        words = f"{model}: in equilibrium up to a tilt of 180 degrees"
+        assert table.loc[model, "refused"] == words
+    assert table["error"].isna().all()
+    assert (tmp_path / ".structures_complete").is_file()

@@ -10,6 +10,7 @@ from sidmacib.structure.file import structure_of
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import refusal, run_engine
+from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.results.files import CASE, HISTORY, OUTPUTS, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
 from workflow.run.attempts import KilledError, Settled, last_try
@@ -36,6 +37,10 @@ def run(
             raise KilledError(told) from error
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)
+        if NEVER_FALLS in str(error):  # an answer, if not a number
+            record = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+            path.write_text(record.to_json() + "\n")
+            return None
         record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
         path.write_text(record.to_json() + "\n")
         return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told

@@ -81,7 +81,8 @@ class StructureRecord:
     ``tilts``: whether gravity turns; loads are then the angle in radians times the weight.
     ``mesh_error``: of the load, over it, and ``first_failure_mesh_error``; None where no other mesh
     was solved. ``first_interface``: whose bond fails first. ``refused``: why the model cannot do
-    the structure, ``error``: why there is no result; all numbers are None in both.
+    the structure, or that it never falls, ``error``: why there is no result; all numbers are None
+    in both.
     """
 
     model: str
