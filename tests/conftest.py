@@ -1,10 +1,14 @@
 """What several tests need."""
 
+import fcntl
+import hashlib
 import importlib
 import json
 import os
+import shutil
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 
 # Before numpy is imported: threads of linear algebra on small matrices only wait for each other.
@@ -163,10 +167,38 @@ def a_case(
     )
 
 
+@pytest.fixture(scope="session")
+def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """What takes long, made by the first of all processes that test: a folder by its name.
+
+    Nobody writes into it but ``make``; where that fails, the next one tries again.
+    """
+    place = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        place = place.parent  # which all of them share
+
+    def made(name: str, make: Callable[[Path], object]) -> Path:
+        folder, whole = place / name, place / f"{name}.whole"
+        with (place / f"{name}.lock").open("w") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not whole.exists():
+                shutil.rmtree(folder, ignore_errors=True)
+                make(folder)
+                whole.touch()
+        return folder
+
+    return made
+
+
 @pytest.fixture
-def run(tmp_path: Path) -> Callable[[Case], CaseResult]:
-    folders = iter(range(100))
-    return lambda case: read_case(run_case(case, tmp_path / str(next(folders))), case)
+def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
+    """Run a case, once in all tests: runs repeat to the byte."""
+
+    def found(case: Case) -> CaseResult:
+        name = hashlib.sha256(case.to_json().encode()).hexdigest()[:16]
+        return read_case(made_once(f"case-{name}", partial(run_case, case)), case)
+
+    return found
 
 
 def run_case(case: Case, folder: Path) -> Path:

@@ -14,6 +14,12 @@ RIGID = [space for space in SPACES if not space.elastic]
 PLACE = st.lists(st.floats(0.0, 1.0), min_size=DIMENSIONS, max_size=DIMENSIONS)
 
 
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Generations of half the size: 128 joints in a search, the first of which fill the space."""
+    monkeypatch.setattr(attack, "POPULATION", 3)
+
+
 @given(place=PLACE, space=st.sampled_from(SPACES))
 def test_every_place_is_a_joint_inside_the_spans(place: list[float], space: Space) -> None:
     for name, value in spans_of(target_at(space, place).joint).items():
@@ -43,6 +49,7 @@ def test_the_safe_load_is_below_the_first_failure(place: list[float], space: Spa
 
 
 @pytest.mark.study
+@pytest.mark.usefixtures("small")
 @pytest.mark.parametrize("space", RIGID, ids=lambda space: space.name)
 def test_a_short_attack_finds_no_unsafe_joint(space: Space) -> None:
     worst = search(space, seed=1, evaluations=120)
@@ -53,6 +60,7 @@ def test_a_short_attack_finds_no_unsafe_joint(space: Space) -> None:
 
 
 @pytest.mark.study
+@pytest.mark.usefixtures("small")
 def test_an_attack_finds_a_rule_that_is_not_safe(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = attack.safe_load
     monkeypatch.setattr(attack, "safe_load", lambda target: 1.2 * (honest(target) or 0.0) or None)

@@ -34,9 +34,14 @@ def checkout(tmp_path: Path) -> Path:
     return folder
 
 
-def run(checkout: Path, place: Path, **more: str) -> subprocess.CompletedProcess[str]:
-    """One case of a study of that checkout, in the working directory ``place``."""
-    folder = checkout.parent
+def run(
+    checkout: Path, place: Path, folder: Path | None = None, **more: str
+) -> subprocess.CompletedProcess[str]:
+    """One case of a study of that checkout, in the working directory ``place``.
+
+    ``folder``: with the study and a home; by default the one that the checkout is in.
+    """
+    folder = folder or checkout.parent
     own = {name: value for name, value in os.environ.items() if name not in CACHES}
     told = (str(folder / "study.yaml"), f"--results={folder / 'results'}")
     command = (sys.executable, "-m", "workflow", "case", *told, "--case=n3-mesh0.03-e0a")
@@ -73,9 +78,11 @@ def test_a_working_directory_that_is_read_only_is_named_in_a_line(checkout: Path
 
 
 @pytest.mark.study
-def test_a_profile_of_other_workflows_changes_nothing(checkout: Path, tmp_path: Path) -> None:
-    (tmp_path / "mine").mkdir()
+def test_a_profile_of_other_workflows_changes_nothing(tmp_path: Path) -> None:
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(STUDY))
+    for name in ("home", "mine"):
+        (tmp_path / name).mkdir()
     (tmp_path / "mine/config.yaml").write_text("dry-run: true\n")
-    found = run(checkout, checkout, SNAKEMAKE_PROFILE=str(tmp_path / "mine"))
+    found = run(ROOT, tmp_path, tmp_path, SNAKEMAKE_PROFILE=str(tmp_path / "mine"))
     assert found.returncode == 0, found.stderr
     assert "load along the path" in found.stdout

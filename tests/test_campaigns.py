@@ -9,6 +9,7 @@ from campaigns import faults, fuzz
 @pytest.fixture(scope="module")
 def campaign() -> Iterator[faults.Campaign]:
     with faults.begun(seed=7) as begun:
+        begun.kills = 2
         yield begun
 
 

@@ -63,6 +63,7 @@ class Campaign:
 
     folder: Path
     random: random.Random
+    kills: int = 4  # processes of one round
     counts: dict[str, int] = field(default_factory=dict)
 
     @property
@@ -206,7 +207,7 @@ def killed(campaign: Campaign) -> None:
     """A process of a run that is killed, at any moment: the whole run, or a job, or an engine."""
     shutil.rmtree(campaign.results / "cases")
     shutil.rmtree(campaign.results / "tables")
-    for _ in range(4):
+    for _ in range(campaign.kills):
         process = campaign.run()
         time.sleep(campaign.random.uniform(0.2, 8.0))
         if process.poll() is None:
