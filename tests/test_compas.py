@@ -204,3 +204,37 @@ def test_a_file_that_is_no_json_is_named(path: Path) -> None:
     path.write_text("{")
     with pytest.raises(ValueError, match=r"assembly.json: is no JSON"):
         read_compas(path, 2e3)
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "words"),
+    [
+        (("tree", "root", "children"), "x", "tree: must have no groups"),
+        (("graph", "node", "3", "element"), [1], "elements: lacks the key"),
+        (("elements", "c", "data", "is_support"), "false", "block3: is_support: 'false' is not"),
+        (
+            ("elements", "c", "data", "transformation", "data", "matrix"),
+            "abc",
+            "block3: transformation: must be a matrix",
+        ),
+        (
+            ("elements", "c", "data", "transformation", "data", "matrix"),
+            [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
+            "block3: transformation: must end with 0, 0, 0, 1 and not mirror",
+        ),
+        (("materials", "stone", "data", "density"), 0, "block3: density of its material: 0 is not"),
+        (("materials", "stone", "data", "density"), 1e308, "must be greater than 0 and at most"),
+    ],
+)
+def test_what_a_model_has_wrong_is_named_in_one_line(
+    path: Path, keys: tuple[str, ...], value: Any, words: str
+) -> None:
+    given = model()
+    inside = given["data"]
+    for key in keys[:-1]:
+        inside = inside[key]
+    inside[keys[-1]] = value
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match=words) as caught:
+        read_compas(path, 2e3)
+    assert "\n" not in str(caught.value)

@@ -1,6 +1,7 @@
 """What goes back to COMPAS: forces that balance, a mechanism, and what its own package reads."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -60,6 +61,27 @@ def test_an_assembly_of_another_package_has_no_such_results(tmp_path: Path) -> N
     found = run("assembly", str(path), "--compas", str(tmp_path / "results.json"))
     assert found.exit_code == 1
     assert "for a compas_dem.models/BlockModel" in found.output
+
+
+@pytest.mark.parametrize(
+    ("content", "laws", "target", "words"),
+    [
+        (named, "", "nowhere/results.json", "No such file or directory"),
+        (model, "", "results.json", "lacks the key guid"),
+        (named, "load: {tilt: {axis: [0, 1, 0]}}", "results.json", "not a tilt"),
+    ],
+)
+def test_results_that_cannot_be_written_are_told_under_the_table(
+    tmp_path: Path, content: Callable[[], dict[str, Any]], laws: str, target: str, words: str
+) -> None:
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(content()))
+    if laws:
+        path.with_suffix(".yaml").write_text(laws)
+    found = run("assembly", str(path), "--compas", str(tmp_path / target))
+    assert found.exit_code == 1
+    assert words in found.stderr
+    assert "static" in found.stdout
 
 
 def test_locks_that_are_cut_out_are_refused(tmp_path: Path) -> None:

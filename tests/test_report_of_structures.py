@@ -140,9 +140,11 @@ def test_what_the_page_has_no_room_for_is_left_out(
 def test_the_verdict_tells_loads_tilts_and_what_is_refused(results: Path) -> None:
     table = tables_in(results)["structures"]
     found = {each["title"]: each["text"] for each in structures_verdict(table)}
-    assert found["trilith"].startswith("load: 7848 N, 0.25 of the weight (static model); load, dry")
+    assert found["trilith"].startswith(
+        "load: 7848 N, 0.25 of the weight (static model, mesh error 6 %); load, dry"
+    )
     tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
-    assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model)."
+    assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model, mesh error 1 %)."
     assert found["keyed"].endswith("(limit analysis).")
     assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
     failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))

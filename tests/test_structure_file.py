@@ -67,6 +67,20 @@ def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> 
     )
 
 
+def test_the_tilt_of_bonded_blocks_has_a_mesh_error_that_covers_a_finer_mesh(path: Path) -> None:
+    tall = {"low": [0, 0, 0], "high": [0.3, 0.3, 1.2], "density": 2000}
+    bonded = {"cohesion": 2e4, "tensile_strength": 8e3, "friction": 0.6}
+    given = ON_GROUND | {"blocks": {"ground": GROUND, "block": tall}, "interfaces": bonded}
+    given["load"] = {"tilt": {"axis": [0, 1, 0]}}
+    path.write_text(json.dumps(given))
+    rows = {str(row["model"]): row for row in answers("assembly", str(path))}
+    path.write_text(json.dumps(given | {"mesh": 0.02}))
+    fine = {str(row["model"]): row for row in answers("assembly", str(path))}
+    for model in ("static, first failure", "static, last equilibrium"):
+        one, other = (float(str(each[model]["tilt (degrees)"])) for each in (rows, fine))
+        assert abs(other / one - 1.0) <= float(str(rows[model]["mesh error / tilt"]))
+
+
 def test_models_of_loads_in_proportion_refuse_gravity_that_turns(path: Path) -> None:
     path.write_text(json.dumps({**ON_GROUND, "load": {"tilt": {"axis": [0, 1, 0]}}}))
     for model in (static_peak, limit_load):

@@ -217,6 +217,22 @@ def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
     assert feet["shear_N"].sum() == pytest.approx(whole["load_N"], rel=1e-5)
     assert own["utilisation"].max() <= 1.0 + 1e-6
     assert (own["kind"] == "dry").all()
+    assert own["fails_at"].isna().all()
+
+
+@pytest.mark.study
+def test_interfaces_tell_the_order_in_which_their_bonds_fail(results: Path) -> None:
+    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
+    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
+    whole = table.loc[("trilith-load", "static")]
+    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")].dropna(
+        subset="fails_at"
+    )
+    order = own.sort_values("fails_at", kind="stable")
+    assert order["interface"].iloc[0] == whole["first_interface"]
+    first = whole["first_failure_load_N"] / whole["load_N"]
+    assert order["fails_at"].iloc[0] == pytest.approx(first, rel=2e-3)
+    assert order["fails_at"].between(0.0, 1.0).all()
 
 
 @pytest.mark.study
@@ -273,10 +289,32 @@ def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> Non
         InterfaceRow(
             **dict.fromkeys(zero, 0.0)
             | law
-            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 0.0}
+            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 0.0, "fails_at": None}
             | {"normal_N": normal, "utilisation": used}
         )
         for name, normal, used in (("pressed", 100.0, 0.4), ("idle", 1e-3, 0.99))
     ]
     assert most_used(rows) == "pressed"
     assert most_used([]) is None
+
+
+@pytest.mark.engine
+def test_what_never_falls_is_an_answer_of_the_static_model_and_of_engines(tmp_path: Path) -> None:
+    glued = {
+        "blocks": {
+            "ground": {"low": [-1, -1, -1], "high": [1, 1, 0], "fixed": True},
+            "block": {"low": [0, 0, 0], "high": [0.4, 0.4, 0.4]},
+        },
+        "interfaces": {"cohesion": 1e8, "tensile_strength": 1e8},
+        "load": {"tilt": {"axis": [0, 1, 0]}},
+    }
+    config = {"structures": {"glued": {"description": glued}}, "models": ["static"]}
+    plan = plan_of(read_study({**config, "dem": {"engines": ["yade"]}, "results": str(tmp_path)}))
+    for job in plan.made.values():
+        run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    table = read_table(STRUCTURES, tmp_path / "tables/structures.csv").set_index("model")
+    for model in ("static", "yade"):
+        words = f"{model}: in equilibrium up to a tilt of 180 degrees"
+        assert table.loc[model, "refused"] == words
+    assert table["error"].isna().all()
+    assert (tmp_path / ".structures_complete").is_file()

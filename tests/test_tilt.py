@@ -15,6 +15,7 @@ from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, 
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Vector
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.limit_tilt import limit_tilt
+from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
 from sidmacib.structure.tilt import (
     Motion,
@@ -264,3 +265,14 @@ def test_a_stack_as_one_block_overturns_where_its_lowest_joint_opens() -> None:
         expected = degrees(0.5 / (0.3 * count))
         assert static_tilt(model, Y).angle == pytest.approx(expected, abs=0.01)
         assert limit_tilt(model, Y).angle == pytest.approx(expected, rel=1e-6)
+
+
+def test_condensed_locks_hold_what_slides_along_their_row_up_to_their_strength() -> None:
+    block = box("block", (0.0, 0.0, 0.0), (0.6, 0.6, 0.2), 2e3)
+    area, strength = 0.36, 0.5 * block.weight
+    inner = FaceMaterial(1e10, 1e10, 0.0, cohesion=strength / area, tensile_strength=1e9)
+    locks = Locks(3, 0.01, row=(1.0, 0.0, 0.0), inner=inner, condensed=Condensed())
+    pair = frozenset(("ground", "block"))
+    model = structure([GROUND, block], dry(0.0), locked={pair: locks})
+    expected = math.degrees(math.asin(0.5))  # the tangent would tell 26.6 degrees
+    assert limit_tilt(model, Y).angle == pytest.approx(expected, abs=1e-2)

@@ -206,10 +206,10 @@ function orderOf({ row, interfaces }) {
   if (!all.length) return "This model tells no forces at interfaces.";
   if (!bonded.length) return `All interfaces are dry: no bond fails.${used}`;
   if (row.first_interface === null) return `No first failure of a bond is told.${used}`;
-  const broken = bonded.filter((own) => own.bonded_share < 1);
-  const others = broken.map((own) => `${own.interface} (${Math.ceil(100 * (1 - own.bonded_share))} %)`);
+  const broken = bonded.filter((own) => own.fails_at !== null).sort((one, other) => one.fails_at - other.fails_at);
+  const others = broken.map((own) => `${own.interface} (${Math.round(100 * own.fails_at)} %)`);
   const first = `The first bond to fail is that of ${row.first_interface}, outlined in red, at ${firstFailure(row)}.`;
-  return `${first} ${others.length ? `At the last equilibrium bonds have failed over a part of the area of ${others.join(", ")}.` : "The last equilibrium is before that."}`;
+  return `${first} ${others.length > 1 ? `Order of failure, in per cent of the peak load: ${others.join(", ")}.` : "No other bond fails before the peak."}`;
 }
 
 const percent = (share) => (share === null ? null : Number((100 * share).toFixed(2)));

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of
@@ -60,8 +61,10 @@ def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
         if room >= 0:
             chosen.add((row.model, row.case))
     return {
-        name: tables[name][[pair in chosen for pair in tables[name][keys].itertuples(index=False)]]
-        for name in ("interfaces", "blocks")
+        name: table.loc[
+            np.array([pair in chosen for pair in table[keys].itertuples(index=False)], bool)
+        ]
+        for name, table in ((name, tables[name]) for name in ("interfaces", "blocks"))
     }
 
 
@@ -81,7 +84,9 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
             static = answered[answered["model"].eq(REFERENCE_MODEL)]
             row = (answered if static.empty else static).iloc[0].to_dict()
             case = load if variant == REFERENCE else f"{load}, {variant}"
-            lines.append(f"{case}: {_answer(row)} ({label_of(row['model']).name})")
+            error = row["mesh_error"]
+            about = "" if pd.isna(error) else f", mesh error {100 * error:.2g} %"
+            lines.append(f"{case}: {_answer(row)} ({label_of(row['model']).name}{about})")
         more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
         text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has an answer"
         yield {"title": str(structure), "text": f"{text}.", "kind": "note"}

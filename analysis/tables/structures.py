@@ -108,7 +108,7 @@ def _typed(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 NUMBERS = (
     *("load_over_weight", "peak_spread", "unbalanced_share", "difference_to_static"),
     *("mesh_error", "first_failure_mesh_error"),
-    *("utilisation", "bonded_share", "friction", "nodes", "blocks", "interfaces"),
+    *("utilisation", "bonded_share", "fails_at", "friction", "nodes", "blocks", "interfaces"),
     *MOTION,
 )
 

@@ -214,12 +214,12 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem)
+        click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem)
-        click.echo(text_of(rows, form))
     if not any(row[key] is not None for row in rows for key in row.keys() - {"model", "note"}):
         sys.exit(1)
 

@@ -95,8 +95,8 @@ def _assumes(assembly: Assembly) -> str:
 
 
 def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:
-    def row(model: str, angle: float | None, note: str) -> Row:
-        return {"model": model, "tilt (degrees)": angle, "note": note}
+    def row(model: str, angle: float | None, note: str, error: float | None = None) -> Row:
+        return {"model": model, "tilt (degrees)": angle, "mesh error / tilt": error, "note": note}
 
     try:
         limit = limit_tilt(assembly, tilt)
@@ -107,11 +107,16 @@ def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:
     except CapacityError as error:
         yield row("limit", None, reason(error))
     try:
-        static = static_tilt(assembly, tilt)
-        note = f"ends by: {static.motion}"
-        if static.mechanism is not None:
-            note += f"; {moves_most(assembly, static.mechanism)} moves most"
-        yield row("static, first failure", static.first_failure, "of a bond, or no equilibrium")
-        yield row("static, last equilibrium", static.angle, note)
+        coarse, fine = (static_tilt(each, tilt) for each in (assembly, refined(assembly)))
+        first, last = structure_mesh_errors(
+            assembly,
+            *(Failures(each.first_failure, each.angle) for each in (coarse, fine)),
+            of_fine=True,
+        )
+        note = f"ends by: {fine.motion}"
+        if fine.mechanism is not None:
+            note += f"; {moves_most(assembly, fine.mechanism)} moves most"
+        yield row("static, first failure", fine.first_failure, "of a bond, or the end", first)
+        yield row("static, last equilibrium", fine.angle, note, last)
     except CapacityError as error:
         yield row("static", None, reason(error))

@@ -19,7 +19,7 @@ import numpy as np
 import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats
-from sidmacib.quantities import shown
+from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane
 from sidmacib.structure.interfaces import Interface, tangents
 
@@ -29,6 +29,8 @@ INTERFACE = "compas_assembly.datastructures/Interface"
 MODEL = "compas_dem.models/BlockModel"
 ELEMENT, MESH = "compas_dem.elements/Block", "compas.datastructures/Mesh"
 CONTACT = "compas_dem.interactions/FrictionContact"
+MOST_DIGITS = 9  # of the number of a node
+_DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 ALONG = 0.9  # least cosine between the normals of an interface and of a face beside it
 AWAY = 1e-3  # weight of the distance along a face, against that from its plane
 
@@ -67,7 +69,10 @@ def read_compas(
     held = {node.number for node in nodes if node.support} if fixed is None else set(fixed)
     if not held:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
-    return tuple(_block(node, node.density or density, node.number in held) for node in nodes)
+    return tuple(
+        _block(node, density if node.density is None else node.density, node.number in held)
+        for node in nodes
+    )
 
 
 def _nodes(path: Path) -> list[_Node]:
@@ -86,7 +91,7 @@ def _of_assembly(node: str, value: Any, default: bool) -> _Node:
     number, held = _number(node), _mapping(f"node {node}", value)
     name = f"block{number}"
     mesh = _data(f"{name}: block", _key(name, held, "block"), (BLOCK,))
-    return _Node(number, mesh, bool(held.get("is_support", default)))
+    return _Node(number, mesh, _flag(f"{name}: is_support", held.get("is_support", default)))
 
 
 def _elements(file: str, content: Mapping[str, Any], nodes: Mapping[str, Any]) -> list[_Node]:
@@ -95,32 +100,57 @@ def _elements(file: str, content: Mapping[str, Any], nodes: Mapping[str, Any]) -
     elements = _mapping(f"{file}: elements", _key(file, model, "elements"))
     materials = _mapping(f"{file}: materials", model.get("materials") or {})
     root = _mapping(f"{file}: tree", _key(file, _mapping(file, _key(file, model, "tree")), "root"))
-    if any(child.get("children") for child in root.get("children", ())):
+    children = root.get("children") or ()
+    if not isinstance(children, list | tuple) or any(map(_is_group, children)):
         raise ValueError(f"{file}: tree: must have no groups; take the blocks out of theirs")
     whole = _matrix(f"{file}: transformation", model.get("transformation"))
     found = []
     for node, value in nodes.items():
-        name, identity = f"block{node}", _key(f"node {node}", _mapping(node, value), "element")
+        name, identity = f"block{node}", str(_key(f"node {node}", _mapping(node, value), "element"))
         element = _data(name, _key(f"{file}: elements", elements, identity), (ELEMENT,))
         mesh = _data(f"{name}: geometry", _key(name, element, "geometry"), (MESH,))
         own = _matrix(f"{name}: transformation", element.get("transformation"))
         density = None
         if element.get("material") is not None:
-            law = _data(name, _key(f"{file}: materials", materials, element["material"]), ())
-            density = law.get("density")
-        support = bool(element.get("is_support"))
+            law = _data(name, _key(f"{file}: materials", materials, str(element["material"])), ())
+            if law.get("density") is not None:
+                density = _positive(f"{name}: density of its material", law["density"])
+        support = _flag(f"{name}: is_support", element.get("is_support", False))
         found.append(_Node(_number(node), mesh, support, density, whole @ own))
     return found
 
 
 def _matrix(name: str, value: Any) -> Floats:
-    """A transformation, (4, 4)."""
+    """A transformation, (4, 4), which mirrors nothing."""
     if value is None:
         return np.eye(4)
-    matrix = np.array(_key(name, _data(name, value, ()), "matrix"), float)
+    given = _key(name, _data(name, value, ()), "matrix")
+    try:
+        matrix = np.array(given, float)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers") from None
     if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
         raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers")
+    if not (matrix[3] == (0.0, 0.0, 0.0, 1.0)).all() or np.linalg.det(matrix) <= 0.0:
+        raise ValueError(f"{name}: must end with 0, 0, 0, 1 and not mirror the blocks")
     return matrix
+
+
+def _is_group(child: Any) -> bool:
+    return not isinstance(child, dict) or ("children" in child and bool(child["children"]))
+
+
+def _positive(name: str, value: Any) -> float:
+    try:
+        return _DENSITY.read(value)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _flag(name: str, value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{name}: {shown(value)} is not allowed; it must be true or false")
+    return value
 
 
 def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interface, ...]:
@@ -136,7 +166,10 @@ def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interfa
         for other, edge in _mapping(f"edge {one}", others).items():
             name = f"edge {one}-{other}"
             held = _mapping(name, edge)
-            for given in held.get("interfaces") or held.get("contacts") or ():
+            contacts = held.get("interfaces") or held.get("contacts") or []
+            if not isinstance(contacts, list):
+                raise ValueError(f"{name}: {shown(contacts)} is not allowed; it must be a list")
+            for given in contacts:
                 points = _key(name, _data(name, given, (INTERFACE, CONTACT)), "points")
                 try:
                     ends = names[f"block{one}"], names[f"block{other}"]
@@ -195,6 +228,8 @@ def _block(node: _Node, density: float, fixed: bool) -> Block:
     try:
         places = np.array([[float(v.get(k, 0.0)) for k in "xyz"] for v in vertices.values()])
         outlines = [[order[str(vertex)] for vertex in face] for face in faces.values()]
+        if not np.isfinite(places).all():
+            raise ValueError("a coordinate must be a finite number")
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ValueError(f"{name}: a vertex or face is not understood ({error!r})") from None
     if node.matrix is not None:
@@ -219,7 +254,7 @@ def _planes(outline: list[int], places: Floats, size: float) -> list[tuple[int, 
 
 
 def _number(node: str) -> int:
-    if not node.isdecimal():
+    if not node.isdecimal() or len(node) > MOST_DIGITS:
         raise ValueError(f"node: {shown(node)} is not allowed; it must be a whole number")
     return int(node)
 

@@ -27,14 +27,24 @@ def write_compas_results(problem: Problem, model: Path, results: Path) -> None:
     ValueError unless the file is a model of compas_dem and all pieces are its blocks; errors of
     `sidmacib.mechanics.limit.limit_load`.
     """
-    content = json.loads(model.read_text(encoding="utf-8"))
-    if content.get("dtype") != MODEL:
-        raise refused("compas", content.get("dtype"), f"for a {MODEL}")
+    kind = None
+    if model.suffix == ".json":
+        content = json.loads(model.read_text(encoding="utf-8"))
+        kind = content.get("dtype")
+    if kind != MODEL:
+        raise refused("compas", model.name, f"for a {MODEL} in JSON")
+    if not isinstance(content.get("guid"), str):
+        raise ValueError(f"{model.name}: lacks the key guid, which results refer to")
+    if problem.loads.axis is not None:
+        raise ValueError("compas: the load must be an acceleration or a force, not a tilt")
     require_standing(*problem, friction=True)
     found = limit_load(*problem, friction=True)
     told = {"program": "multilock", "analysis": "limit, associated friction", "load_N": found.load}
     data = compas_results(problem.assembly, found.force, found.mechanism, content["guid"], told)
-    results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    try:
+        results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    except OSError as error:
+        raise ValueError(f"compas: {results}: {error.strerror}") from None
 
 
 def compas_results(

@@ -45,13 +45,14 @@ def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
         require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
     except InfeasibleError:
         raise InfeasibleError("limit analysis: no forces balance gravity before it turns") from None
-    if tilt.level and not ContactLaw.of(assembly).cohesive.any():
+    strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
+    if tilt.level and not strong:
         return _by_sectors(assembly, tilt)
     return _by_scan(assembly, tilt)
 
 
 def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
-    """`limit_tilt` of a dry assembly about a horizontal axis.
+    """`limit_tilt` of an assembly without strengths about a horizontal axis.
 
     Directions of gravity that admissible forces carry are a convex cone, in the plane in which
     gravity turns a sector. Its end is the largest tangent of an angle: one programme.

@@ -4,9 +4,10 @@ from collections.abc import Iterator
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.blocks import Block
-from sidmacib.unit_warnings import DENSITY, STIFFNESS, STRENGTH, Value, beyond, rough
+from sidmacib.unit_warnings import STIFFNESS, STRENGTH, Value, beyond, rough
 
 BLOCK = (1e-3, 50.0)  # m, diagonal of a block
+DENSITY = (100.0, 3e4)  # kg/m3: below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
 
 

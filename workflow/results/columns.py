@@ -146,6 +146,7 @@ MEANINGS: Mapping[str, str] = {
     "utilisation": "use of the node that is used most, 1 at failure: of its strength where it is "
     "bonded, of its friction where it is not",
     "bonded_share": "part of the interface's area that is bonded",
+    "fails_at": "part of the peak load at which the interface's first bond fails",
     "force_x_N": "x component of the resultant on the second block of the interface's name",
     "force_y_N": "y component of the resultant on the second block of the interface's name",
     "force_z_N": "z component of the resultant on the second block of the interface's name",

@@ -33,7 +33,7 @@ def solve(problem: Problem) -> Found:
     motion[free] = path[-1].unknowns.reshape(len(free), 6)
     coarse = Failures(outcome.first_failure_load or 0.0, outcome.path[-1].load)
     errors = _mesh_errors(problem, coarse)
-    return Found(outcome, motion, AT_THE_PEAK, _first_face(problem, path), errors)
+    return Found(outcome, motion, AT_THE_PEAK, _broken_at(problem, path), errors)
 
 
 def _tilted(problem: Problem, tilt: Tilt) -> Found:
@@ -49,9 +49,9 @@ def _tilted(problem: Problem, tilt: Tilt) -> Found:
         load_of_tilt(found.first_failure, loads),
         str(found.motion),
     )
-    first = _lost(assembly, found.path)
+    lost = {face: load_of_tilt(at, loads) for face, at in _lost(assembly, found.path).items()}
     errors = _mesh_errors(problem, Failures(found.first_failure, found.angle))
-    return Found(outcome, found.mechanism, MECHANISM, first, errors)
+    return Found(outcome, found.mechanism, MECHANISM, lost, errors)
 
 
 def _mesh_errors(problem: Problem, coarse: Failures) -> MeshErrors:
@@ -78,23 +78,23 @@ def _failures(assembly: Assembly, loads: Loads, *, first_only: bool) -> Failures
     return Failures(found.first_failure_load, found.peak.load)
 
 
-def _first_face(problem: Problem, path: tuple[Equilibrium, ...]) -> int | None:
-    """The face whose bond fails first; None if none does."""
+def _broken_at(problem: Problem, path: tuple[Equilibrium, ...]) -> dict[int, float]:
+    """The load (N) at which the first bond of each face fails, the first of them first."""
     assembly: Assembly = problem.assembly
     if not any(face.kind is Kind.INNER for face in assembly.faces):
-        return None
-    if (face := _lost(assembly, path)) is not None:
-        return face
+        return {}
+    if lost := _lost(assembly, path):
+        return lost
     found = static_first_failure(*problem)  # the peak is the first failure
     if found.mode is not Mode.BONDS:
-        return None
-    return int(assembly.nodes.face[np.argmax(found.failing)])
+        return {}
+    return {int(assembly.nodes.face[np.argmax(found.failing)]): found.point.load}
 
 
-def _lost(assembly: Assembly, path: tuple[Equilibrium, ...]) -> int | None:
-    """The face of the first bond that is lost on a path; None if none is."""
+def _lost(assembly: Assembly, path: tuple[Equilibrium, ...]) -> dict[int, float]:
+    """The load of the last equilibrium before the first bond of a face is lost on a path."""
+    lost: dict[int, float] = {}
     for before, after in pairwise(path):
-        lost = before.state.bonded & ~after.state.bonded
-        if lost.any():
-            return int(assembly.nodes.face[np.argmax(lost)])
-    return None
+        for node in np.flatnonzero(before.state.bonded & ~after.state.bonded):
+            lost.setdefault(int(assembly.nodes.face[node]), float(before.load))
+    return lost

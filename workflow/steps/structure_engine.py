@@ -10,6 +10,7 @@ from sidmacib.structure.file import structure_of
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import refusal, run_engine
+from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.results.files import CASE, HISTORY, OUTPUTS, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
 from workflow.run.attempts import KilledError, Settled, last_try
@@ -36,6 +37,10 @@ def run(
             raise KilledError(told) from error
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)
+        if NEVER_FALLS in str(error):  # an answer, if not a number
+            record = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+            path.write_text(record.to_json() + "\n")
+            return None
         record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
         path.write_text(record.to_json() + "\n")
         return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
@@ -57,13 +62,12 @@ def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> Str
         case.numerics.tolerance,
         case.numerics.first_increment * problem.loads.scale,
     )
-    face = first_broken(folder / HISTORY, problem.assembly)
-    found = Found(outcome, first_face=face)
+    found = Found(outcome, broken_at=broken_at(folder / HISTORY, problem.assembly))
     return structure_record(case, problem, found, {engine.name: engine.version()})
 
 
-def first_broken(history: Path, assembly: Assembly) -> int | None:
-    """The face with the largest broken share at the least load with any; None if there is none."""
+def broken_at(history: Path, assembly: Assembly) -> dict[int, float]:
+    """The least load (N) with a broken share of each face; in the order of loads, then shares."""
     names = {f"{face.name}{BROKEN}": number for number, face in enumerate(assembly.faces)}
     rows = read_table(history, ("load_N",))
     broken = [
@@ -72,4 +76,7 @@ def first_broken(history: Path, assembly: Assembly) -> int | None:
         for name, number in names.items()
         if name in row and float(row[name]) > 0.0
     ]
-    return min(broken)[2] if broken else None
+    found: dict[int, float] = {}
+    for load, _, number in sorted(broken):
+        found.setdefault(number, load)
+    return found

@@ -5,8 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.structure.file import structure_of
+from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.model import Ability
 from workflow.models import MODELS
 from workflow.results.record import ResultError
@@ -32,7 +33,12 @@ def solved(case: StructureCase, module: str) -> StructureRecord:
         reason = problem.assembly.without_stiffness
         if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
             return record_without_result(case, refused=f"{case.model}: {reason}")
-        found = importlib.import_module(module).solve(problem)
+        try:
+            found = importlib.import_module(module).solve(problem)
+        except UnboundedError:
+            if problem.loads.axis is None:
+                raise
+            return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
         return structure_record(case, problem, found, {})
     except (CapacityError, ResultError, ValueError, MemoryError) as error:
         reason = str(error) or "out of memory"

@@ -1,6 +1,7 @@
 """What a model finds for a structure, before it is checked."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.mesh_error import UNKNOWN, MeshErrors
@@ -15,12 +16,13 @@ class Found:
     """An outcome, and how the pieces move: displacement (m) and rotation (rad), (P, 6).
 
     ``kind``: of the motion, `AT_THE_PEAK` or `MECHANISM`. Both are None if the model gives none.
-    ``first_face``: index of the face whose bond fails first; None if none does. ``mesh_errors``: of
+    ``broken_at``: the load (N) at which the first bond of a face fails, by the face's index, in the
+    order in which they fail; faces whose bonds hold to the end are not there. ``mesh_errors``: of
     the first failure and the peak.
     """
 
     outcome: Outcome
     motion: Floats | None = None
     kind: str | None = None
-    first_face: int | None = None
+    broken_at: Mapping[int, float] = field(default_factory=dict)
     mesh_errors: MeshErrors = UNKNOWN

@@ -3,7 +3,7 @@
 import dataclasses
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -30,9 +30,10 @@ class InterfaceRow:
 
     ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
     the moment in its plane. ``utilisation``: of the node that is used most; None where it has no
-    strength to compare with. ``bonded_share``: the part of its area that is bonded. ``force_x_N``
-    …: the resultant on the block above; ``at_x_m`` …: the point of the interface's plane through
-    which it acts; None where none does.
+    strength to compare with. ``bonded_share``: the part of its area that is bonded.
+    ``fails_at``: part of the peak load at which its first bond fails; None if none does.
+    ``force_x_N`` …: the resultant on the block above; ``at_x_m`` …: the point of the interface's
+    plane through which it acts; None where none does.
     """
 
     interface: str
@@ -47,6 +48,7 @@ class InterfaceRow:
     bending_Nm: float
     utilisation: float | None
     bonded_share: float
+    fails_at: float | None
     force_x_N: float
     force_y_N: float
     force_z_N: float
@@ -79,7 +81,8 @@ class StructureRecord:
     ``tilts``: whether gravity turns; loads are then the angle in radians times the weight.
     ``mesh_error``: of the load, over it, and ``first_failure_mesh_error``; None where no other mesh
     was solved. ``first_interface``: whose bond fails first. ``refused``: why the model cannot do
-    the structure, ``error``: why there is no result; all numbers are None in both.
+    the structure, or that it never falls, ``error``: why there is no result; all numbers are None
+    in both.
     """
 
     model: str
@@ -152,7 +155,7 @@ def structure_record(
             raise ResultError("a stress is not a finite number")
         balance = unbalanced_share(assembly, loads, peak.load, peak.force)
         check_balance(balance, peak.load, loads)
-        interfaces = interface_rows(assembly, peak, peak.force)
+        interfaces = interface_rows(assembly, peak, peak.force, found.broken_at)
     first = outcome.first_failure_load
     return StructureRecord(
         **_identity(case),
@@ -161,7 +164,7 @@ def structure_record(
         weight_N=rounded(free_weight(assembly)),
         failed_load_N=rounded(outcome.failed_load),
         first_failure_load_N=None if first is None else rounded(first),
-        first_interface=_name(assembly, found.first_face),
+        first_interface=_name(assembly, next(iter(found.broken_at), None)),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
         mesh_error=found.mesh_errors.peak,
@@ -178,8 +181,13 @@ def structure_record(
     )
 
 
-def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[InterfaceRow, ...]:
-    """What each interface carries under node forces, (N, 3) in N in the frame of its face."""
+def interface_rows(
+    assembly: Assembly, peak: State, force: Floats, broken_at: Mapping[int, float]
+) -> tuple[InterfaceRow, ...]:
+    """What each interface carries under node forces, (N, 3) in N in the frame of its face.
+
+    ``broken_at``: loads (N), see `workflow.structures.found`.
+    """
     state = None if peak.bonded is None else _state(peak.bonded)
     size = float(np.abs(force).max(initial=0.0))
     rows = []
@@ -203,6 +211,7 @@ def interface_rows(assembly: Assembly, peak: State, force: Floats) -> tuple[Inte
                 bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
+                fails_at=_share(broken_at.get(number), peak.load),
                 force_x_N=_clean(each.resultant[0], size),
                 force_y_N=_clean(each.resultant[1], size),
                 force_z_N=_clean(each.resultant[2], size),
@@ -251,6 +260,10 @@ def _in_a_line(reason: str | None) -> str | None:
 
 def _state(bonded: Flags) -> NodeState:
     return NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
+
+
+def _share(load: float | None, peak: float) -> float | None:
+    return None if load is None or load > peak else rounded(load / peak)
 
 
 def _name(assembly: Assembly, face: int | None) -> str | None:

@@ -11,6 +11,7 @@ Vector = Sequence[float]
 
 LEAST_TENSION = 1e-6  # over the cohesion
 LARGEST_LOAD = 1e6  # over the first increment
+NEVER_FALLS = "in equilibrium up to a tilt of 180 degrees"
 LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 
@@ -211,7 +212,7 @@ class Search:
     def endless(self, load: float) -> str | None:
         """Why no peak is expected beyond a ``load`` (N) that is carried; None if one is."""
         if self.half_turn_N is not None and load > self.half_turn_N:
-            return "the assembly is in equilibrium up to a tilt of 180 degrees"
+            return NEVER_FALLS
         if load > LARGEST_LOAD * self.first_increment_N:
             return "the load grows without a peak"
         return None
