@@ -66,6 +66,20 @@ def model() -> dict[str, Any]:
     }
 
 
+def refuses(
+    path: Path, given: dict[str, Any], keys: tuple[str, ...], value: Any, words: str
+) -> None:
+    """Whether ``given`` with another ``value`` at the end of ``keys`` is refused in one line."""
+    inside = given
+    for key in keys[:-1]:
+        inside = inside[key]
+    inside[keys[-1]] = value
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match=words) as caught:
+        read_compas(path, 2e3)
+    assert "\n" not in str(caught.value)
+
+
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
     return tmp_path / "assembly.json"
@@ -184,14 +198,7 @@ def test_an_interface_without_an_area_is_refused(path: Path) -> None:
 def test_what_is_not_understood_is_named_in_one_line(
     path: Path, keys: tuple[str, ...], value: Any, words: str
 ) -> None:
-    given = inside = assembly()
-    for key in keys[:-1]:
-        inside = inside[key]
-    inside[keys[-1]] = value
-    path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match=words) as caught:
-        read_compas(path, 2e3)
-    assert "\n" not in str(caught.value)
+    refuses(path, assembly(), keys, value, words)
 
 
 def test_a_fixed_node_that_is_not_there_is_refused(path: Path) -> None:
@@ -229,12 +236,4 @@ def test_a_file_that_is_no_json_is_named(path: Path) -> None:
 def test_what_a_model_has_wrong_is_named_in_one_line(
     path: Path, keys: tuple[str, ...], value: Any, words: str
 ) -> None:
-    given = model()
-    inside = given["data"]
-    for key in keys[:-1]:
-        inside = inside[key]
-    inside[keys[-1]] = value
-    path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match=words) as caught:
-        read_compas(path, 2e3)
-    assert "\n" not in str(caught.value)
+    refuses(path, model(), ("data", *keys), value, words)
