@@ -132,7 +132,12 @@ def _refused_in_one_line() -> Iterator[None]:
 def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
     """Print loads; an exit code of 1 if no model gives any."""
     click.echo(text_of(rows, form))
-    if all(row["V (N)"] is None for row in rows):
+    _require_answer(rows)
+
+
+def _require_answer(rows: Sequence[dict[str, Any]]) -> None:
+    """End with status 1 if no model has a number."""
+    if all(row[key] is None for row in rows for key in row.keys() - {"e/a", "model", "note"}):
         sys.exit(1)
 
 
@@ -220,8 +225,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
             from sidmacib.structure.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas)
-    if not any(row[key] is not None for row in rows for key in row.keys() - {"model", "note"}):
-        sys.exit(1)
+    _require_answer(rows)
 
 
 @main.command()

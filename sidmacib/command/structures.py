@@ -116,7 +116,9 @@ def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:
         note = f"ends by: {fine.motion}"
         if fine.mechanism is not None:
             note += f"; {moves_most(assembly, fine.mechanism)} moves most"
-        yield row("static, first failure", fine.first_failure, "of a bond, or the end", first)
+        yield row(
+            "static, first failure", fine.first_failure, "of a bond, or the last equilibrium", first
+        )
         yield row("static, last equilibrium", fine.angle, note, last)
     except CapacityError as error:
         yield row("static", None, reason(error))

@@ -77,7 +77,7 @@ def read_compas(
 
 def _nodes(path: Path) -> list[_Node]:
     """The nodes of the graph in a file, by their numbers."""
-    content, graph = _content(path)
+    content, graph = content_of(path)
     nodes = _mapping(f"{path.name}: node", _key(path.name, graph, "node"))
     if content["dtype"] == MODEL:
         found = _elements(path.name, content, nodes)
@@ -159,7 +159,7 @@ def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interfa
     Their normals are those of the blocks' nearest faces. Errors of `read_compas`, and ValueError,
     which names the edge, for an interface that has no area or is at no face.
     """
-    edges = _mapping(f"{path.name}: edge", _key(path.name, _content(path)[1], "edge"))
+    edges = _mapping(f"{path.name}: edge", _key(path.name, content_of(path)[1], "edge"))
     names = {block.name: place for place, block in enumerate(blocks)}
     found = []
     for one, others in edges.items():
@@ -210,8 +210,8 @@ def _interface(name: str, below: int, above: int, corners: Floats, block: Block)
     return Interface(below, above, axes, (float(x), float(y), float(z)), centred)
 
 
-def _content(path: Path) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """What a file holds, and its graph."""
+def content_of(path: Path) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
+    """What a JSON file of COMPAS holds, and its graph; ValueError, which names the file."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:

@@ -13,7 +13,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
-from sidmacib.structure.compas import MODEL
+from sidmacib.structure.compas import MODEL, content_of
 from sidmacib.validation import refused
 
 SHOWN = 0.1  # largest displacement of the mechanism, over the mean size of the blocks
@@ -27,11 +27,8 @@ def write_compas_results(problem: Problem, model: Path, results: Path) -> None:
     ValueError unless the file is a model of compas_dem and all pieces are its blocks; errors of
     `sidmacib.mechanics.limit.limit_load`.
     """
-    kind = None
-    if model.suffix == ".json":
-        content = json.loads(model.read_text(encoding="utf-8"))
-        kind = content.get("dtype")
-    if kind != MODEL:
+    content = content_of(model)[0] if model.suffix == ".json" else {}
+    if content.get("dtype") != MODEL:
         raise refused("compas", model.name, f"for a {MODEL} in JSON")
     if not isinstance(content.get("guid"), str):
         raise ValueError(f"{model.name}: lacks the key guid, which results refer to")

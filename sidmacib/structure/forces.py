@@ -45,7 +45,8 @@ def interface_forces(
     found = []
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
-        normal, *shear = force[nodes].sum(axis=0).tolist()
+        whole = force[nodes].sum(axis=0)
+        normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
         found.append(
             InterfaceForce(
@@ -54,7 +55,7 @@ def interface_forces(
                 float(np.hypot(*shear)),
                 float(used[nodes].max()),
                 bonded,
-                _vector(force[nodes].sum(axis=0) @ face.axes),
+                _vector(whole @ face.axes),
                 _centre(assembly.nodes.position[nodes], force[nodes, 0]),
             )
         )

@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.structure.loads import free_weight
-from sidmacib.structure.tilt import LARGEST, Tilt, turned
+from sidmacib.structure.tilt import LARGEST, Tilt, turned, turning
 
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
 SCAN = 5.0  # degrees between programmes where what they see is no sector
@@ -70,12 +70,8 @@ def _by_sectors(assembly: Assembly, tilt: Tilt) -> LimitTilt:
 
 def _across(assembly: Assembly, tilt: Tilt, angle: float) -> LimitState | None:
     """The largest load beside gravity at ``angle`` (degrees), where it turns to; None for any."""
-    gravity = turned(assembly, tilt, angle)
-    beside = np.zeros_like(gravity.permanent)
-    beside[:, :3] = np.cross(tilt.unit, gravity.permanent[:, :3]) / gravity.scale
-    loads = replace(gravity, variable=beside)
     try:
-        return limit_load(assembly, loads, friction=True)
+        return limit_load(assembly, turning(assembly, tilt, angle), friction=True)
     except UnboundedError:
         return None
 

@@ -106,15 +106,21 @@ def turned(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
     return Loads(permanent, np.zeros_like(permanent), free_weight(assembly))
 
 
+def turning(assembly: Assembly, tilt: Tilt, angle: float) -> Loads:
+    """Gravity at ``angle`` (degrees); the variable load, per newton, is how it goes on to turn."""
+    gravity = turned(assembly, tilt, angle)
+    beside = np.zeros_like(gravity.permanent)
+    beside[:, :3] = np.cross(tilt.unit, gravity.permanent[:, :3]) / gravity.scale
+    return replace(gravity, variable=beside)
+
+
 def tilting(assembly: Assembly, tilt: Tilt) -> Loads:
     """The weight of all free pieces under gravity that turns, as a load that is raised.
 
     In N: the angle in radians times the weight, see `load_of_tilt`.
     """
-    loads, axis = turned(assembly, tilt, 0.0), tilt.unit
-    beside = np.zeros_like(loads.permanent)
-    beside[:, :3] = np.cross(axis, loads.permanent[:, :3]) / loads.scale
-    return replace(loads, variable=beside, axis=(float(axis[0]), float(axis[1]), float(axis[2])))
+    x, y, z = tilt.unit.tolist()
+    return replace(turning(assembly, tilt, 0.0), axis=(x, y, z))
 
 
 def load_of_tilt(angle: float, loads: Loads) -> float:

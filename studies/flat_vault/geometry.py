@@ -33,7 +33,7 @@ def description(
 ) -> dict[str, Any]:
     """The vault of so many blocks along either side, loaded downwards at its middle block."""
     middle = blocks // 2
-    at = [(middle + 0.5) * SIDE, (middle + 0.5) * SIDE, THICKNESS]
+    at = _rounded((middle + 0.5) * SIDE, (middle + 0.5) * SIDE, THICKNESS)
     return {
         "blocks": dict((*_walls(blocks, kerb), *_blocks(blocks, lean), *_kerb(blocks, lean, kerb))),
         "interfaces": {"friction": friction},

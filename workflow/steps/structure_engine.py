@@ -29,6 +29,7 @@ def run(
     case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
     folder = path.parent
     (folder / CASE).write_text(case.to_json())
+    wrong: str | None = None
     try:
         record = found_by_engine(case, folder, arguments["time_limit"])
     except (EngineError, ResultError, CapacityError, ValueError) as error:
@@ -39,13 +40,12 @@ def run(
             (folder / name).unlink(missing_ok=True)
         if NEVER_FALLS in str(error):  # an answer, if not a number
             record = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
-            path.write_text(record.to_json() + "\n")
-            return None
-        record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
-        path.write_text(record.to_json() + "\n")
-        return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
+        else:
+            record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
+            settled = isinstance(error, EngineNoAnswerError | CapacityError)
+            wrong = Settled(told) if settled else told
     path.write_text(record.to_json() + "\n")
-    return None
+    return wrong
 
 
 def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> StructureRecord:
