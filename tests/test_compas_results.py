@@ -11,6 +11,7 @@ from command_runner import run
 from test_compas import assembly, model
 
 from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.limit import limit_load
 
 CENTRE = np.array([0.2, 0.3, 0.5])
 
@@ -53,6 +54,18 @@ def test_results_name_the_model_and_are_the_same_bytes_again(tmp_path: Path) -> 
     once = written(tmp_path, named())
     assert once["model_id"] == named()["guid"]
     assert written(tmp_path, named()) == once
+
+
+def test_limit_analysis_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def counted(*problem: Any, friction: bool) -> Any:
+        asked.append(friction)
+        return limit_load(*problem, friction=friction)
+
+    monkeypatch.setattr("sidmacib.command.structures.limit_load", counted)
+    written(tmp_path, named())
+    assert asked == [True]
 
 
 def test_an_assembly_of_another_package_has_no_such_results(tmp_path: Path) -> None:

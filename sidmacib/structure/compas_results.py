@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
 from sidmacib.structure.compas import MODEL, content_of
@@ -21,21 +22,24 @@ DIGITS = 9  # of transformations after the decimal point; the rest is rounding
 NAMESPACE = uuid.UUID("8a2c5f0e-5f0b-4d0e-9f55-2d6a3f1c7e11")  # of identities made here
 
 
-def write_compas_results(problem: Problem, model: Path, results: Path) -> None:
+def write_compas_results(
+    problem: Problem, model: Path, results: Path, found: LimitState | CapacityError | None
+) -> None:
     """Write the forces and the mechanism at the limit load of a ``model`` read from JSON.
 
-    ValueError unless the file is a model of compas_dem and all pieces are its blocks; errors of
-    `sidmacib.mechanics.limit.limit_load`.
+    ``found``: by `sidmacib.mechanics.limit.limit_load` with friction; raised if it is an error, and
+    None if gravity turns, which is refused.
+    ValueError unless the file is a model of compas_dem and all pieces are its blocks.
     """
     content = content_of(model)[0] if model.suffix == ".json" else {}
     if content.get("dtype") != MODEL:
         raise refused("compas", model.name, f"for a {MODEL} in JSON")
     if not isinstance(content.get("guid"), str):
         raise ValueError(f"{model.name}: lacks the key guid, which results refer to")
-    if problem.loads.axis is not None:
+    if found is None:
         raise ValueError("compas: the load must be an acceleration or a force, not a tilt")
-    require_standing(*problem, friction=True)
-    found = limit_load(*problem, friction=True)
+    if isinstance(found, CapacityError):
+        raise found
     told = {"program": "multilock", "analysis": "limit, associated friction", "load_N": found.load}
     data = compas_results(problem.assembly, found.force, found.mechanism, content["guid"], told)
     try:

@@ -12,14 +12,14 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.compas import read_compas
+from sidmacib.structure.compas import DENSITIES, NAME, read_compas
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import Pair, structure
 from sidmacib.structure.tilt import Tilt, tilting
-from sidmacib.validation import refused
+from sidmacib.validation import LARGE, refused
 from sidmacib.yaml_text import read_yaml
 
 DENSITY = 2000.0  # kg/m3
@@ -32,7 +32,6 @@ MATERIAL = {  # of interfaces, where a file leaves a number out
     "bond_friction": 0.0,
 }
 OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes")
-BLOCK = "block"  # begins the names of blocks of a model of COMPAS
 ALL = "all"  # pairs of blocks that touch
 LOCKS = ("row", "run", "first", "widths", "inner", "dry", "condensed")
 SHAPES = {  # the keys that give a block's shape
@@ -41,8 +40,8 @@ SHAPES = {  # the keys that give a block's shape
     frozenset({"outline", "along"}): "outline and along",
 }
 _FINITE, _POSITIVE = Number(), Number(above=0)
+_COMPONENT = Number(at_least=-LARGE, at_most=LARGE)
 _INDEX = Number(at_least=0, whole=True)
-_DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 
 
 def read_structure(path: Path) -> Problem:
@@ -64,7 +63,7 @@ def _description(path: Path) -> Any:
     more = read_yaml(beside) if beside.is_file() else {}
     if isinstance(more, dict) and "blocks" in more:
         raise ValueError(f"{beside.name}: blocks: must not be there, as {path.name} has them")
-    model = {"blocks": {BLOCK: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
+    model = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
     return model | more if isinstance(more, dict) else more
 
 
@@ -192,7 +191,7 @@ def _locks(key: str, given: dict[str, Any]) -> Locks:
     try:
         return Locks(**numbers)
     except ValueError as error:
-        raise ValueError(f"{key}: {error}") from None
+        raise ValueError(f"{key}.{error}") from None
 
 
 def _condensed(key: str, value: Any) -> Condensed:
@@ -233,7 +232,7 @@ def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
         return [_block(name, value)]
     key = f"blocks.{name}"
     given = _mapping(key, value, ("file",), ("density", "fixed", "scale"))
-    density = _number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
+    density = _number(f"{key}.density", given.get("density", DENSITY), DENSITIES)
     scale = _number(f"{key}.scale", given.get("scale", 1), _POSITIVE)
     path = folder / str(given["file"])
     try:
@@ -269,10 +268,9 @@ def _from_compas(
     return [
         replace(
             block,
-            name=block.name.replace("block", f"{name}-", 1),
             vertices=tuple((scale * x, scale * y, scale * z) for x, y, z in block.vertices),
         )
-        for block in read_compas(path, density, fixed)
+        for block in read_compas(path, density, fixed, name)
     ]
 
 
@@ -283,7 +281,7 @@ def _block(name: str, value: Any) -> Block:
     shape = frozenset(given) & frozenset(shapes)
     if shape not in SHAPES:
         raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}, or file")
-    density = _number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
+    density = _number(f"{key}.density", given.get("density", DENSITY), DENSITIES)
     fixed = given.get("fixed", False)
     if not isinstance(fixed, bool):
         raise ValueError(f"{key}.fixed: {shown(fixed)} is not allowed; it must be true or false")
@@ -322,7 +320,7 @@ def _vector(key: str, value: Any) -> Vector:
     numbers = _list(key, value)
     if len(numbers) != 3:
         raise ValueError(f"{key}: must be a list of three numbers")
-    x, y, z = (_number(key, number, _FINITE) for number in numbers)
+    x, y, z = (_number(key, number, _COMPONENT) for number in numbers)
     return x, y, z
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_direction
 
 
 def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
@@ -52,8 +52,6 @@ def _weight_of_free(assembly: Assembly) -> Floats:
 
 
 def _unit(direction: Sequence[float]) -> Floats:
+    require_direction(direction=direction)
     along = np.array(direction, float)
-    length = float(np.linalg.norm(along))
-    if along.shape != (3,) or not 0.0 < length < math.inf:
-        raise refused("direction", list(direction), "three numbers, not all 0")
-    return along / length
+    return np.asarray(along / np.linalg.norm(along))
