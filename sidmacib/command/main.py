@@ -278,7 +278,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.file import read_structure
-        from sidmacib.structure.unit_warnings import structure_warnings
+        from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
