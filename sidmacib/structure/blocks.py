@@ -31,6 +31,7 @@ class Block:
     density: float
     fixed: bool = False
     elastic: Elastic | None = None
+    material: str | None = None  # its name, by which laws of interfaces may be chosen
 
     def __post_init__(self) -> None:
         require_positive(**{f"{self.name}, density (kg/m3)": self.density})

@@ -43,7 +43,7 @@ class _Node:
     """A node of the graph: the mesh of its block, whether it is a support, its density (kg/m3).
 
     ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
-    file tells none.
+    file tells none; ``material``: its name.
     """
 
     number: int
@@ -51,6 +51,7 @@ class _Node:
     support: bool
     density: float | None = None
     matrix: Floats | None = None
+    material: str | None = None
 
 
 def read_compas(
@@ -120,13 +121,14 @@ def _elements(
         element = _data(name, given, (ELEMENT,))
         mesh = _data(f"{name}: geometry", _key(name, element, "geometry"), (MESH,))
         own = _matrix(f"{name}: transformation", element.get("transformation"))
-        density = None
+        density = material = None
         if element.get("material") is not None:
             law = _data(name, _key(f"{file}: materials", materials, str(element["material"])), ())
+            material = str(law["name"]) if law.get("name") else None
             if law.get("density") is not None:
                 density = _positive(f"{name}: density of its material", law["density"])
         support = _flag(f"{name}: is_support", element.get("is_support", False))
-        found.append(_Node(number, mesh, support, density, whole @ own))
+        found.append(_Node(number, mesh, support, density, whole @ own, material))
     return found
 
 
@@ -253,6 +255,7 @@ def _block(node: _Node, density: float, fixed: bool, begin: str) -> Block:
         tuple(plane for outline in outlines for plane in _planes(outline, places, size)),
         density,
         fixed,
+        material=node.material,
     )
 
 
