@@ -276,19 +276,20 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     answer.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, structure_rows
+        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.file import read_structure
         from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem)
+        limit = None if interfaces and compas is None else limit_of(problem)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.compas_results import write_compas_results
 
-            write_compas_results(problem, file, compas)
+            write_compas_results(problem, file, compas, limit)
     _require_answer(rows)
 
 
