@@ -1,0 +1,140 @@
+"""Sizing: the least locks so that all load cases are carried, and what a design carries.
+
+The strengths of locks are unknowns of a conic programme. Of each site it mixes the rows that fit,
+in parts that add up to at most 1: its optimum is below the cost of any choice of whole rows, in any
+direction, that carries the same in this model.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cvxpy as cp
+import numpy as np
+
+from sidmacib.design.layouts import Layout
+from sidmacib.design.model import Case, Structure, case_forces
+from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.optimisation import solve
+
+WHAT = "design"
+ACCURACIES = (1e-9, 1e-7, 1e-5)
+LEAST_CASE = 1e-12  # over the unit: variable loads below are none
+Choice = Sequence[Layout | None]  # for each site
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """The least cost of mixed rows, and the part of each of `Structure.layouts` in the mixture."""
+
+    cost: float
+    parts: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """How much of a case a design carries.
+
+    ``factor``: of the case's load; infinite if it carries any. ``by_strength``: by how much the
+    factor grows for each N that the locks of a site in the choice are stronger, (sites,); 0 where
+    there are none. ``across``: forces across the locks of each site in N, (sites,), and ``torque``
+    of these about the middle of its interface in N m.
+    """
+
+    case: str
+    factor: float
+    by_strength: Floats
+    across: Floats
+    torque: Floats
+
+
+def least_cost(structure: Structure, factor: float) -> Bound:
+    """The least cost of locks that carry ``factor`` times every case, rows being mixed.
+
+    `InfeasibleError` if no locks do.
+    """
+    parts = cp.Variable(len(structure.layouts), nonneg=True)
+    strength = structure.share / structure.unit * (structure.strengths @ parts)
+    constraints: list[cp.Constraint] = [_each_once(structure, parts)]
+    for case in structure.all_cases:
+        constraints += case_forces(structure, case, factor, strength).constraints
+    scale = float(structure.costs.max())
+    problem = cp.Problem(cp.Minimize((structure.costs / scale) @ parts), constraints)
+    try:
+        solve(problem, WHAT, *ACCURACIES)
+    except InfeasibleError:
+        raise InfeasibleError(f"{WHAT}: no locks carry {factor:g} times all cases") from None
+    return Bound(scale * float(problem.value), np.clip(np.asarray(parts.value), 0.0, 1.0))
+
+
+def largest_factor(structure: Structure) -> float:
+    """The largest factor of all cases that mixed rows carry; infinite if they carry any.
+
+    `InfeasibleError` if no locks make it stand.
+    """
+    parts = cp.Variable(len(structure.layouts), nonneg=True)
+    factor = cp.Variable()
+    strength = structure.share / structure.unit * (structure.strengths @ parts)
+    constraints: list[cp.Constraint] = [_each_once(structure, parts)]
+    for case in structure.all_cases:
+        constraints += case_forces(structure, case, factor, strength).constraints
+    return _largest(factor, constraints)
+
+
+def carried(structure: Structure, choice: Choice) -> tuple[Carried, ...]:
+    """What the rows of ``choice`` carry of each case, with the share of strength that counts.
+
+    `InfeasibleError` if a structure does not stand with them.
+    """
+    return tuple(_carried(structure, choice, case) for case in structure.cases)
+
+
+def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
+    whole = structure.strengths @ structure.chosen(choice)
+    given = structure.share / structure.unit * np.asarray(whole)
+    factor = cp.Variable()
+    forces = case_forces(structure, case, factor, cp.Constant(given))
+    largest = _largest(factor, forces.constraints)
+    sites = np.array([site for site, _ in structure.rows])
+    count = len(structure.sites)
+    if not np.isfinite(largest):
+        none = np.zeros(count)
+        return Carried(case.name, largest, none, none, none)
+    point = np.repeat(np.arange(len(sites)), len(structure.option.portions))
+    duals = sum(np.asarray(limit.dual_value) for limit in forces.limits)
+    slopes = structure.portions.T @ duals * structure.share / structure.unit
+    used = np.where(whole > 0.0, slopes, 0.0)
+    size = structure.unit * np.asarray(forces.locks.value)
+    arm = _arms(structure)
+    across, torque = (
+        np.bincount(sites[point], values, minlength=count) for values in (size, arm * size)
+    )
+    return Carried(
+        case.name, largest, np.bincount(sites, used, minlength=count), across, torque
+    )
+
+
+def _arms(structure: Structure) -> Floats:
+    """Distance (m) of each contact point of locks from the middle of its interface, along them."""
+    nodes, faces = structure.locked.nodes, structure.locked.faces
+    return np.array(
+        [
+            (place - np.array(faces[face].middle)) @ faces[face].axes[1]
+            for place, face in zip(nodes.position, nodes.face, strict=True)
+        ]
+    )
+
+
+def _largest(factor: cp.Variable, constraints: list[cp.Constraint]) -> float:
+    try:
+        solve(cp.Problem(cp.Maximize(factor), constraints), WHAT, *ACCURACIES)
+    except UnboundedError:
+        return float("inf")
+    return float(factor.value)
+
+
+def _each_once(structure: Structure, parts: cp.Variable) -> cp.Constraint:
+    """The parts of a site's rows add up to at most 1."""
+    sums = np.zeros((len(structure.sites), len(structure.layouts)))
+    sums[structure.site_of, np.arange(len(structure.layouts))] = 1.0
+    return sums @ parts <= 1.0
