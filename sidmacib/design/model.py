@@ -95,14 +95,18 @@ class Structure:
         )
 
     @cached_property
-    def strengths(self) -> csr_array:
-        """Strength (N) along each of `rows` of each of `layouts`, whole: without the share."""
+    def row_of(self) -> Integers:
+        """Index in `rows` of each of `layouts`."""
         place = {row: number for number, row in enumerate(self.rows)}
         ends = zip(self.site_of.tolist(), self.layouts, strict=True)
-        index = [place[site, layout.direction] for site, layout in ends]
+        return np.array([place[site, layout.direction] for site, layout in ends])
+
+    @cached_property
+    def strengths(self) -> csr_array:
+        """Strength (N) along each of `rows` of each of `layouts`, whole: without the share."""
         values = [layout.strength for layout in self.layouts]
         shape = len(self.rows), len(self.layouts)
-        return csr_array((values, (index, np.arange(len(values)))), shape)
+        return csr_array((values, (self.row_of, np.arange(len(values)))), shape)
 
     def chosen(self, choice: Sequence[Layout | None]) -> Floats:
         """1 for each of `layouts` that is in the ``choice``, one or None for each site, else 0."""

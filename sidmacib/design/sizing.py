@@ -12,9 +12,10 @@ import cvxpy as cp
 import numpy as np
 
 from sidmacib.design.layouts import Layout
-from sidmacib.design.model import Case, Structure, case_forces
+from sidmacib.design.model import Case, CaseForces, Structure, case_forces
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.optimisation import solve
 
 WHAT = "design"
@@ -24,11 +25,26 @@ Choice = Sequence[Layout | None]  # for each site
 
 
 @dataclass(frozen=True, eq=False)
+class Mechanism:
+    """What locks must resist: ``work`` times their strengths is at least ``least``.
+
+    ``work``: for each of `Structure.rows`; strengths in units, as much as counts.
+    """
+
+    work: Floats
+    least: float
+
+
+@dataclass(frozen=True, eq=False)
 class Bound:
-    """The least cost of mixed rows, and the part of each of `Structure.layouts` in the mixture."""
+    """The least cost of mixed rows, and the part of each of `Structure.layouts` in the mixture.
+
+    ``mechanisms``: why nothing costs less.
+    """
 
     cost: float
     parts: Floats
+    mechanisms: tuple[Mechanism, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,23 +64,30 @@ class Carried:
     torque: Floats
 
 
-def least_cost(structure: Structure, factor: float) -> Bound:
+def least_cost(structure: Structure, factor: float, allowed: Flags | None = None) -> Bound:
     """The least cost of locks that carry ``factor`` times every case, rows being mixed.
 
-    `InfeasibleError` if no locks do.
+    ``allowed``: whether each of `Structure.layouts` is; by default all. `InfeasibleError` if no
+    locks do.
     """
     parts = cp.Variable(len(structure.layouts), nonneg=True)
     strength = structure.share / structure.unit * (structure.strengths @ parts)
     constraints: list[cp.Constraint] = [_each_once(structure, parts)]
-    for case in structure.all_cases:
-        constraints += case_forces(structure, case, factor, strength).constraints
+    if allowed is not None:
+        constraints.append(parts <= allowed.astype(float))
+    forces = [case_forces(structure, case, factor, strength) for case in structure.all_cases]
+    constraints += [constraint for each in forces for constraint in each.constraints]
     scale = float(structure.costs.max())
     problem = cp.Problem(cp.Minimize((structure.costs / scale) @ parts), constraints)
     try:
         solve(problem, WHAT, *ACCURACIES)
     except InfeasibleError:
         raise InfeasibleError(f"{WHAT}: no locks carry {factor:g} times all cases") from None
-    return Bound(scale * float(problem.value), np.clip(np.asarray(parts.value), 0.0, 1.0))
+    found = np.clip(np.asarray(parts.value), 0.0, 1.0)
+    work = [work_of(structure, each) for each in forces]
+    whole = np.asarray(strength.value)
+    mechanisms = tuple(Mechanism(each, float(each @ whole)) for each in work if each.any())
+    return Bound(scale * float(problem.value), found, mechanisms)
 
 
 def largest_factor(structure: Structure) -> float:
@@ -101,8 +124,7 @@ def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
         none = np.zeros(count)
         return Carried(case.name, largest, none, none, none)
     point = np.repeat(np.arange(len(sites)), len(structure.option.portions))
-    duals = sum(np.asarray(limit.dual_value) for limit in forces.limits)
-    slopes = structure.portions.T @ duals * structure.share / structure.unit
+    slopes = work_of(structure, forces) * structure.share / structure.unit
     used = np.where(whole > 0.0, slopes, 0.0)
     size = structure.unit * np.asarray(forces.locks.value)
     arm = _arms(structure)
@@ -112,6 +134,12 @@ def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
     return Carried(
         case.name, largest, np.bincount(sites, used, minlength=count), across, torque
     )
+
+
+def work_of(structure: Structure, forces: CaseForces) -> Floats:
+    """The multipliers of the strengths along `Structure.rows`: work in a mechanism, in units."""
+    duals = sum(np.asarray(limit.dual_value) for limit in forces.limits)
+    return np.clip(np.asarray(structure.portions.T @ duals), 0.0, None)
 
 
 def _arms(structure: Structure) -> Floats:
