@@ -1,1 +1,1 @@
-"""Design of structures: where locks go, how many, which way they run, and in which order to build."""
+"""Design of structures: how many locks each interface gets, which way they run, and the order."""

@@ -101,7 +101,8 @@ class Search:
                 parts = self._repaired(parts, whole, barred)
             if parts is not None and self.structure.costs @ parts < cost:
                 cost, best = float(self.structure.costs @ parts), parts
-            note(f"{rounds} rounds, {len(self.mechanisms)} mechanisms, cost {cost:.6g}, at least {bound:.6g}")
+            count = len(self.mechanisms)
+            note(f"round {rounds}: {count} mechanisms, cost {cost:.6g}, at least {bound:.6g}")
         if best is None:
             raise SolverError(f"{WHAT}: no rows of locks found in {time_limit:g} s")
         return Found(best, cost, min(bound, cost), len(self.mechanisms), rounds)
@@ -195,9 +196,7 @@ class Search:
                 return None
             allowed = trial
 
-    def _repaired(
-        self, parts: Floats, whole: bool, barred: Sequence[Directions]
-    ) -> Floats | None:
+    def _repaired(self, parts: Floats, whole: bool, barred: Sequence[Directions]) -> Floats | None:
         """Rows that carry all cases, in the directions of ``parts`` and else of the mixed rows."""
         structure = self.structure
         wish = 1e-3 * self.relaxed.parts + parts

@@ -129,11 +129,11 @@ def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
     size = structure.unit * np.asarray(forces.locks.value)
     arm = _arms(structure)
     across, torque = (
-        np.bincount(sites[point], values, minlength=count) for values in (size, arm * size)
+        np.bincount(sites[point], values, minlength=count).astype(float)
+        for values in (size, arm * size)
     )
-    return Carried(
-        case.name, largest, np.bincount(sites, used, minlength=count), across, torque
-    )
+    by_strength = np.bincount(sites, used, minlength=count).astype(float)
+    return Carried(case.name, largest, by_strength, across, torque)
 
 
 def work_of(structure: Structure, forces: CaseForces) -> Floats:

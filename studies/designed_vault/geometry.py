@@ -10,6 +10,7 @@ import math
 import uuid
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +64,7 @@ def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
     joints = [0.0, *(k + 0.5 for k in range(blocks)), float(blocks)]
     if not shifted:
         joints = [float(k) for k in range(blocks + 1)]
-    yield from zip(joints, joints[1:], strict=False)
+    yield from pairwise(joints)
 
 
 def content(blocks: list[Block]) -> dict[str, Any]:
