@@ -13,7 +13,7 @@ from sidmacib.design.checks import Check, checks_of
 from sidmacib.design.direction import Directions, Found, Search, choice_of
 from sidmacib.design.file import Task, with_share
 from sidmacib.design.layouts import Layout
-from sidmacib.design.sizing import Carried, carried, largest_factor
+from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import InfeasibleError, SolverError
 
 LEAST_CUT = 0.9  # of the share, when a check fails by less
@@ -28,7 +28,8 @@ class Design:
     ``choice``: a row or None for each site. ``mixed``: the search with mixed rows, whose bound
     holds for any rows in any direction that carry the cases with the whole strength of locks and
     can be built; ``whole``: with whole rows. ``share``: of the strength that the design counted on
-    at last. ``states``: what the design's model carries. ``raised``: how often strength was raised.
+    at last. ``states``: what the design's model carries; ``needed``: what it needs of
+    the locks at the factor. ``raised``: how often strength was raised.
     """
 
     task: Task
@@ -39,6 +40,7 @@ class Design:
     whole: Found
     share: float
     states: tuple[Carried, ...]
+    needed: tuple[Needed, ...]
     order: Order
     checks: tuple[Check, ...]
     raised: int
@@ -121,6 +123,7 @@ def _once(task: Task, bound: float | None, raised: int, note: Callable[[str], No
         whole,
         structure.share,
         carried(sure, choice),
+        needed(sure, choice, task.factor),
         order_of(assembly, sites, choice),
         checks_of(task, choice, note),
         raised,

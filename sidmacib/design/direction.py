@@ -89,7 +89,7 @@ class Search:
         """
         require_positive(gap=gap, time_limit=time_limit)
         end = time.monotonic() + time_limit
-        best = self._dive(whole, barred)
+        best = self._dive(whole, barred, end)
         cost = np.inf if best is None else float(self.structure.costs @ best)
         bound, rounds = self.relaxed.cost, 0
         while (best is None or cost - bound > gap * cost) and (left := end - time.monotonic()) > 0:
@@ -98,7 +98,7 @@ class Search:
             if parts is None:
                 break
             if self._cut(parts):
-                parts = self._repaired(parts, whole, barred)
+                parts = self._repaired(parts, whole, barred, end)
             if parts is not None and self.structure.costs @ parts < cost:
                 cost, best = float(self.structure.costs @ parts), parts
             count = len(self.mechanisms)
@@ -171,7 +171,7 @@ class Search:
                 self.mechanisms.append(Mechanism(work, size + float(work @ strength)))
         return short
 
-    def _dive(self, whole: bool, barred: Sequence[Directions]) -> Floats | None:
+    def _dive(self, whole: bool, barred: Sequence[Directions], end: float) -> Floats | None:
         """Rows that carry all cases, from mixed ones whose directions are settled step by step."""
         structure, factor = self.structure, self.lacks[0].factor
         allowed, parts = np.ones(len(structure.layouts), bool), self.relaxed.parts
@@ -186,7 +186,7 @@ class Search:
             minor = np.where(used > main * (1.0 + MIXED), main / np.maximum(used, SHORT), np.inf)
             open_sites = np.flatnonzero(np.isfinite(minor) & (used > SHORT * structure.costs.max()))
             if not len(open_sites):
-                return self._repaired(parts, whole, barred)
+                return self._repaired(parts, whole, barred, end)
             order = open_sites[np.argsort(-minor[open_sites], kind="stable")]
             settled = order[: max(1, len(order) // 3)]
             trial = allowed & (best | ~np.isin(structure.site_of, settled))
@@ -196,7 +196,9 @@ class Search:
                 return None
             allowed = trial
 
-    def _repaired(self, parts: Floats, whole: bool, barred: Sequence[Directions]) -> Floats | None:
+    def _repaired(
+        self, parts: Floats, whole: bool, barred: Sequence[Directions], end: float
+    ) -> Floats | None:
         """Rows that carry all cases, in the directions of ``parts`` and else of the mixed rows."""
         structure = self.structure
         wish = 1e-3 * self.relaxed.parts + parts
@@ -212,17 +214,17 @@ class Search:
         rounded = rounded_up(structure, mixed)
         if not self.carries(rounded) or _is_barred(structure, rounded > 0.0, barred):
             return None
-        return self.trimmed(rounded)
+        return self._trimmed(rounded, end)
 
-    def trimmed(self, taken: Floats) -> Floats:
-        """Without locks that are not needed, the dearest first."""
+    def _trimmed(self, taken: Floats, end: float) -> Floats:
+        """Without locks that are not needed, the dearest first; as many as are seen by ``end``."""
         structure = self.structure
         spent = np.bincount(
             structure.site_of, structure.costs * taken, minlength=len(structure.sites)
         )
         for site in np.argsort(-spent, kind="stable").tolist():
             less = _less(structure, taken, site) if spent[site] > 0.0 else None
-            while less is not None and self.carries(less):
+            while less is not None and time.monotonic() < end and self.carries(less):
                 taken = less
                 less = _less(structure, taken, site)
         return taken

@@ -1,9 +1,12 @@
 """The key ``design`` of a structure's file, and the file of what was designed."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
@@ -280,6 +283,25 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
             }
         )
     return {**task.description, "locks": locks}
+
+
+def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> None:
+    """Write `designed` into a YAML file, with paths to files of blocks from its folder."""
+    description = designed(task, choice)
+
+    def moved(value: Any) -> Any:
+        if not isinstance(value, dict) or "file" not in value:
+            return value
+        there = os.path.relpath(task.folder / str(value["file"]), path.parent)
+        return {**value, "file": Path(there).as_posix()}
+
+    blocks = {name: moved(value) for name, value in description["blocks"].items()}
+    head = "# With the locks that multilock design found.\n"
+    text = yaml.safe_dump({**description, "blocks": blocks}, sort_keys=False, width=120)
+    try:
+        path.write_text(head + text, encoding="utf-8")
+    except OSError as error:
+        raise ValueError(f"--output {path}: {error.strerror or error}") from None
 
 
 def _numbers(material: FaceMaterial) -> dict[str, float]:

@@ -53,13 +53,23 @@ class Carried:
 
     ``factor``: of the case's load; infinite if it carries any. ``by_strength``: by how much the
     factor grows for each N that the locks of a site in the choice are stronger, (sites,); 0 where
-    there are none. ``across``: forces across the locks of each site in N, (sites,), and ``torque``
-    of these about the middle of its interface in N m.
+    there are none.
     """
 
     case: str
     factor: float
     by_strength: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Needed:
+    """What locks carry of a case: of all forces that do, those with the least sum of squares.
+
+    ``across``: forces across the locks of each site in N, (sites,), and ``torque`` of these about
+    the middle of its interface in N m. The squares are of forces over strengths.
+    """
+
+    case: str
     across: Floats
     torque: Floats
 
@@ -113,27 +123,47 @@ def carried(structure: Structure, choice: Choice) -> tuple[Carried, ...]:
 
 
 def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
-    whole = structure.strengths @ structure.chosen(choice)
-    given = structure.share / structure.unit * np.asarray(whole)
+    strength = _strength(structure, choice)
     factor = cp.Variable()
-    forces = case_forces(structure, case, factor, cp.Constant(given))
+    forces = case_forces(structure, case, factor, cp.Constant(strength))
     largest = _largest(factor, forces.constraints)
-    sites = np.array([site for site, _ in structure.rows])
     count = len(structure.sites)
     if not np.isfinite(largest):
-        none = np.zeros(count)
-        return Carried(case.name, largest, none, none, none)
-    point = np.repeat(np.arange(len(sites)), len(structure.option.portions))
+        return Carried(case.name, largest, np.zeros(count))
     slopes = work_of(structure, forces) * structure.share / structure.unit
-    used = np.where(whole > 0.0, slopes, 0.0)
-    size = structure.unit * np.asarray(forces.locks.value)
-    arm = _arms(structure)
+    sites = np.array([site for site, _ in structure.rows])
+    by_strength = np.bincount(sites, np.where(strength > 0.0, slopes, 0.0), minlength=count)
+    return Carried(case.name, largest, by_strength.astype(float))
+
+
+def needed(structure: Structure, choice: Choice, factor: float) -> tuple[Needed, ...]:
+    """What the rows of ``choice`` carry of ``factor`` times each case.
+
+    `InfeasibleError` if they do not carry it.
+    """
+    return tuple(_needed(structure, choice, factor, case) for case in structure.cases)
+
+
+def _needed(structure: Structure, choice: Choice, factor: float, case: Case) -> Needed:
+    strength = _strength(structure, choice)
+    forces = case_forces(structure, case, factor, cp.Constant(strength))
+    row = np.repeat(np.arange(len(strength)), len(structure.option.portions))
+    used = strength[row] > 0.0
+    shares = cp.multiply(1.0 / np.where(used, strength[row], 1.0)[used], forces.locks[used])
+    solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, *ACCURACIES)
+    size = structure.unit * np.where(used, np.asarray(forces.locks.value), 0.0)
+    sites = np.array([site for site, _ in structure.rows])[row]
     across, torque = (
-        np.bincount(sites[point], values, minlength=count).astype(float)
-        for values in (size, arm * size)
+        np.bincount(sites, values, minlength=len(structure.sites)).astype(float)
+        for values in (size, _arms(structure) * size)
     )
-    by_strength = np.bincount(sites, used, minlength=count).astype(float)
-    return Carried(case.name, largest, by_strength, across, torque)
+    return Needed(case.name, across, torque)
+
+
+def _strength(structure: Structure, choice: Choice) -> Floats:
+    """Strength along each of `Structure.rows` in units, as much as counts."""
+    whole = np.asarray(structure.strengths @ structure.chosen(choice))
+    return np.asarray(structure.share / structure.unit * whole)
 
 
 def work_of(structure: Structure, forces: CaseForces) -> Floats:
