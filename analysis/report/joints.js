@@ -121,7 +121,7 @@ const ANSWER_MESH = Math.min(...JOINTS.meshes);
 
 function startConvergence() {
   const own = models.filter((model) => !["law", "safe"].includes(model));
-  fill(at("mesh-sample"), JOINTS.samples, JOINTS.samples[0]);
+  fill(at("mesh-sample"), JOINTS.samples, DATA.answer.sample);
   fill(at("mesh-model"), own, own.includes("static") ? "static" : own[0], (model) => labelOf(model).name);
   for (const id of ["mesh-sample", "mesh-model"]) at(id).addEventListener("change", drawConvergence);
   drawConvergence();
@@ -151,7 +151,7 @@ function drawModels() {
     const rows = own.filter((row) => row.model === model);
     return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: labelOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: labelOf(model).colour, size: 8 } };
   });
-  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 20, b: 150 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
+  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
 }
 
 startCurves();
