@@ -31,7 +31,7 @@ MATERIAL = {  # of interfaces, where a file leaves a number out
     "tensile_strength": 0.0,
     "bond_friction": 0.0,
 }
-OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes")
+OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes", "tolerance")
 BLOCK = "block"  # begins the names of blocks of a model of COMPAS
 ALL = "all"  # pairs of blocks that touch
 LOCKS = ("row", "run", "first", "widths", "inner", "dry", "condensed")
@@ -41,6 +41,7 @@ SHAPES = {  # the keys that give a block's shape
     frozenset({"outline", "along"}): "outline and along",
 }
 _FINITE, _POSITIVE = Number(), Number(above=0)
+_TOLERANCE = Number(above=0, at_most=0.01)
 _INDEX = Number(at_least=0, whole=True)
 _DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 
@@ -92,6 +93,8 @@ def assembly_of(description: Any, what: str = "the file", folder: Path = Path())
     cells: dict[str, Any] = {}
     if "mesh" in given:
         cells["mesh"] = _number("mesh", given["mesh"], _POSITIVE)
+    if "tolerance" in given:
+        cells["near"] = _number("tolerance", given["tolerance"], _TOLERANCE)
     if "nodes" in given:
         try:
             cells["nodes"] = choice(NodeLayout, given["nodes"])
