@@ -130,7 +130,10 @@ class Span:
             )
         least, largest = map(self.number.read, value)
         if least > largest:
-            raise ValueError(f"[{least:g}, {largest:g}] is not allowed; the first must not be more")
+            raise ValueError(
+                f"[{least:g}, {largest:g}] is not allowed; the first value must not exceed "
+                "the second"
+            )
         return least, largest
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:

@@ -177,7 +177,7 @@ def test_what_cannot_be_calibrated_is_refused(change: dict[str, Any], message: s
 
 
 def test_a_study_without_a_published_sample_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"^samples: none of them is published; "):
+    with pytest.raises(ConfigError, match=r"^samples: none is a published sample; "):
         check(read_study({"samples": {"n7": {"locks": 7}}}), PUBLISHED)
 
 

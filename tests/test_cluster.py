@@ -104,7 +104,7 @@ def test_the_profile_tries_as_often_as_jobs_are_told() -> None:
     assert profile["retries"] == RETRIES
     assert profile_named("slurm") == ROOT / "profiles/slurm"
     assert profile_named("") is None
-    with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not known; it must be"):
+    with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not allowed; it must be"):
         profile_named("slrum")
 
 

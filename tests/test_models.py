@@ -45,10 +45,10 @@ def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_sever
     assert model.refusal([]) is None
     assert model.refusal([Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")]) is None
     assert model.refusal([DUCTILE, STIFF]) == (
-        "assembly.failure: ductile is not possible with rule; it must be brittle"
+        "assembly.failure: ductile is not allowed with rule; it must be brittle"
     )
     assert model.refusal([STIFF]) == (
-        "shear_stiffness: 5 Pa/m is not possible with rule; it must be 10 Pa/m"
+        "shear_stiffness: 5 Pa/m is not allowed with rule; it must be 10 Pa/m"
     )
 
 

@@ -185,5 +185,5 @@ def test_contact_points_lie_on_the_centrelines_of_locks_that_differ() -> None:
 
 
 def test_sidmacib_refuses_a_lock_that_no_other_bears_against() -> None:
-    with pytest.raises(ValueError, match=r"^locks: 1 is not possible with SiDMACIB, .* at least 2"):
+    with pytest.raises(ValueError, match=r"^locks: 1 is not allowed with SiDMACIB, .* at least 2"):
         Sidmacib(Joint(1), OPTIONS["option1"])

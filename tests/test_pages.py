@@ -40,7 +40,7 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 
 
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PageError, match="nothing: unknown numbers; they must be one of"):
+    with pytest.raises(PageError, match="nothing: unknown block of numbers; it must be one of"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 

@@ -272,7 +272,7 @@ def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(
     tmp_path: Path,
 ) -> None:
     first = lock(tmp_path)
-    with pytest.raises(LockedError, match=r"another run is at work here \(process \d+\)"):
+    with pytest.raises(LockedError, match=r"another run is using this folder \(process \d+\)"):
         lock(tmp_path)
     first.close()
     lock(tmp_path).close()

@@ -41,7 +41,7 @@ def test_jobs_are_counted_and_what_runs_is_named() -> None:
     run.heard(begin(1, "one"), 0.0)
     run.heard(begin(2, "two"), 0.0)
     run.heard(end(1), 30.0)
-    assert run.words(30.0) == "1 of 4 jobs done; running: two; some 90 s left"
+    assert run.words(30.0) == "1 of 4 jobs done; running: two; about 90 s left"
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_what_a_signal_ended_is_told_with_the_signal_and_stands_in_its_log(tmp_p
     run.heard(begin(1, "one", log=str(log)), 0.0)
     assert run.heard(record(LogEvent.ERROR, logging.ERROR, text), 1.0) == []
     found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
-    words = "killed by SIGKILL, as the system does where memory is short"
+    words = "killed by SIGKILL, probably because memory ran out"
     assert found == [f"Failed: one: {words}; log: {log}"]
     assert log.read_text() == f"{words}\n"
 
@@ -146,7 +146,7 @@ def test_a_job_that_ends_without_a_word_is_a_reason(tmp_path: Path) -> None:
     log.touch()
     run.heard(begin(1, "one", log=str(log)), 0.0)
     run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
-    assert run.reasons == [f"Failed: one: ended without a word; log: {log}"]
+    assert run.reasons == [f"Failed: one: no message; log: {log}"]
 
 
 def test_that_cases_lack_results_is_a_reason_only_where_no_case_gave_one(tmp_path: Path) -> None:

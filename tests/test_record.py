@@ -96,8 +96,8 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
         (RESULT, "{", "", "result.json: unreadable"),
         (RESULT, '"peak_load_N"', '"peak"', "result.json: unreadable"),
         (NODES, "shear_y_Pa", "shear_w_Pa", "nodes.csv, line 1: no column shear_y_Pa"),
-        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: not node 1"),
-        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: not 3 columns"),
+        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: must be node 1"),
+        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: must have 3 columns"),
         (HISTORY, "load_N", "load", "history.csv, line 1: no column load_N"),
     ],
 )
@@ -155,14 +155,14 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"path": (State(0.0),)}, "peak load 0 N is not possible"),
-        ({"path": (State(math.inf),)}, "peak load inf N is not possible"),
-        ({"failed_load": 99.999}, "failed load 99.999 N is not possible"),
-        ({"failed_load": math.nan}, "failed load nan N is not possible"),
-        ({"first_failure_load": -0.001}, "first failure at -0.001 N is not possible"),
-        ({"first_failure_load": 110.001}, "first failure at 110.001 N is not possible"),
-        ({"path": (State(100.001), State(100.0))}, "load 100.001 N is not possible on the path"),
-        ({"path": (State(math.nan), State(100.0))}, "load nan N is not possible on the path"),
+        ({"path": (State(0.0),)}, "peak load 0 N is not allowed"),
+        ({"path": (State(math.inf),)}, "peak load inf N is not allowed"),
+        ({"failed_load": 99.999}, "failed load 99.999 N is not allowed"),
+        ({"failed_load": math.nan}, "failed load nan N is not allowed"),
+        ({"first_failure_load": -0.001}, "first failure at -0.001 N is not allowed"),
+        ({"first_failure_load": 110.001}, "first failure at 110.001 N is not allowed"),
+        ({"path": (State(100.001), State(100.0))}, "load 100.001 N is not allowed on the path"),
+        ({"path": (State(math.nan), State(100.0))}, "load nan N is not allowed on the path"),
         ({"path": (State(50.0, math.inf), State(100.0))}, "displacement inf m at 50 N"),
         ({"path": (State(100.0, 0.0, np.zeros((1, 3))),)}, "1 nodes have stresses, but the case"),
         ({"path": (State(100.0, 0.0, np.full((44, 3), np.nan)),)}, "a stress is not a finite"),
@@ -206,7 +206,7 @@ def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> No
 @pytest.mark.parametrize(
     ("told", "words"),
     [
-        ({"mode": "magic"}, "result.json: unreadable: mode is none of bonds, mechanism, first"),
+        ({"mode": "magic"}, "result.json: unreadable: mode must be one of bonds, mechanism, first"),
         ({"peak_load_N": None}, "result.json: unreadable"),
         ({"failed_load_N": "x"}, "result.json: unreadable"),
     ],
@@ -224,7 +224,7 @@ def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path)
     whole = json.loads((tmp_path / RESULT).read_text())
     loads = {key: 1.04 * whole[key] for key in ("peak_load_N", "failed_load_N")}
     (tmp_path / RESULT).write_text(json.dumps(whole | loads))
-    words = r"peak load .* N is not possible; .* a load at equilibrium of history\.csv"
+    words = r"peak load .* N is not allowed; .* a load at equilibrium of history\.csv"
     with pytest.raises(ResultError, match=words):
         read_outcome(tmp_path, assembly)
 
@@ -234,7 +234,7 @@ def test_a_history_of_what_cannot_be_is_refused(tmp_path: Path, row: str) -> Non
     assembly = write_engine_files(tmp_path, case_of())
     text = (tmp_path / HISTORY).read_text()
     (tmp_path / HISTORY).write_text(f"{text}{row},equilibrium\n")
-    with pytest.raises(ResultError, match=r"history.csv: .* m at .* N is not possible"):
+    with pytest.raises(ResultError, match=r"history.csv: .* m at .* N is not allowed"):
         read_outcome(tmp_path, assembly)
 
 

@@ -90,7 +90,7 @@ def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
     [
         ({"joints": 0}, "joints: 0 is not allowed"),
         ({"joints": 4, "locks": [1, 5]}, "locks: 1 is not allowed"),
-        ({"joints": 4, "a_over_b": [2, 1]}, "the first must not be more"),
+        ({"joints": 4, "a_over_b": [2, 1]}, "the first value must not exceed the second"),
         ({"joints": 4, "a_over_b": 2}, "a list of the least and the largest value"),
     ],
 )

@@ -54,7 +54,7 @@ def started(*command: str, **environment: str) -> subprocess.CompletedProcess[st
 def test_an_interrupt_while_a_program_loads_is_told_in_a_line(late: str) -> None:
     found = started("-c", INTERRUPTED + PROGRAMS[late], late, "study", "config.yaml")
     assert found.returncode == 1
-    assert re.fullmatch(r"(Aborted!|Stopped\. The next run goes on from here\.)\n", found.stderr)
+    assert re.fullmatch(r"(Aborted!|Stopped\. The next run continues from here\.)\n", found.stderr)
 
 
 def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
@@ -70,7 +70,7 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; the keys here are results, sam"),
+        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; allowed keys: results, sam"),
         (SMALL + "meshes: [0.01]\n", "line 7: 'meshes' appears twice; each key must"),
         ("samples: [\n", "line 2: not YAML"),
         ("\u00b5".encode("latin-1"), "not UTF-8 text; save the file as UTF-8"),

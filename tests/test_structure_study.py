@@ -105,7 +105,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; the keys here are file, "),
+        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; allowed keys: file, "),
         ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be the name of a file"),
         ({"description": []}, r"trilith\.description: .* must be a mapping with blocks and load"),
         (
@@ -127,7 +127,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
         ({"loads": {"up": 1}}, r"trilith\.loads\.up: 1 is not allowed; it must be a mapping"),
         ({"models": ["law"]}, r"trilith\.models: 'law' is not allowed; it must be yade or "),
         ({"models": ["static", "static"]}, r"trilith\.models: static appears twice"),
-        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is taken"),
+        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is reserved"),
     ],
 )
 def test_a_fault_is_told_in_a_line_that_names_the_key(keys: dict[str, Any], words: str) -> None:
@@ -137,7 +137,7 @@ def test_a_fault_is_told_in_a_line_that_names_the_key(keys: dict[str, Any], word
 
 
 def test_a_structure_without_a_description_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"structures\.t: lacks the key description, or file"):
+    with pytest.raises(ConfigError, match=r"structures\.t: missing; give description or file"):
         read_study({"structures": {"t": {}}})
 
 

@@ -25,7 +25,7 @@ from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import PartSection
 
 MAX_CASES = 1_000_000
-DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
+DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh
 BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
 WHOLE = 0.999  # of a side: a mesh must be less than it
 
@@ -37,8 +37,8 @@ def cases_of(study: Study) -> dict[CaseId, Case]:
     """
     if (count := case_count(study)) > MAX_CASES:
         raise ConfigError(
-            f"study: {count:,} cases, samples times meshes times eccentricities times models and "
-            f"variants, are too many; there must be {MAX_CASES:,} or fewer"
+            f"study: {count:,} cases (samples x meshes x eccentricities x models and "
+            f"variants) are too many; at most {MAX_CASES:,} are allowed"
         )
     cases = {case.id: case for case in _cases(study, study.model_names)}
     if study.overrides:
@@ -190,7 +190,7 @@ def _near(name: str, names: set[str]) -> str:
     sample = name.split("-", maxsplit=1)[0]
     among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
     close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
-    return f"it must be one of the study's, such as {', '.join(close)}"
+    return f"it must be a case of the study, such as {', '.join(close)}"
 
 
 @dataclass(frozen=True)
@@ -234,6 +234,6 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
         raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
     chosen = CaseId(model, name)
     if chosen not in cases:
-        names = {own for of, own in cases if of == model}
+        names = {case for case_model, case in cases if case_model == model}
         raise CallError(f"CASE: {shown(name)} is not a case of {model}; {_near(name, names)}")
     return cases[chosen]

@@ -66,7 +66,7 @@ class Model:
         for need in needs:
             if need.ability not in self.abilities:
                 return (
-                    f"{need.key}: {need.value} is not possible with {self.name}; "
+                    f"{need.key}: {need.value} is not allowed with {self.name}; "
                     f"it must be {need.allowed}"
                 )
         return None

@@ -171,9 +171,11 @@ def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
             if found[3] > 0.0:  # otherwise no part of the face belongs to it
                 rows.append((numbers[frozenset(values[:2])], found))
     if not ended or len(loads) != 2 or not rows:
-        raise ResultError(f"{RETURNED}: not whole; run the deck again")
+        raise ResultError(f"{RETURNED}: incomplete; run the deck again")
     if of != fingerprint(case):
-        raise ResultError(f"{RETURNED}: results of {of}; they must be of {fingerprint(case)}")
+        raise ResultError(
+            f"{RETURNED}: results of {of}; they must be results of {fingerprint(case)}"
+        )
     on_its_nodes, outcome = _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
     return problem._replace(assembly=on_its_nodes), outcome
 
@@ -184,7 +186,7 @@ def _numbers(values: list[str], count: int, line: int) -> list[float]:
     except ValueError:
         found = []
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise ResultError(f"{RETURNED}, line {line}: not {count} finite numbers")
+        raise ResultError(f"{RETURNED}, line {line}: must have {count} finite numbers")
     return found
 
 
@@ -197,7 +199,7 @@ def _outcome(
     for own, area in zip(assembly.faces, covered, strict=True):
         if not math.isclose(area, own.area, rel_tol=0.01):
             raise ResultError(
-                f"{RETURNED}: {area:g} m2 of subcontacts on {own.name}; they must cover its "
+                f"{RETURNED}: {area:g} m2 of subcontacts on {own.name}; they must cover all of its "
                 f"{own.area:g} m2"
             )
     assembly = replace(assembly, nodes=Nodes(face, values[:, :3], values[:, 3]))

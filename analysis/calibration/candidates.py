@@ -335,7 +335,7 @@ def check(study: Study, published: Published) -> list[int]:
     locks = sorted(set(published.samples(study).values()))
     if not locks:
         raise ConfigError(
-            "samples: none of them is published; calibration needs one with the paper's strength, "
+            "samples: none is a published sample; calibration needs one with the paper's strength, "
             "number of locks and load"
         )
     for mesh in study.calibration.meshes:

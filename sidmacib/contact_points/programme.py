@@ -53,7 +53,7 @@ class Sidmacib:
         require_not_negative(overload=self.overload)
         if not self.joint.interlocking:
             raise ValueError(
-                f"locks: {self.joint.locks} is not possible with SiDMACIB, whose locks bear "
+                f"locks: {self.joint.locks} is not allowed with SiDMACIB, in which locks bear "
                 "against each other; it must be at least 2"
             )
         if not isinstance(self.friction, bool | np.bool_):

@@ -197,7 +197,7 @@ def two_runs(campaign: Campaign) -> None:
     time.sleep(campaign.random.uniform(0.1, 3.0))
     told = campaign.finished(campaign.run())
     whole = campaign.finished(first)
-    refused = ["another run is at work here" in each for each in (told, whole)]
+    refused = ["another run is using this folder" in each for each in (told, whole)]
     if sum(refused) != 1:
         raise LostError(f"two runs in one folder: {told}")
     campaign.count("two runs")

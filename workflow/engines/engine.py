@@ -70,5 +70,5 @@ def _version(engine: Engine) -> str:
         raise RuntimeError(missing)
     found = re.search(engine.version_pattern, engine.version_text(), re.MULTILINE)
     if not found:
-        raise RuntimeError(f"{engine.name}: it does not tell its version")
+        raise RuntimeError(f"{engine.name}: its output states no version")
     return found[1]

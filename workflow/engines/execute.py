@@ -31,7 +31,7 @@ class EngineNoAnswerError(EngineError):
 
 
 class EngineKilledError(EngineError):
-    """The engine was killed, as the system does where memory is short."""
+    """The engine was killed, probably because memory ran out."""
 
 
 def execute(engine: Engine, folder: Path, time_limit: float) -> None:

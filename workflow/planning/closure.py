@@ -110,7 +110,7 @@ def _statements(node: ast.AST) -> Iterator[ast.AST]:
 @cache
 def _tree(module: str) -> ast.Module:
     path = source(module)
-    assert path is not None, f"{module}: no module of this project"
+    assert path is not None, f"{module}: not a module of this project"
     return ast.parse(path.read_text(encoding="utf-8"), str(path))
 
 

@@ -150,7 +150,7 @@ def why(job: Job, digest: str, results: Path, retry: bool = False) -> str | None
     receipt = read_receipt(results / job.receipt)
     reason = fault(receipt, job.name, digest, results, job.receipted)
     if retry and reason is None and _without_result(job, results):
-        return "to be tried again"
+        return "retried on request"
     return reason
 
 

@@ -57,13 +57,13 @@ def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> 
         moved = state.displacement or 0.0
         if abs(moved) > assembly.length or abs(state.load) > BEYOND * peak:
             raise ResultError(
-                f"{HISTORY}: {moved:g} m at {state.load:g} N is not possible; it must be at most "
+                f"{HISTORY}: {moved:g} m at {state.load:g} N is not allowed; it must be at most "
                 f"{assembly.length:g} m, the length of its locks, and {BEYOND:g} times the peak of "
                 f"{peak:g} N"
             )
     if path and not any(abs(state.load - peak) <= SAME * peak for state in path):
         raise ResultError(
-            f"{RESULT}: peak load {peak:g} N is not possible; it must be a load at equilibrium of "
+            f"{RESULT}: peak load {peak:g} N is not allowed; it must be a load at equilibrium of "
             f"{HISTORY}"
         )
 
@@ -76,7 +76,7 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         first = found.get("first_failure_load_N")
         mode = found.get("mode")
         if mode is not None and mode not in MODES:
-            raise ValueError(f"mode is none of {', '.join(MODES)}")
+            raise ValueError(f"mode must be one of {', '.join(MODES)}")
         return peak, failed, None if first is None else float(first), mode
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
@@ -99,7 +99,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
         raise ResultError(f"{path.name}, line 1: no column {', '.join(missing)}")
     for number, row in enumerate(rows, start=2):
         if "" in row or None in row.values():
-            raise ResultError(f"{path.name}, line {number}: not {len(names)} columns")
+            raise ResultError(f"{path.name}, line {number}: must have {len(names)} columns")
     return rows
 
 
@@ -143,7 +143,8 @@ def read_nodes(path: Path, assembly: Assembly) -> tuple[Floats, np.ndarray]:
     if wrong.any():
         number = int(np.flatnonzero(wrong)[0])
         raise ResultError(
-            f"{path.name}, line {number + 2}: not node {number + 1} of the case, on {names[number]}"
+            f"{path.name}, line {number + 2}: must be node {number + 1} of the case, on "
+            f"{names[number]}"
         )
     return stress_to_force(nodes, face_frames(assembly), values[:, 4:8]), values[:, 8] > 0
 

@@ -39,7 +39,7 @@ def end_with_parent() -> None:
 def run_job(plan: dict[str, Any]) -> None:
     """Do the job that ``plan`` describes as plain data, and leave a receipt if it has a result."""
     if edited(plan["code"]):
-        sys.exit(f"{plan['name']}: the code was edited after the run had begun; start it again")
+        sys.exit(f"{plan['name']}: the code was edited during the run; start it again")
     results = Path(plan["results"])
     receipt = results / plan["receipt"]
     receipt.unlink(missing_ok=True)
@@ -63,8 +63,8 @@ def run_job(plan: dict[str, Any]) -> None:
 def paths(files: Mapping[str, str | Sequence[str]], results: Path) -> dict[str, Any]:
     """Inputs or outputs of a step by name, each a path or a list of paths."""
     return {
-        name: results / told if isinstance(told, str) else [results / each for each in told]
-        for name, told in files.items()
+        name: results / value if isinstance(value, str) else [results / path for path in value]
+        for name, value in files.items()
     }
 
 

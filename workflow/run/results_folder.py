@@ -54,7 +54,9 @@ def lock(results: Path) -> TextIO:
         stream.seek(0)
         other = stream.read().strip() or "unknown"
         stream.close()
-        raise LockedError(f"{results}: another run is at work here (process {other})") from None
+        raise LockedError(
+            f"{results}: another run is using this folder (process {other})"
+        ) from None
     stream.truncate(0)
     stream.write(f"{os.getpid()}\n")
     stream.flush()

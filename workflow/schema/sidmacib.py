@@ -54,7 +54,7 @@ def _with_ready(value: Any) -> Any:
 def _ready_name(name: Any) -> str:
     if not isinstance(name, str) or name not in _READY:
         raise ValueError(
-            f"{shown(name)} is not ready; without positions and portions it must be one of "
+            f"{shown(name)} needs positions and portions; without them it must be one of "
             f"{', '.join(_READY)}"
         )
     return name

@@ -98,13 +98,16 @@ def structure_faults(study: Study) -> Iterator[str]:
             elif model in (section.models or ())[:number]:
                 yield f"{key}.models: {model} appears twice; each name must appear only once"
         if REFERENCE in section.variants:
-            yield f"{key}.variants: the name {REFERENCE} is taken; it must be another"
+            yield f"{key}.variants: the name {REFERENCE} is reserved; choose another name"
         if section.description is None:
-            yield f"{key}: lacks the key description, or file"
+            yield f"{key}: missing; give description or file"
             continue
         named = set(section.models or ABLE)
         if not models_of(study, section) and named <= set(ABLE) and not named & set(ENGINES):
-            yield f"{key}.models: none of the study's; it must have {' or '.join(ABLE)}"
+            yield (
+                f"{key}.models: none of these is in the study's models; it must have "
+                f"{' or '.join(ABLE)}"
+            )
         yield from dict.fromkeys(_unreadable(key, section))
 
 

@@ -61,7 +61,7 @@ class CalculixProcess:
         with self.results.open() as stream:
             found = re.search(r"^ +1UVERSION +Version ([\w.]+)", stream.read(4096), re.MULTILINE)
         if not found:
-            raise SystemExit("CalculiX does not tell its version")
+            raise SystemExit("CalculiX: its output states no version")
         return found[1]
 
     def why(self) -> str:

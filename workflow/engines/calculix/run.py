@@ -61,15 +61,16 @@ def find_first_failure(
             continue
         engine.stop()
         if before is None:
-            raise NoAnswerError("the assembly does not stand under its permanent loads")
+            raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
         forces = record(history, failing, Outcome.EQUILIBRIUM.value)
         # Pieces that slide off are carried as far as one likes, as friction has no tangent there.
         if not max(row["unbalanced_ratio"] for row in history.rows[-2:]) <= LARGEST_UNBALANCED:
             raise NoAnswerError(
-                f"no first failure: {told(assembly, before)}, and beyond it the displacements that "
-                "CalculiX finds are no equilibrium"
+                f"no first failure: {in_words(assembly, before)}, and beyond it the "
+                "displacements from "
+                "CalculiX are not in equilibrium"
             )
         load = failing.load
         peak = Peak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
@@ -77,13 +78,13 @@ def find_first_failure(
         return
     if before is None:
         raise SystemExit(f"CalculiX finds no equilibrium under permanent loads: {engine.why()}")
-    why = f"CalculiX goes no further: {engine.why()}"
+    why = f"CalculiX stopped: {engine.why()}"
     if before.load >= loads[-1] * (1.0 - 1e-9):
         why = "the load grows without a failure"
-    raise SystemExit(f"no first failure: {told(assembly, before)}, and {why}")
+    raise SystemExit(f"no first failure: {in_words(assembly, before)}, and {why}")
 
 
-def told(assembly: Assembly, state: State) -> str:
+def in_words(assembly: Assembly, state: State) -> str:
     """A state in words."""
     used = 100 * most_used(assembly, state.jumps)
     return f"at {state.load:g} N {used:.3g} % of the strength is used"

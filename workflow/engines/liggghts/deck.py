@@ -314,7 +314,7 @@ class Deck:
                 yield f"fix {name} {name} addforce {' '.join(terms)}"
         if groups > GROUPS:
             raise NoAnswerError(
-                f"liggghts: {groups} places to put the loads; it can have {GROUPS} at most"
+                f"liggghts: {groups} points of load application; at most {GROUPS} are allowed"
             )
 
     def _turning(self, gravity: float, share: str) -> Iterator[str]:

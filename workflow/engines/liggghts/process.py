@@ -71,7 +71,10 @@ class LiggghtsProcess:
             if line.strip() == mark:
                 return lines
             lines.append(line.rstrip())
-        print("\n".join([*lines[-20:], "LIGGGHTS has ended"]), file=sys.stderr)
+        print(
+            "\n".join([*lines[-20:], "LIGGGHTS ended before its commands were done"]),
+            file=sys.stderr,
+        )
         killed = -self.process.wait() == signal.SIGKILL
         sys.exit(128 + signal.SIGKILL if killed else 1)
 
@@ -106,7 +109,7 @@ def version_in(lines: Sequence[str]) -> str:
     for line in lines:
         if found := re.search(r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)", line):
             return found[1]
-    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS does not tell its version"]))
+    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS: its output states no version"]))
 
 
 def dumped_rows(text: str) -> dict[int, list[float]]:
@@ -122,5 +125,7 @@ def printed_values(lines: Sequence[str]) -> list[float]:
     line = next(line for line in lines if line.startswith("values "))
     found = [float(value) for value in line.split()[1:]]
     if not all(map(math.isfinite, found)):
-        raise SystemExit("the computation has diverged: LIGGGHTS' results are no numbers")
+        raise SystemExit(
+            "the computation has diverged: LIGGGHTS returned values that are not finite numbers"
+        )
     return found

@@ -23,7 +23,9 @@ def in_private_network() -> tuple[str, ...]:
     Empty, with a warning, where the system allows no such network.
     """
     if subprocess.run([*PRIVATE_NETWORK, "true"], capture_output=True, check=False).returncode:
-        print("no private network here: MPI listens on ports of all interfaces", flush=True)
+        print(
+            "no private network namespace here: MPI listens on ports of all interfaces", flush=True
+        )
         return ()
     return (*PRIVATE_NETWORK, *ENDS_WITH_PARENT, sys.executable, __file__)
 

@@ -65,10 +65,10 @@ def roundness(
     """Why spheres do not stand for flat faces; None if they do. Arguments as `check_flat` has."""
     share = spurious_force(assembly, motions, radii, forces) / max(load, assembly.permanent_N)
     if share > LARGEST_SHARE:
-        return f"spurious forces are {share:.2g} of the load, and may be {LARGEST_SHARE:g}"
+        return f"spurious forces are {share:.2g} of the load; the limit is {LARGEST_SHARE:g}"
     shift = contact_shift(assembly, motions, radii, forces)
     if shift > LARGEST_SHIFT:
-        return f"contacts move by {shift:.2g} of half a face, and may by {LARGEST_SHIFT:g}"
+        return f"contacts move by {shift:.2g} of half a face; the limit is {LARGEST_SHIFT:g}"
     return None
 
 

@@ -101,7 +101,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)

@@ -40,7 +40,7 @@ class Model(Protocol):
 
 
 def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
-    """The load to go to (N): no further than to just below the next failure, if that can be told.
+    """The load to go to (N): at most just below the next failure, where that can be predicted.
 
     ``used``: loads and largest utilisations of the last equilibria; all but linear.
     """
@@ -83,7 +83,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
@@ -122,8 +122,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
-            told = standing and math.isfinite(over)
-            share = (1.0 - tolerance / 2 - most) / (over - most) if told else 0.5
+            known = standing and math.isfinite(over)
+            share = (1.0 - tolerance / 2 - most) / (over - most) if known else 0.5
             increment = share * (load - peak)
             model.back()
             load = peak + increment

@@ -120,7 +120,7 @@ class History:
         table = [node_row(self.assembly, number, force) for number, force in enumerate(peak.nodes)]
         numbers = [value for row in table for value in row.values() if isinstance(value, float)]
         if not all(map(math.isfinite, [peak.load, peak.failed_load, *numbers])):
-            raise SystemExit("the computation has diverged: its results are no numbers")
+            raise SystemExit("the computation has diverged: its results are not finite numbers")
         write_table("history.csv", self.rows)
         write_table("nodes.csv", table)
         result = {
@@ -142,7 +142,7 @@ def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:
     if outcome is Outcome.COLLAPSE:
         return MECHANISM
     raise NoAnswerError(
-        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor move off"
+        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor separate"
     )
 
 
