@@ -4,13 +4,8 @@
 import sys
 from pathlib import Path
 
-<<<<<<< HEAD
 # Run the code of this checkout, whatever the working directory and the installed packages are.
-CHECKOUT = str(workflow.basedir)
-=======
-# The code that runs is this checkout's, wherever it is called from and whatever is installed.
 CHECKOUT = str(workflow.current_basedir)
->>>>>>> main
 sys.path.insert(0, CHECKOUT)
 
 from workflow.planning.batches import case_jobs

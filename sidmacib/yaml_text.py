@@ -82,7 +82,7 @@ def _syntax_fault(error: yaml.MarkedYAMLError, text: str) -> str:
 
 
 class _Reader:
-    """Builds values from YAML's events, and counts them, an alias as all that it stands for."""
+    """Builds values from YAML's events and counts them; an alias counts as all its values."""
 
     def __init__(self, events: Iterator[yaml.Event]) -> None:
         self.events = events

@@ -87,10 +87,10 @@ def places(deck: Deck) -> dict[int, np.ndarray]:
 def resultant(deck: Deck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
     """Force and moment about a piece's centre of the nodal forces on it."""
     where, piece, grid = places(deck), deck.assembly.pieces[index], deck.grids[index]
-    own = range(grid.first_node, grid.first_node + len(grid.nodes))
+    numbers = range(grid.first_node, grid.first_node + len(grid.nodes))
     found = np.zeros(6)
     for (node, direction), force in forces.items():
-        if node in own:
+        if node in numbers:
             vector = force * np.eye(3)[direction - 1]
             arm = where[node] - np.array(piece.centre_m)
             found += [*vector, *np.cross(arm, vector)]
@@ -243,8 +243,8 @@ def test_a_study_continues_without_an_engine_that_is_not_installed(
     study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
     monkeypatch.setenv("PATH", "")
     assert installed_engines(study) == []
-    told = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
-    assert told in capsys.readouterr().err
+    note = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
+    assert note in capsys.readouterr().err
 
 
 def test_first_failures_alone_are_not_enough_for_a_study() -> None:

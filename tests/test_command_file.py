@@ -65,15 +65,17 @@ def test_a_file_of_a_joint_is_small(tmp_path: Path) -> None:
         ("a: &x [*x]", "is an alias of an undefined anchor"),
     ],
 )
-def test_faults_in_a_file_are_told_with_its_name(tmp_path: Path, content: str, words: str) -> None:
+def test_faults_in_a_file_are_reported_with_its_name(
+    tmp_path: Path, content: str, words: str
+) -> None:
     path = tmp_path / "joint.yaml"
     path.write_text(content)
     found = run("capacity", "--file", str(path))
     assert found.exit_code == 2
-    told = " ".join(found.output.split())
-    assert words in told
-    assert "Traceback" not in told and len(told) < 900
-    assert f"--file {path}: " in told
+    output = " ".join(found.output.split())
+    assert words in output
+    assert "Traceback" not in output and len(output) < 900
+    assert f"--file {path}: " in output
 
 
 @pytest.mark.parametrize(

@@ -129,8 +129,10 @@ def corner_forces(text: str) -> list[tuple[str, float, float, float]]:
 
 
 def test_a_given_force_is_on_the_corners_of_the_top_before_the_load_is_raised(case: Case) -> None:
-    own = {2: OwnLock(width=0.06, density=2000.0)}
-    joint = replace(case.joint, hold_down=HoldDown.force(800.0), different=own, first=Block.LOWER)
+    changes = {2: OwnLock(width=0.06, density=2000.0)}
+    joint = replace(
+        case.joint, hold_down=HoldDown.force(800.0), different=changes, first=Block.LOWER
+    )
     text = deck(replace(case, joint=joint))
     found = corner_forces(text)
     assert len(found) == 4 * 3

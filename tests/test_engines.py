@@ -189,7 +189,7 @@ def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> 
     assert 0.0 < result.failed_load / result.peak_load - 1.0 <= 0.001
 
 
-def test_the_history_tells_load_displacement_shear_and_breakage(engine: str, run) -> None:
+def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) -> None:
     history = run(a_case(engine, Joint(3), Loading(Direction(0.0)))).history
     assert set(history["stage"]) >= {"equilibrium", "collapse"}
     still = history[history["stage"] == "equilibrium"]

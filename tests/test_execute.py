@@ -76,7 +76,9 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
     assert not list(folder.glob("running-*"))
 
 
-def test_a_script_that_gives_a_reason_is_told_from_one_that_breaks_down(tmp_path: Path) -> None:
+def test_a_script_that_gives_a_reason_is_distinguished_from_one_that_crashes(
+    tmp_path: Path,
+) -> None:
     text = "from engines.scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
     folder = folder_with(tmp_path, text)
     shutil.copytree(MODULES / "scripts", folder / MODULES.name / "scripts")

@@ -1,4 +1,4 @@
-"""The registry: a model tells what it can, gives what it says, and refuses the rest in one line."""
+"""The registry: models have the abilities that they state, and refuse the rest in one line."""
 
 from dataclasses import fields, replace
 
@@ -64,7 +64,7 @@ def test_engines_can_what_each_of_them_must() -> None:
 
 
 @pytest.mark.parametrize("name", SOLVED)
-def test_a_solved_model_tells_what_its_abilities_promise(name: str) -> None:
+def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
     model = MODELS[name]
     outcome = model.run(loaded(Joint(3)))
     peak = outcome.path[-1]

@@ -159,7 +159,7 @@ VALUES = [
 
 
 @pytest.mark.parametrize(("text", "message"), VALUES, ids=range(len(VALUES)))
-def test_a_value_that_is_not_allowed_is_told_with_its_key_and_what_is(
+def test_a_value_that_is_not_allowed_is_reported_with_its_key_and_what_is(
     tmp_path: Path, text: str, message: str
 ) -> None:
     path = written(tmp_path, (text if text.startswith("samples") else STUDY + text))

@@ -184,13 +184,15 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     force = found.path[-1].force
     assert force is not None
     strength = case.joint.T0
-    for told, lock in zip(record.weights, lock_weights(case.joint, assembly, force), strict=True):
-        assert (told.lock, told.block) == (lock.lock, lock.block)
+    for recorded, lock in zip(
+        record.weights, lock_weights(case.joint, assembly, force), strict=True
+    ):
+        assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
-            assert getattr(told, name) == pytest.approx(getattr(lock, name), abs=1e-9)
+            assert getattr(recorded, name) == pytest.approx(getattr(lock, name), abs=1e-9)
         for name in ("shear_x_N", "shear_y_N"):
-            own = getattr(lock, name)
-            assert getattr(told, name) == pytest.approx(own, rel=1e-9, abs=1e-9 * strength)
+            expected = getattr(lock, name)
+            assert getattr(recorded, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * strength)
     most = max(abs(lock.shear_x_N) for lock in record.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
 
@@ -204,17 +206,17 @@ def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> No
 
 
 @pytest.mark.parametrize(
-    ("told", "words"),
+    ("changes", "words"),
     [
         ({"mode": "magic"}, "result.json: unreadable: mode must be one of bonds, mechanism, first"),
         ({"peak_load_N": None}, "result.json: unreadable"),
         ({"failed_load_N": "x"}, "result.json: unreadable"),
     ],
 )
-def test_a_result_that_is_none_is_refused(tmp_path: Path, told: dict, words: str) -> None:
+def test_a_result_that_is_none_is_refused(tmp_path: Path, changes: dict, words: str) -> None:
     assembly = write_engine_files(tmp_path, case_of())
     whole = json.loads((tmp_path / RESULT).read_text())
-    (tmp_path / RESULT).write_text(json.dumps(whole | told))
+    (tmp_path / RESULT).write_text(json.dumps(whole | changes))
     with pytest.raises(ResultError, match=words):
         read_outcome(tmp_path, assembly)
 
@@ -315,11 +317,11 @@ def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
     for each in lock_weights(case.joint, assembly, force):
         name = next(f.name for f in assembly.faces if _is_inner_of(f.name, each.lock))
-        own = [assembly.faces[n].name == name for n in assembly.nodes.face]
-        resultant = float(np.sum(stress[own, 2] * area[own]))
+        on_face = [assembly.faces[n].name == name for n in assembly.nodes.face]
+        resultant = float(np.sum(stress[on_face, 2] * area[on_face]))
         assert each.shear_y_N == pytest.approx(resultant)
         assert each.weight == pytest.approx(abs(resultant) / case.joint.T0)
-        mean = float(np.sum(np.abs(stress[own, 2]) * area[own]))
+        mean = float(np.sum(np.abs(stress[on_face, 2]) * area[on_face]))
         assert each.mean_shear_ratio == pytest.approx(mean / case.joint.T0)
 
 
@@ -360,7 +362,7 @@ def test_lower_locks_of_the_limit_model_are_used_up_whatever_their_number() -> N
     )
 
 
-def test_the_first_failure_is_told_where_a_model_knows_failure() -> None:
+def test_the_first_failure_is_reported_where_a_model_knows_failure() -> None:
     of_static = solved(case_of(), static.solve)[0]
     assert 0 < of_static.first_failure_load_N <= of_static.load_N <= of_static.failed_load_N
     assert solved(case_of(), limit.solve)[0].first_failure_load_N is None

@@ -319,7 +319,7 @@ def test_the_next_load_of_a_linear_model_is_never_past_its_failure(
     assert used * strength < load <= strength * (1 - tolerance / 2) * (1 + 1e-9)
 
 
-def test_the_next_load_goes_by_the_increment_where_nothing_can_be_told() -> None:
+def test_the_next_load_goes_by_the_increment_where_nothing_can_be_predicted() -> None:
     assert next_load([(0.0, 0.0)], 12.0, 1e-3) == 12.0
     assert next_load([(0.0, 0.0), (12.0, math.inf)], 12.0, 1e-3) == 24.0
 

@@ -68,8 +68,8 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    own = {"locks", "first", "different", "inner", "dry", "models", "only"}
-    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
+    extra = {"locks", "first", "different", "inner", "dry", "models", "only"}
+    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *extra}
     assert [*LockSection.model_fields] == [field.name for field in fields(OwnLock)]
     for changes, section in ((InnerChanges, InnerFaceSection), (DryChanges, DryFaceSection)):
         assert [*changes.model_fields] == [*section.model_fields]
@@ -355,7 +355,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
     ],
 )
-def test_a_fault_is_told_in_one_line_with_key_value_and_what_is_allowed(
+def test_a_fault_is_reported_in_one_line_with_key_value_and_what_is_allowed(
     config: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ConfigError, match=f"^{message}$") as error:
@@ -363,7 +363,7 @@ def test_a_fault_is_told_in_one_line_with_key_value_and_what_is_allowed(
     assert len(str(error.value).splitlines()) == 1
 
 
-def test_all_faults_are_told_at_once() -> None:
+def test_all_faults_are_reported_at_once() -> None:
     with pytest.raises(ConfigError) as error:
         read_study(merged(meshes=[0.06], models=["magic"], figures={"mesh": 0.03}))
     keys = [line.split(":")[0] for line in error.value.args]

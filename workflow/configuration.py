@@ -41,7 +41,7 @@ class CallError(ConfigError):
 
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
-    """The study in the YAML file ``path``; ``results``: a results folder in place of its own.
+    """The study in the YAML file ``path``; ``results``: overrides its results folder.
 
     Raises `ConfigError`, whose lines begin with the file's name.
     """

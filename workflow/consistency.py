@@ -159,7 +159,7 @@ def notes(study: Study) -> list[str]:
 
 
 def _fading(study: Study) -> Iterator[str]:
-    """Keys of bonds that fade, where none do."""
+    """Keys of softening bonds that have no effect."""
     fades = {
         name: change.assembly(study.assembly).failure is Failure.SOFTENING
         for name, change in study.every_variant.items()

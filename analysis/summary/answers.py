@@ -88,7 +88,7 @@ def _verdict(row: pd.Series) -> str:
 
 
 def _least_safe(tables: Mapping[str, pd.DataFrame], row: pd.Series) -> float:
-    """The direction, e / a, in which SiDMACIB promises most over what the joint carries."""
+    """The direction, e / a, in which SiDMACIB overestimates the capacity most."""
     capacity = tables["capacity"]
     same = capacity[(capacity["sample"] == row["sample"])]
     same = same[np.isclose(same["mesh_m"], row["mesh_m"])]
@@ -103,7 +103,7 @@ def _least_safe(tables: Mapping[str, pd.DataFrame], row: pd.Series) -> float:
 
 
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """How many locks fit, if any number may."""
+    """The number of locks that fits best, which need not be whole."""
     selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
@@ -158,7 +158,7 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
 
 
 def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """How far the peaks in pure shear are from the published ones."""
+    """Differences of the peaks in pure shear from the published ones."""
     selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
@@ -170,7 +170,7 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
 
 
 def _engines(cases: pd.DataFrame) -> Iterator[str]:
-    """How far the engines are from the static model."""
+    """Differences of the engines from the static model."""
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):

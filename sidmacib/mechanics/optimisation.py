@@ -243,7 +243,7 @@ def _projected(values: Floats, dims: Any, dual: bool) -> Floats:
         projected[: dims.zero] = values[: dims.zero]
     linear = slice(dims.zero, dims.zero + dims.nonneg)
     projected[linear] = np.maximum(values[linear], 0.0)
-    for size, first in _second_order(dims):  # its own dual
+    for size, first in _second_order(dims):  # self-dual
         cones = values[first].reshape(-1, size)
         projected[first] = _projected_on_second_order(cones).ravel()
     return projected

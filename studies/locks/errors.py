@@ -122,7 +122,7 @@ def brittle_odd_joints(points: pd.DataFrame) -> pd.DataFrame:
 
 
 def counted_locks(points: pd.DataFrame) -> dict[str, Floats]:
-    """How many locks count by each of the paper's rules, at each of ``points``, (N,).
+    """Number of locks that count by each of the paper's rules, at each of ``points``, (N,).
 
     Weights are those of the same joint in pure shear.
     """

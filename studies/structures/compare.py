@@ -73,20 +73,20 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
         for friction in FRICTIONS:
             model = sample_structure(samples, Sample(name, (0, 1), friction))
             for axis in AXES:
-                told = known.get((name, friction, axis), {})
+                values = known.get((name, friction, axis), {})
                 tilt = Tilt(AXES[axis])
                 static = static_tilt(model, tilt)
                 yield {
                     "sample": name,
                     "friction": friction,
                     "axis": axis,
-                    "threedec_degrees": told.get("threedec", math.nan),
+                    "threedec_degrees": values.get("threedec", math.nan),
                     "static_degrees": static.angle,
                     "motion": str(static.motion),
                     "yade_degrees": engine_tilt("yade", model, tilt),
                     "relaxed_degrees": relaxed_tilt(model, tilt, finite=False),
                     "finite_rotation_degrees": relaxed_tilt(model, tilt, finite=True),
-                    "rbe_degrees": told.get("rbe", math.nan),
+                    "rbe_degrees": values.get("rbe", math.nan),
                     "pyramid_degrees": pyramid_tilt(model, tilt),
                     "limit_degrees": limit_tilt(model, tilt).angle,
                 }

@@ -63,7 +63,7 @@ def execute(engine: Engine, folder: Path, time_limit: float) -> None:
 
 
 def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None:
-    """Run ``command`` in a process group of its own, which ends with this process."""
+    """Run ``command`` in a separate process group, which ends with this process."""
     with log.open("w") as stream:
         process = subprocess.Popen(
             [*ENDS_WITH_PARENT, *command],

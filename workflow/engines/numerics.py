@@ -16,7 +16,7 @@ class Numerics:
 
     # last load increment over the peak
     tolerance: Annotated[float, Number(at_least=1e-5, at_most=0.0025)] = 0.001
-    # whether the static model tells where to look first
+    # whether the search starts near the result of the static model
     guided: bool = True
     # over the loads' scale, where it does not
     first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.05

@@ -206,7 +206,7 @@ def _imported_by(file: str) -> frozenset[str]:
 
 
 def _imported(text: str, package: str) -> set[str]:
-    """Files below `MODULES` that a module of ``package`` imports, and of their own packages."""
+    """Files below `MODULES` that a module of ``package`` imports, and those of their packages."""
     names = (
         resolve_name("." * node.level + node.module, package)
         for node in ast.walk(ast.parse(text))
@@ -244,7 +244,7 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
 
 
 def engine_material(material: FaceMaterial) -> dict[str, float]:
-    """What engines know of a material, as their scripts read it: they have no bonds that fade."""
+    """The properties of a material that scripts of engines read; engines model no softening."""
     return {field.name: getattr(material, field.name) for field in fields(Material)}
 
 

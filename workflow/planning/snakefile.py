@@ -123,5 +123,5 @@ def _plain(value: Any) -> Any:
 
 
 def parquet_beside(outputs: Iterable[str]) -> tuple[str, ...]:
-    """The same tables as Parquet, beside those in CSV."""
+    """The tables in Parquet that accompany those in CSV."""
     return tuple(name[:-3] + "parquet" for name in outputs if name.endswith(".csv"))

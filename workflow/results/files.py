@@ -1,4 +1,4 @@
-"""The files of a single case: what an engine writes, and beside it the checked record."""
+"""The files of a single case: those that an engine writes, and the checked record."""
 
 import csv
 import json
@@ -36,7 +36,7 @@ CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are r
 
 
 def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
-    """What an engine left in ``folder``; `ResultError` names the file and line of what is wrong."""
+    """The outcome that an engine left in ``folder``; `ResultError` names file and line."""
     peak, failed, first, mode = _read_result(folder / RESULT)
     nodes = read_nodes(folder / NODES, assembly)
     path = _read_history(folder / HISTORY)
@@ -47,7 +47,7 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
 
 
 def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:
-    """Raise `ResultError` where the ``peak`` (N) is none of the equilibria on the way.
+    """Raise `ResultError` if the ``peak`` (N) is not one of the equilibria of the history.
 
     There may be some at higher loads: those at which a bond broke, and that were taken back.
     """

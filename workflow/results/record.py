@@ -1,4 +1,4 @@
-"""What a model found for a case, checked: the one form that every result takes.
+"""The checked result of a case, in the same form for all models.
 
 Engines, models solved in this process and programs run elsewhere all give an `Outcome`.
 `record_of` checks it against its case and turns it into a `CaseRecord`; nothing else reaches a
@@ -29,7 +29,7 @@ NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
 class ResultError(ValueError):
-    """A result that is not accepted; the message says in one line what is wrong with it."""
+    """A result that is not accepted; the message is one line."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class CaseRecord:
 
     @property
     def is_peak(self) -> bool:
-        """Whether the load is a peak, and not the first failure because peaks spread too far."""
+        """Whether the load is a peak; it is the first failure where peaks spread too far."""
         return self.peak_spread is None or self.peak_spread <= SPREAD_LIMIT
 
     def to_json(self) -> str:

@@ -27,7 +27,7 @@ def _mark(results: Path, job: str) -> Path:
 
 
 def was_killed(results: Path, job: str) -> bool:
-    """Whether a job, which is not running, was killed when it was last tried in this run."""
+    """Whether the last attempt of a job in this run was killed; the job is not running."""
     return _mark(results, job).is_file()
 
 

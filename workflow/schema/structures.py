@@ -1,4 +1,4 @@
-"""Structures of blocks that a study analyses beside its joints, or without any."""
+"""Structures of blocks that a study analyses, with or without joints."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

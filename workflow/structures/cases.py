@@ -14,7 +14,7 @@ from workflow.schema import Study
 from workflow.schema.structures import StructureSection
 from workflow.structures.case import StructureCase, changed, structure_case_name
 
-LOAD = "load"  # the name of a description's own load
+LOAD = "load"  # the name of the load in a description
 ABLE = tuple(  # models of structures: those of rigid pieces
     name
     for name, model in MODELS.items()
@@ -26,7 +26,7 @@ ABLE = tuple(  # models of structures: those of rigid pieces
 class StructureJobs:
     """The cases of structures by the job that finds their results.
 
-    ``engines``: each in a job of its own; ``solved``: by model and structure, one job for all loads
+    ``engines``: each in a separate job; ``solved``: by model and structure, one job for all loads
     and variants.
     """
 
@@ -72,9 +72,9 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
 
 def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
     """Those of the study's models that analyse a structure."""
-    own = section.models
+    names = section.models
     return tuple(
-        name for name in study.model_names if name in ABLE and (own is None or name in own)
+        name for name in study.model_names if name in ABLE and (names is None or name in names)
     )
 
 

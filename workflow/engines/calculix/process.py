@@ -57,7 +57,7 @@ class CalculixProcess:
         self.process.wait()
 
     def version(self) -> str:
-        """Its own version, such as 2.20, which its results hold."""
+        """The version of CalculiX, such as 2.20, from its results."""
         with self.results.open() as stream:
             found = re.search(r"^ +1UVERSION +Version ([\w.]+)", stream.read(4096), re.MULTILINE)
         if not found:

@@ -35,7 +35,7 @@ def find_first_failure(
 ) -> None:
     """Look for it and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
-    ``first_increment_N``: the first step of the load; ``tolerance``: to which the load is told.
+    ``first_increment_N``: the first step of the load; ``tolerance``: of the load.
     """
     loads = raised(first_increment_N)
     deck = Deck(assembly)
@@ -50,7 +50,7 @@ def find_first_failure(
         along = math.fsum(force * moved[node][k - 1] for (node, k), force in deck.variable.items())
         if not math.isfinite(along):
             raise SystemExit(f"the computation has diverged: displacement {along} m")
-        jumps = [jump(own, moved) for own in weights]
+        jumps = [jump(weight, moved) for weight in weights]
         state = State(load_at(time, loads), jumps, along)
         used = most_used(assembly, jumps)
         over = not used <= 1.0
@@ -180,11 +180,11 @@ def record(history: History, state: State, stage: str) -> list[NodeForce]:
 def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> float:
     """Mean force that is left on a piece, over the load, or over what always acts if that is more.
 
-    It tells how well these node forces stand for CalculiX's contacts.
+    It shows how well these node forces represent CalculiX's contacts.
     """
     left = [plus([0.0, 0.0, 0.0], piece.force_N) for piece in assembly.pieces]
-    for own in assembly.loads:
-        left[own.piece] = plus(left[own.piece], own.force, load)
+    for point_load in assembly.loads:
+        left[point_load.piece] = plus(left[point_load.piece], point_load.force, load)
     for force, node in zip(forces, assembly.nodes, strict=True):
         face = assembly.faces[node.face]
         whole = plus(force.shear, face.normal, force.normal)

@@ -181,8 +181,8 @@ class Deck:
 
     def spring_stiffness(self, node: int) -> float:
         """Of the spring at an inner node, in N/m."""
-        own = self.assembly.nodes[node]
-        return self.assembly.faces[own.face].material.normal_stiffness * own.area_m2
+        contact = self.assembly.nodes[node]
+        return self.assembly.faces[contact.face].material.normal_stiffness * contact.area_m2
 
     def data_file(self, title: str) -> str:
         """Text of the file of atoms and bonds."""

@@ -7,9 +7,11 @@ from ..scripts.assembly import Assembly, Piece, Vector, length, plus
 
 def common_gravity(assembly: Assembly) -> float:
     """The acceleration (m/s2) along -z that all free pieces have, whatever else acts; or else 0."""
-    own = [-p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)]
-    least = max(0.0, min(own))
-    return own[0] if math.isclose(own[0], least, rel_tol=1e-12) else least
+    accelerations = [
+        -p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)
+    ]
+    least = max(0.0, min(accelerations))
+    return accelerations[0] if math.isclose(accelerations[0], least, rel_tol=1e-12) else least
 
 
 def common_acceleration(assembly: Assembly) -> Vector:

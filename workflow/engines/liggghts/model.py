@@ -202,8 +202,8 @@ class LiggghtsModel:
 
         forces = {}
         for node in self.deck.bond:
-            own = self.assembly.nodes[node]
-            face, position = self.assembly.faces[own.face], own.position_m
+            contact = self.assembly.nodes[node]
+            face, position = self.assembly.faces[contact.face], contact.position_m
             apart = plus(place(face.below, position), place(face.above, position), -1.0)
             stiffness = self.deck.spring_stiffness(node)
             forces[node] = [0.0 if node in self.cut_nodes else stiffness * d for d in apart]
@@ -227,9 +227,9 @@ class LiggghtsModel:
         rows = {}
         for node, force in self.spring_forces().items():
             if node not in self.cut_nodes:
-                own = self.assembly.nodes[node]
-                face = self.assembly.faces[own.face]
-                rows[node] = utilisation(force, face.normal, face.material, own.area_m2)
+                contact = self.assembly.nodes[node]
+                face = self.assembly.faces[contact.face]
+                rows[node] = utilisation(force, face.normal, face.material, contact.area_m2)
         return rows
 
     def record(self, load: float, stage: str) -> list[NodeForce]:
@@ -239,5 +239,5 @@ class LiggghtsModel:
         return nodes
 
     def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason where contact spheres no longer stand for flat faces."""
+        """End with a reason if contact spheres no longer represent flat faces."""
         check_flat(self.assembly, self.motions(), self.deck.radii, nodes, self.load)

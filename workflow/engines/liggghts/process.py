@@ -22,11 +22,11 @@ MPIRUN = ("--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idl
 
 def command(ranks: int) -> tuple[str, ...]:
     """What starts LIGGGHTS; mpirun, which always listens, does so where nobody can reach it."""
-    own = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
+    prefix = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
     if ranks == 1:
-        return (*own, *LIGGGHTS)
+        return (*prefix, *LIGGGHTS)
     mpirun = ("mpirun", "-np", str(ranks), *MPIRUN)
-    return (*in_private_network(), *own, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
+    return (*in_private_network(), *prefix, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
 
 
 def own_folder() -> dict[str, str]:
@@ -100,7 +100,7 @@ class LiggghtsProcess:
         return printed_values(self.tell(f'print "values {text}"'))
 
     def stop(self) -> None:
-        """End it, at the end of its input: so it takes its own files away."""
+        """End it by closing its input, so that it removes its temporary files."""
         self.process.communicate()
 
 

@@ -27,7 +27,7 @@ class Material:
 
     @property
     def told_tensile_strength(self) -> float:
-        """Tensile strength (Pa), or the least that can be told from none by more than rounding.
+        """Tensile strength (Pa), or the least that differs from none by more than rounding.
 
         Bonds without any would break in faces that carry nothing, at random.
         """
@@ -170,7 +170,7 @@ class Assembly:
 class Guide:
     """Where another model expects failure, in N: of the first node (None: of none), and the peak.
 
-    It tells where to look first. What stands and what fails is found out all the same.
+    It only sets where the search starts; the engine decides which loads fail.
     """
 
     first_failure_N: float | None
@@ -194,7 +194,7 @@ class Search:
     wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
     period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
     ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
-    last increment over the peak. ``guide``: where to look first, if anything tells.
+    last increment over the peak. ``guide``: where the search starts, if known.
     ``half_turn_N``: the load at which gravity that turns has done so by 180 degrees, the last one.
     """
 
@@ -293,7 +293,7 @@ def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> fl
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))
     strengths = (shear, law.cohesion * area), (-along, law.told_tensile_strength * area)
-    return max(_over(own, strength) for own, strength in strengths)
+    return max(_over(stress, strength) for stress, strength in strengths)
 
 
 def _over(force: float, strength: float) -> float:

@@ -18,7 +18,7 @@ SET_INTERFACE_FLAGS, UP_AND_RUNNING = 0x8914, 0x1 | 0x40
 
 
 def in_private_network() -> tuple[str, ...]:
-    """Prefix of a command that sees a loopback interface of its own and no other network.
+    """Prefix of a command that runs with a private loopback interface and no other network.
 
     Empty, with a warning, where the system allows no such network.
     """

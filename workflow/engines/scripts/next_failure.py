@@ -21,22 +21,22 @@ class Model(Protocol):
     load: float  # N, that it stands at
 
     def raised(self, load: float) -> Outcome:
-        """Raise the load (N) and wait for what becomes of it."""
+        """Raise the load (N) and wait for the outcome."""
 
     def cut(self, nodes: Iterable[int]) -> Outcome:
-        """Cut the bonds of nodes and wait for what becomes of it, or until others must fail."""
+        """Cut the bonds of nodes and wait for the outcome, or until others must fail."""
 
     def back(self) -> None:
         """Undo the last event."""
 
     def utilisation(self) -> dict[int, float]:
-        """Of each bond that holds."""
+        """Utilisation of each intact bond."""
 
     def record(self, load: float, stage: str) -> Sequence[NodeForce]:
         """Add the state to the history; forces of all nodes."""
 
     def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason where its contacts no longer stand for flat faces."""
+        """End with a reason if its contacts no longer represent flat faces."""
 
 
 def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
@@ -134,7 +134,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
 
 
 def _beyond(model: Model, outcome: Outcome, load: float) -> Outcome:
-    """What becomes of pieces at a ``load`` (N) that they do not carry.
+    """Outcome of the pieces at a ``load`` (N) that they do not carry.
 
     Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
     """

@@ -1,4 +1,4 @@
-"""What a script writes: the history of the search, the stresses at the peak, the result."""
+"""Files of a script: the history of the search, the stresses at the peak, the result."""
 
 import csv
 import json
@@ -30,7 +30,7 @@ class NoAnswerError(SystemExit):
 
 
 class Outcome(Enum):
-    """What becomes of an assembly whose load was raised, or whose bonds were cut."""
+    """Outcome of raising the load or cutting bonds of an assembly."""
 
     EQUILIBRIUM = "equilibrium"
     COLLAPSE = "collapse"  # it moved too far for this load
@@ -49,7 +49,7 @@ class NodeForce:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest load that is carried, in N, and what was found beside it.
+    """The largest load carried, in N, and the results at it.
 
     ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
     node failed, None if none did. ``mode``: how it failed, one of `MODES`. ``nodes``: the
@@ -88,10 +88,10 @@ class History:
         shear = [[0.0, 0.0, 0.0] for _ in faces]
         count, bonds = [0] * len(faces), [0] * len(faces)
         for force, node in zip(nodes, self.assembly.nodes, strict=True):
-            own = shear[node.face]
-            own[0] += force.shear[0]
-            own[1] += force.shear[1]
-            own[2] += force.shear[2]
+            total = shear[node.face]
+            total[0] += force.shear[0]
+            total[1] += force.shear[1]
+            total[2] += force.shear[2]
             count[node.face] += 1
             bonds[node.face] += force.bonded
         row = {
