@@ -43,7 +43,7 @@ class HoldDown:
 
     @classmethod
     def read(cls, value: Any) -> "HoldDown":
-        """The hold-down that a file spells: a name, or the amount by name, such as {force: 2000}.
+        """The hold-down given in a file: a name, or the amount by name, such as {force: 2000}.
 
         ValueError for anything else.
         """

@@ -68,11 +68,10 @@ class Joint:
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
     upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y; it
-    belongs to the block ``first``, and the locks belong to the blocks in turn. ``different``: what
-    some locks have of their own, by number; it is kept as pairs in the order of the numbers.
-    ``hold_down``: what acts on the upper block's top. ``elastic``: the material of pieces that
-    deform; they are rigid if it is None. ValueError for a number out of its range, and for a lock
-    of its own that there is not.
+    belongs to the block ``first``, and the others alternate. ``different``: the locks that differ,
+    by number; it is kept as pairs in the order of the numbers. ``hold_down``: support or load on
+    the top of the upper block. ``elastic``: the material of elastic pieces; None for rigid ones.
+    ValueError for a number out of its range, and for ``different`` locks that do not exist.
     """
 
     locks: Count

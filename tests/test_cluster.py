@@ -20,7 +20,7 @@ from sidmacib.mechanics.assembly import Elastic
 from workflow.__main__ import profile_named
 from workflow.case import Case
 from workflow.configuration import ConfigError, read_study
-from workflow.engines.engine import FOREIGN, own_environment
+from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.planning.closure import described
 from workflow.planning.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
@@ -130,7 +130,7 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
 def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SLURM_JOB_ID", "1")
     monkeypatch.setenv("PMI_RANK", "0")
-    environment = own_environment(OMP_NUM_THREADS="1")
+    environment = engine_environment(OMP_NUM_THREADS="1")
     assert not [name for name in environment if name.startswith(FOREIGN)]
     assert environment["OMP_NUM_THREADS"] == "1"
     assert environment["PATH"] == os.environ["PATH"]

@@ -51,7 +51,7 @@ def cases_of(study: Study) -> dict[CaseId, Case]:
 
 
 def case_count(study: Study) -> int:
-    """How many cases ``study`` has, without building them."""
+    """The number of cases of ``study``, without building them."""
     joint = _joints(study)
     return sum(
         len(_levels(study, joint(sample, run.variant), run, sample))
@@ -93,7 +93,7 @@ def _joints(study: Study) -> Callable[[str, str], Joint]:
 
 @dataclass(frozen=True)
 class _Run:
-    """A model with a variant: what the variant changes, and the assembly and nodes it gives."""
+    """A model with a variant: the changes of the variant, and the resulting assembly and nodes."""
 
     model: Model
     variant: str
@@ -128,7 +128,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
 
 
 def _part(study: Study, run: _Run, sample: str) -> PartSection:
-    """What the model runs of a sample."""
+    """The parts of a sample that the model runs."""
     return study.samples[sample].only.get(run.model.name, PartSection())
 
 
@@ -186,7 +186,7 @@ def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSect
 
 
 def _near(name: str, names: set[str]) -> str:
-    """What ``name`` must be: some of ``names``, those close to it if there are any."""
+    """The allowed names for a message: some of ``names``, preferably those close to ``name``."""
     sample = name.split("-", maxsplit=1)[0]
     among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
     close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
@@ -195,7 +195,7 @@ def _near(name: str, names: set[str]) -> str:
 
 @dataclass(frozen=True)
 class Place:
-    """Where a case is in a study, whatever its model; ``ratio`` is e / a."""
+    """The sample, mesh, direction and variant of a case, for any model; ``ratio`` is e / a."""
 
     sample: str
     mesh: float
@@ -219,7 +219,7 @@ def find_place(study: Study, name: str) -> Place:
 
 
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
-    """The case ``name``, of the first installed model that has it if none is named.
+    """The case ``name`` of ``model``, or of the first installed model that has it.
 
     Raises `ConfigError`.
     """

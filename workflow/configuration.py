@@ -37,7 +37,7 @@ class ConfigError(ValueError):
 
 
 class CallError(ConfigError):
-    """What was asked for is not in the configuration, which may be right."""
+    """A wrong argument of a command; the configuration itself may be right."""
 
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
@@ -78,7 +78,7 @@ def read_config_text(path: Path) -> dict[str, Any]:
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
-    """The study in ``config``, with all models that can do it if it names none.
+    """The study in ``config``; if it names no models, with all that support it.
 
     Raises `ConfigError`.
     """
@@ -117,7 +117,7 @@ def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, 
 
 
 def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
-    """``config`` with what the files of its structures describe; they are beside ``path``."""
+    """``config`` with the descriptions from the files of its structures, relative to ``path``."""
     structures = config.get("structures")
     if not isinstance(structures, Mapping):
         return config

@@ -1,4 +1,4 @@
-"""Checks across the sections of a study, and of what it asks of the models that it names."""
+"""Checks across the sections of a study, and of the needs that its models must meet."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -64,7 +64,7 @@ def faults(study: Study) -> Iterator[str]:
 
 
 def _measured(study: Study) -> Iterator[str]:
-    """Measured loads that no case of the study stands beside."""
+    """Measured loads that match no case of the study."""
     for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
         if load.sample not in study.samples:
             yield (
@@ -79,7 +79,7 @@ def _measured(study: Study) -> Iterator[str]:
 
 
 def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
-    """What ``study`` asks of a model that runs ``sample`` assembled as in ``assembly``."""
+    """The needs of ``study`` for a model that runs ``sample`` with ``assembly``."""
     found = []
     ability, allowed = FAILURES[assembly.failure]
     found.append(Need(ability, "assembly.failure", str(assembly.failure), allowed))
@@ -133,7 +133,7 @@ def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
 
 
 def notes(study: Study) -> list[str]:
-    """What looks like a mistake in a study but may be meant, one line each.
+    """Likely mistakes in a study that are nevertheless allowed, one line each.
 
     Settings that have no effect on one of its engines, and numbers that seem to be in another unit.
     """
@@ -209,7 +209,7 @@ def _lists(study: Study) -> Iterator[str]:
 
 
 def _densest(study: Study) -> NodeLayout:
-    """Of the study's and its variants' layouts, the one with most nodes."""
+    """The layout with most nodes among those of the study and its variants."""
     every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
     return max(every, key=lambda layout: len(CELL_RULES[layout][0]))
 

@@ -57,7 +57,7 @@ def fingerprint(case: Case) -> str:
 
 
 def deck_folder(name: str) -> str:
-    """The folder of a case's deck and of what 3DEC prints, below the results folder."""
+    """The folder of a case's deck and of 3DEC's output, below the results folder."""
     return f"decks/{MODEL}/{name}"
 
 

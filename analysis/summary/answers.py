@@ -75,7 +75,7 @@ def _half(
 
 
 def _safest(half: pd.DataFrame) -> pd.Series:
-    """Of a sample's rows by (n - 1) / 2 the best that is safe, else the least unsafe."""
+    """The best safe row of a sample by (n - 1) / 2, otherwise the least unsafe one."""
     safe = half[half["largest_unsafe_error"] <= PEAK_ACCURACY]
     by = "largest_unsafe_error" if safe.empty else "misfit"
     return (half if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
@@ -145,7 +145,7 @@ def _at(row: object) -> str:
 
 
 def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """Which option of SiDMACIB fits best, by any rule."""
+    """The option of SiDMACIB that fits best, with its rule."""
     selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:

@@ -207,7 +207,7 @@ def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
 
 
 def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
-    """The largest mesh error of each model at each mesh, and what to do where it is large.
+    """The largest mesh error of each model at each mesh, with advice where it is large.
 
     ``nodes``: the layouts that there are.
     """

@@ -195,7 +195,7 @@ def quantity_label(quantity: str) -> str:
 
 
 def difference_text(row: Any) -> str:
-    """How a row's computed value differs from the published one, in words."""
+    """The difference of a row's computed value from the published one, in words."""
     if pd.isna(row.absolute_difference):
         return "same" if row.computed == row.published else "other"
     if pd.isna(row.relative_difference):

@@ -173,7 +173,7 @@ class Search:
     place: tuple[float, ...] = ()
 
     def __call__(self, place: Iterable[float]) -> float:
-        """Minus the ratio at a ``place``; 0 where there is none."""
+        """Minus the ratio at a ``place``; 0 without an answer."""
         values = tuple(map(float, place))
         ratio = ratio_at(self.space, values)
         self.evaluations += 1

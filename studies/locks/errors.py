@@ -52,7 +52,7 @@ def spread(error: "pd.Series[float]") -> dict[str, float]:
 
 
 def known(points: pd.DataFrame) -> "pd.Series[bool]":
-    """Where the static model has an answer that bonds decide, nearly the same on both meshes."""
+    """Points with a static answer governed by bonds that is nearly the same on both meshes."""
     decided = points["first_failure"].gt(0.0) & points["mode"].eq("bonds")
     return decided & points["first_failure_mesh_error"].abs().lt(KNOWN)
 

@@ -1,4 +1,4 @@
-"""What rigid-block equilibrium (RBE) of compas_cra says of its samples.
+"""Verdicts of rigid-block equilibrium (RBE) of compas_cra on its samples.
 
 It is of the extra ``peers``; there is no verdict where it is not installed.
 """

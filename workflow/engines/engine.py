@@ -14,8 +14,8 @@ from workflow.model import Ability, Model
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
 
 
-def own_environment(**more: str) -> dict[str, str]:
-    """The environment of an engine's process: without what a scheduler has put into this one's."""
+def engine_environment(**more: str) -> dict[str, str]:
+    """The environment of an engine's process, without variables set by a scheduler."""
     environment = {
         name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)
     }
@@ -52,7 +52,7 @@ class Engine(Model):
         return given if "ranks" in self.reads else replace(given, ranks=1)
 
     def missing(self) -> str | None:
-        """What to install, in one line; None if the program is there."""
+        """The package to install, in one line; None if the program is installed."""
         if shutil.which(self.probe) and shutil.which(self.command[0]):
             return None
         return f"{self.name}: not installed; on Debian: apt-get install {self.package}"

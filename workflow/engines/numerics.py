@@ -1,4 +1,4 @@
-"""How an engine searches the peak."""
+"""Parameters of an engine's search for the peak."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -8,7 +8,7 @@ from sidmacib.quantities import Number, Share
 
 @dataclass(frozen=True)
 class Numerics:
-    """How the peak is searched; all numbers are pure.
+    """Parameters of the search for the peak; all are dimensionless.
 
     The configuration takes keys, ranges and defaults of ``dem.numerics`` from here. Which of them
     an engine takes notice of is in its `reads`.

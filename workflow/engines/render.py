@@ -97,7 +97,7 @@ def script(
 def _rigid_pieces_in_time(
     assembly: Assembly, loads: Loads, numerics: Numerics
 ) -> dict[str, float | int | bool]:
-    """What rigid pieces need that move in time on contact spheres."""
+    """Additional data for rigid pieces that move in time on contact spheres."""
     blocks = not all(isinstance(piece, Cuboid) for piece in assembly.pieces)
     share = OF_BLOCKS if blocks else 1.0
     frequencies = natural_frequencies(assembly)
@@ -146,7 +146,7 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
 
 
 def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
-    """A piece and what always acts on it; only a cuboid has corners, and may be elastic."""
+    """A piece and its permanent loads; only a cuboid has corners, and may be elastic."""
     data = {
         "name": piece.name,
         "fixed": piece.fixed,

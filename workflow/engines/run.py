@@ -1,4 +1,4 @@
-"""Run an engine on an assembly: render its script, execute it, keep what it writes."""
+"""Run an engine on an assembly: render its script, execute it, keep its files."""
 
 from pathlib import Path
 

@@ -29,7 +29,7 @@ NODE_COLUMNS = (
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
 UNREADABLE = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
-MOST_TOLD = 100  # letters, of what is wrong with a file
+MOST_LETTERS = 100  # letters, of what is wrong with a file
 SAME = 1e-9  # of a load that stands in two files
 BEYOND = 10.0  # over the peak: no load so large is tried with success
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
@@ -81,7 +81,7 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
     except UNREADABLE as error:
-        raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_TOLD]}") from None
+        raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_LETTERS]}") from None
 
 
 def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:

@@ -65,7 +65,7 @@ class Grid:
         return self.first_element + (steps[0] * second + steps[1]) * third + steps[2]
 
     def place(self, steps: Sequence[int]) -> list[float]:
-        """Where a node is, in m."""
+        """Position of a node, in m."""
         return [line[step] for line, step in zip(self.lines, steps, strict=True)]
 
     def corners(self, steps: Sequence[int]) -> list[int]:
@@ -107,7 +107,7 @@ def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]
 
 
 class Deck:
-    """The deck of ``assembly``, and what its nodes tell."""
+    """The deck of ``assembly``, and the evaluation of its nodes."""
 
     def __init__(self, assembly: Assembly) -> None:
         for piece in assembly.pieces:
@@ -163,7 +163,7 @@ class Deck:
         return (*found, places[-1])
 
     def _node_lines(self, number: int, axis: int, low: float, high: float) -> list[float]:
-        """Where a face's contact nodes are along an axis, and the edges of their cells."""
+        """Coordinates of a face's contact nodes along an axis, and the edges of their cells."""
         nodes = self.assembly.nodes
         places = merged(
             [n.position_m[axis] for n in nodes if n.face == number], CLOSE * (high - low)
@@ -177,7 +177,7 @@ class Deck:
 
     # --- loads -----------------------------------------------------------------------------------
     def _forces(self, permanent: bool) -> Forces:
-        """Nodal forces of what always acts (N), or of the load per newton of it."""
+        """Nodal forces of the permanent loads (N), or of the variable load per newton."""
         found: Forces = {}
         for index, piece in enumerate(self.assembly.pieces):
             if piece.fixed:
@@ -196,7 +196,7 @@ class Deck:
 
     # --- text ------------------------------------------------------------------------------------
     def text(self, title: str, loads: Sequence[float]) -> str:
-        """The deck: first what always acts, then one step to each of the ``loads`` (N)."""
+        """The deck: first the permanent loads, then one step to each of the ``loads`` (N)."""
         lines = ["*HEADING", title, *self._mesh(), *self._contacts()]
         lines += self._step(self.permanent, 1.0)
         for number, load in enumerate(loads):
@@ -376,7 +376,7 @@ def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | Non
 
 
 def shares(line: Sequence[float]) -> list[tuple[int, float, float]]:
-    """Of each grid line: its step, the mean of its shape function and that times the place."""
+    """For each grid line: its step, the mean of its shape function and that times the place."""
     length = line[-1] - line[0]
     mean, first = [0.0] * len(line), [0.0] * len(line)
     for step, (low, high) in enumerate(pairwise(line)):

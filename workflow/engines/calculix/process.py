@@ -1,4 +1,4 @@
-"""CalculiX on a deck, and what it prints while it runs."""
+"""CalculiX on a deck, and the results that it writes while it runs."""
 
 import os
 import re

@@ -178,7 +178,7 @@ def record(history: History, state: State, stage: str) -> list[NodeForce]:
 
 
 def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> float:
-    """Mean force that is left on a piece, over the load, or over what always acts if that is more.
+    """Mean unbalanced force on a piece over the load, or over the permanent loads if larger.
 
     It shows how well these node forces represent CalculiX's contacts.
     """

@@ -180,7 +180,7 @@ class Deck:
         ]
 
     def spring_stiffness(self, node: int) -> float:
-        """Of the spring at an inner node, in N/m."""
+        """Stiffness of the spring at an inner node, in N/m."""
         contact = self.assembly.nodes[node]
         return self.assembly.faces[contact.face].material.normal_stiffness * contact.area_m2
 

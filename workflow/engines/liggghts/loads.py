@@ -32,7 +32,7 @@ def common_acceleration(assembly: Assembly) -> Vector:
 
 
 def beyond_gravity(piece: Piece, gravity: float) -> Vector:
-    """What always acts on a piece besides its weight under ``gravity`` (m/s2), in N."""
+    """Permanent force (N) on a piece besides its weight under ``gravity`` (m/s2)."""
     x, y, z = piece.force_N
     alike = math.isclose(-z, gravity * piece.mass_kg, rel_tol=1e-12)
     return x, y, 0.0 if alike else z + gravity * piece.mass_kg

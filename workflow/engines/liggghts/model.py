@@ -18,14 +18,14 @@ PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 @dataclass(frozen=True)
 class Event:
-    """What was done to the assembly: its load was raised (N), or springs of nodes were cut."""
+    """A change of the assembly: its load was raised (N), or springs of nodes were cut."""
 
     load: float | None
     nodes: tuple[int, ...] = ()
 
 
 class Placement:
-    """Where a piece has moved to: its centroid (m) and its axes."""
+    """Position of a moved piece: its centroid (m) and its axes."""
 
     def __init__(self, start: Vector, distance: float, places: Sequence[float]) -> None:
         """``places`` (m) of its handles, +x, -x, +y, -y, +z, -z, ``distance`` from ``start``."""
@@ -38,7 +38,7 @@ class Placement:
         ]
 
     def place(self, position: Vector) -> list[float]:
-        """Where a point of the piece is now."""
+        """Present position of a point of the piece."""
         arm = plus(position, self.start, -1.0)
         return [
             c + math.fsum(arm[k] * self.axes[k][i] for k in range(3))
@@ -53,7 +53,7 @@ class Placement:
 
 
 class LiggghtsModel:
-    """A LIGGGHTS that holds the assembly, and what was done to it so far."""
+    """A LIGGGHTS process with the assembly, and the changes made so far."""
 
     def __init__(self, deck: Deck, ranks: int, history: History) -> None:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
@@ -72,11 +72,11 @@ class LiggghtsModel:
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, load: float) -> Outcome:
-        """Raise the load (N) smoothly and wait for what becomes of the assembly."""
+        """Raise the load (N) smoothly and wait for the outcome."""
         return self._new(Event(load))
 
     def cut(self, nodes: Iterable[int]) -> Outcome:
-        """Cut the springs of nodes and wait for what becomes of the assembly."""
+        """Cut the springs of nodes and wait for the outcome."""
         return self._new(Event(None, tuple(sorted(nodes))))
 
     def back(self) -> None:
@@ -143,7 +143,7 @@ class LiggghtsModel:
         return self._waits(1, SWING)
 
     def _waits(self, patience: int, swing: float = math.inf) -> Outcome:
-        """Wait for what becomes of the assembly.
+        """Wait for the outcome.
 
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
         times the unbalanced ratio.
@@ -168,7 +168,7 @@ class LiggghtsModel:
 
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:
-        """Where each free piece is."""
+        """Placement of each free piece."""
         values, pieces = self.engine.values(self.place_variables), self.assembly.pieces
         return {
             piece: Placement(

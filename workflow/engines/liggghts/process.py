@@ -21,7 +21,7 @@ MPIRUN = ("--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idl
 
 
 def command(ranks: int) -> tuple[str, ...]:
-    """What starts LIGGGHTS; mpirun, which always listens, does so where nobody can reach it."""
+    """The command for LIGGGHTS; mpirun, which always listens, runs in a private network."""
     prefix = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
     if ranks == 1:
         return (*prefix, *LIGGGHTS)
@@ -41,7 +41,7 @@ def own_folder() -> dict[str, str]:
 
 
 class LiggghtsProcess:
-    """LIGGGHTS on ``ranks`` processes; what goes wrong ends this script with its last words."""
+    """LIGGGHTS on ``ranks`` processes; an error ends this script with its last lines."""
 
     def __init__(self, ranks: int) -> None:
         self.process = subprocess.Popen(
@@ -121,7 +121,7 @@ def dumped_rows(text: str) -> dict[int, list[float]]:
 
 
 def printed_values(lines: Sequence[str]) -> list[float]:
-    """Numbers of the printed line that begins with "values"; exits if one is none."""
+    """Numbers of the printed line that begins with "values"; exits if one is not finite."""
     line = next(line for line in lines if line.startswith("values "))
     found = [float(value) for value in line.split()[1:]]
     if not all(map(math.isfinite, found)):

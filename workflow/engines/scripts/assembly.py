@@ -26,7 +26,7 @@ class Material:
     tensile_strength: float
 
     @property
-    def told_tensile_strength(self) -> float:
+    def effective_tensile_strength(self) -> float:
         """Tensile strength (Pa), or the least that differs from none by more than rounding.
 
         Bonds without any would break in faces that carry nothing, at random.
@@ -36,7 +36,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece; force (N) and moment (N m) are what always acts on it at its centroid.
+    """A piece; force (N) and moment (N m) are its permanent loads at its centroid.
 
     ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
     depend on it. ``low_m``, ``high_m``: opposite corners. ``young_Pa``: Young's modulus, None of
@@ -168,7 +168,7 @@ class Assembly:
 
 @dataclass(frozen=True)
 class Guide:
-    """Where another model expects failure, in N: of the first node (None: of none), and the peak.
+    """Loads of another model, in N: the first failure (None: no node fails) and the peak.
 
     It only sets where the search starts; the engine decides which loads fail.
     """
@@ -188,7 +188,7 @@ class Guide:
 
 @dataclass(frozen=True)
 class Search:
-    """How the peak is searched.
+    """Parameters of the search for the peak.
 
     ``ramp_steps``: time steps in which the whole load is raised; ``hold_steps``: of the longest
     wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
@@ -292,12 +292,12 @@ def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> fl
     """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))
-    strengths = (shear, law.cohesion * area), (-along, law.told_tensile_strength * area)
+    strengths = (shear, law.cohesion * area), (-along, law.effective_tensile_strength * area)
     return max(_over(stress, strength) for stress, strength in strengths)
 
 
 def _over(force: float, strength: float) -> float:
-    """A force over its strength; infinite where there is none to withstand it."""
+    """A force over its strength; infinite for a force without strength."""
     if strength:
         return force / strength
     return math.inf if force > 0.0 else 0.0

@@ -21,7 +21,7 @@ NO_ANSWER = 3  # exit code of a script that says why there is no result
 
 
 class NoAnswerError(SystemExit):
-    """Why there is no result, and would be none if the script ran again."""
+    """The reason why there is no result; another run would end with the same reason."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)

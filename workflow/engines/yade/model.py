@@ -100,7 +100,7 @@ class YadeModel:
             poisson=law.shear_stiffness / law.normal_stiffness,
             frictionAngle=math.atan(law.friction),
             isCohesive=law.cohesion > 0,
-            normalCohesion=law.told_tensile_strength * area / radius**2,
+            normalCohesion=law.effective_tensile_strength * area / radius**2,
             shearCohesion=law.cohesion * area / radius**2,
             momentRotationLaw=False,
             # Dry nodes too: if not, one in tension shifts its reference and closes too early.

@@ -16,7 +16,7 @@ LIBRARIES = "usr/lib/*/yade-double"  # Debian's
 
 
 def _import_compiled_part() -> None:
-    """Do what ``yade/__init__.py`` does for its compiled part, and no more."""
+    """Import the compiled part as ``yade/__init__.py`` does, and nothing else."""
     found = sorted(Path("/").glob(LIBRARIES))
     if not found:
         raise SystemExit(f"YADE is not in /{LIBRARIES}")
