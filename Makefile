@@ -149,7 +149,7 @@ system-test:
 # from constraints, and whoever runs studies installs nothing of the developers.
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
-	for extra in installer dev slurm peers; do \
+	for extra in installer dev slurm peers compas; do \
 		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt \
 			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements.txt) && \
 		{ [ $$extra = installer ] || sed -i '2a --requirement requirements.txt' requirements-$$extra.txt; } || exit 1; \

@@ -5,7 +5,7 @@ import sys
 from pathlib import Path
 
 # The code that runs is this checkout's, wherever it is called from and whatever is installed.
-CHECKOUT = str(workflow.basedir)
+CHECKOUT = str(workflow.current_basedir)
 sys.path.insert(0, CHECKOUT)
 
 from workflow.planning.batches import case_jobs

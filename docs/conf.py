@@ -19,7 +19,7 @@ myst_heading_anchors = 3
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "paper"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 

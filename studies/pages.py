@@ -14,6 +14,7 @@ import benchmarks.page
 import studies.attack.page
 import studies.elastic.page
 import studies.locks.page
+import studies.measured.specimens
 import studies.published.page
 import studies.structures.page
 
@@ -24,6 +25,7 @@ BLOCKS = {
     **studies.locks.page.BLOCKS,
     **studies.attack.page.BLOCKS,
     **studies.structures.page.BLOCKS,
+    **studies.measured.specimens.BLOCKS,
     **benchmarks.page.BLOCKS,
 }
 

@@ -56,11 +56,11 @@ def test_engines_can_what_each_of_them_must() -> None:
     for name, engine in ENGINES.items():
         assert MODELS[name] is engine
         can = engine.abilities
-        assert {Ability.NUMERICS, Ability.STRESSES, Ability.FIRST_FAILURE} <= can
+        assert {Ability.STRESSES, Ability.FIRST_FAILURE} <= can
         assert (Ability.ELASTIC in can) == engine.elastic == (Ability.RIGID not in can)
         assert (Ability.PROGRESSIVE in can) != engine.first_failure_only
         assert engine.reads <= {field.name for field in fields(Numerics)}
-        assert (Ability.RANKS in can) == ("ranks" in engine.reads)
+        assert engine.numerics(Numerics(ranks=3)).ranks == (3 if "ranks" in engine.reads else 1)
 
 
 @pytest.mark.parametrize("name", SOLVED)

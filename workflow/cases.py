@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
@@ -15,8 +15,9 @@ from workflow.case import REFERENCE, Case, CaseId, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
+from workflow.engines.engine import Engine
 from workflow.engines.numerics import Numerics
-from workflow.model import Ability, Model
+from workflow.model import Model
 from workflow.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
@@ -112,7 +113,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
             nodes = change.nodes or study.nodes
             before = study.assembly, study.nodes, VariantSection().material
             same = variant != REFERENCE and (assembly, nodes, change.material) == before
-            if same and Ability.NUMERICS not in model.abilities:
+            if same and model.name not in ENGINES:
                 continue
             run = _Run(model, variant, change, assembly, nodes)
             for sample in study.samples:
@@ -175,10 +176,9 @@ def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> f
 def _numerics(
     model: Model, section: NumericsSection, override: NumericsChanges | None
 ) -> Numerics | None:
-    if Ability.NUMERICS not in model.abilities:
+    if not isinstance(model, Engine):
         return None
-    numerics = (_changed(section, override) if override else section).numerics()
-    return numerics if Ability.RANKS in model.abilities else replace(numerics, ranks=1)
+    return model.numerics((_changed(section, override) if override else section).numerics())
 
 
 def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSection:

@@ -23,12 +23,10 @@ class Ability(StrEnum):
     FRICTION = auto()  # on dry faces
     BOND_FRICTION = auto()  # on inner faces while they are bonded
     PROGRESSIVE = auto()  # follows failure from node to node up to the peak
-    NUMERICS = auto()  # has settings of its own for the search, dem.numerics
     RIGID = auto()  # pieces
     ELASTIC = auto()  # pieces
     JOINED = auto()  # columns without the compliance of a joint
     SHARED = auto()  # a load that does not act on the whole lateral face
-    RANKS = auto()  # runs one case on several processes
     STRESSES = auto()  # gives them at all nodes
     DISPLACEMENTS = auto()  # gives the one that the load does work on
     CONDENSED = auto()  # contact points in place of locks

@@ -39,6 +39,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock envelope --picture vm.png    its V-M curve
   multilock weights -n 5                 what each lock carries at the peak
   multilock law -n 9 -H 0.06             how many locks work
+  multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
   multilock assembly arch.yaml           what an arch or a wall of blocks carries
   multilock design vault.yaml            the locks that an arch or a vault needs
 
@@ -193,6 +194,69 @@ def law(form: str, push: str, **flags: Any) -> None:
         click.echo(text_of(law_rows(joint, Push(push)), form))
 
 
+@main.command("joint")
+@joint_options
+@click.option("-V", "--shear", type=float, default=0.0, help="Shear force to carry, N.")
+@click.option("-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.")
+@click.option("-e", "--eccentricity", "ratio", type=float, help="e / a of V, in place of -M.")
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="Sizes to choose from, m: locks, a, b, h or H, as in a=0.04:0.12:0.01 (from, to, step) or "
+    "locks=3,5,7; may be repeated.",
+)
+@click.option(
+    "--price",
+    multiple=True,
+    metavar="NAME=PRICE",
+    help="Of area (per m2 of the joint), volume (per m3 cut), bonded (per m2); may be repeated.  "
+    "[default: area=1]",
+)
+@click.option("--all", "every", is_flag=True, help="Show all joints of --vary.")
+@_format
+@_picture
+def inverse(
+    shear: float,
+    torque: float,
+    ratio: float | None,
+    vary: Sequence[str],
+    price: Sequence[str],
+    every: bool,
+    form: str,
+    picture: Path | None,
+    push: str,
+    **flags: Any,
+) -> None:
+    """The fewest locks, or the cheapest sizes, that carry V and M by the safe rule.
+
+    Without --vary, the fewest locks of the given sizes; each smaller number is shown with what it
+    carries, or why the rule refuses it. With --vary, the cheapest of all combinations. A joint is
+    no answer where the safe rule refuses it. --picture draws all joints of --vary over the first
+    two names, such as locks and a. Ends with status 1 if no joint carries the load.
+    """
+    with _refused_in_one_line():
+        from sidmacib.command import inverse as answers
+
+        demand = answers.demand_of(shear, torque, ratio)
+        values, prices = answers.values_of(vary), answers.prices_of(price)
+        if flags["locks"] is not None and (not vary or "locks" in values):
+            raise click.UsageError("-n: must not be given where the number of locks is sought")
+        if not vary and (price or every):
+            raise click.UsageError(f"{'--price' if price else '--all'}: needs --vary")
+        joint = joint_of(flags)
+        found, tried = answers.sought(
+            joint, demand, values, prices, Push(push), every or (bool(vary) and picture is not None)
+        )
+        if picture is not None:
+            draw(answers.chart(found, tried, values), picture)
+        shown = tried if every or not vary else (found,) if found is not None else ()
+        if shown:
+            click.echo(text_of(answers.candidate_rows(shown, values, prices), form))
+    if found is None:
+        raise click.ClickException(answers.why_none(tried))
+
+
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
@@ -214,19 +278,20 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     answer.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, structure_rows
+        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.file import read_structure
-        from sidmacib.structure.unit_warnings import structure_warnings
+        from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem)
+        limit = None if interfaces and compas is None else limit_of(problem)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.compas_results import write_compas_results
 
-            write_compas_results(problem, file, compas)
+            write_compas_results(problem, file, compas, limit)
     _require_answer(rows)
 
 

@@ -16,7 +16,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.file import ALL, assembly_of, description_in, loads_of
+from sidmacib.structure.file import assembly_of, description_in, loads_of
 from sidmacib.structure.keys import (
     MATERIAL,
     POSITIVE,
@@ -28,6 +28,7 @@ from sidmacib.structure.keys import (
     vector,
 )
 from sidmacib.structure.loads import free_weight
+from sidmacib.structure.selection import ALL
 from sidmacib.validation import refused
 
 KEYS = (

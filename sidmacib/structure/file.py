@@ -11,8 +11,8 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.compas import read_compas
-from sidmacib.structure.interfaces import interfaces
+from sidmacib.structure.compas import DENSITIES, NAME, read_compas
+from sidmacib.structure.interfaces import NEAR, interfaces
 from sidmacib.structure.keys import (
     MATERIAL,
     POSITIVE,
@@ -27,23 +27,22 @@ from sidmacib.structure.keys import (
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.meshes import blocks_from_mesh
-from sidmacib.structure.structure import Pair, structure
+from sidmacib.structure.selection import Pair, Selection
+from sidmacib.structure.structure import structure
 from sidmacib.structure.tilt import Tilt, tilting
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 
 DENSITY = 2000.0  # kg/m3
-OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes", "design")
-BLOCK = "block"  # begins the names of blocks of a model of COMPAS
-ALL = "all"  # pairs of blocks that touch
+OPTIONAL = ("interfaces", "special", "locks", "mesh", "nodes", "tolerance", "design")
 LOCKS = ("row", "run", "first", "widths", "inner", "dry", "condensed")
 SHAPES = {  # the keys that give a block's shape
     frozenset({"vertices", "faces"}): "vertices and faces",
     frozenset({"low", "high"}): "low and high",
     frozenset({"outline", "along"}): "outline and along",
 }
+_TOLERANCE = Number(above=0, at_most=0.01)
 _INDEX = Number(at_least=0, whole=True)
-_DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
 
 
 def read_structure(path: Path) -> Problem:
@@ -65,7 +64,7 @@ def description_in(path: Path) -> Any:
     more = read_yaml(beside) if beside.is_file() else {}
     if isinstance(more, dict) and "blocks" in more:
         raise ValueError(f"{beside.name}: blocks: must not be there, as {path.name} has them")
-    model = {"blocks": {BLOCK: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
+    model = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
     return model | more if isinstance(more, dict) else more
 
 
@@ -88,11 +87,16 @@ def assembly_of(description: Any, what: str = "the file", folder: Path = Path())
         for block in _blocks(name, value, folder)
     ]
     material = read_material("interfaces", given.get("interfaces", {}), MATERIAL)
-    special = _special(listed("special", given.get("special", [])), material)
-    locked = _locked(listed("locks", given.get("locks", [])), blocks)
     cells: dict[str, Any] = {}
     if "mesh" in given:
         cells["mesh"] = read_number("mesh", given["mesh"], POSITIVE)
+    if "tolerance" in given:
+        cells["near"] = read_number("tolerance", given["tolerance"], _TOLERANCE)
+    chosen = Selection(blocks, lambda: interfaces(blocks, cells.get("near", NEAR)))
+    special = _special(listed("special", given.get("special", [])), material, chosen)
+    locked = _locked(listed("locks", given.get("locks", [])), chosen)
+    if chosen.found is not None:
+        cells["regions"] = chosen.found  # not looked for again
     if "nodes" in given:
         try:
             cells["nodes"] = choice(NodeLayout, given["nodes"])
@@ -137,38 +141,41 @@ def with_bodies(description: Any, folder: Path) -> Any:
                 "faces": [list(face) for face in block.faces],
                 "density": block.density,
                 "fixed": block.fixed,
+                **({} if block.material is None else {"material": block.material}),
             }
     return {**description, "blocks": blocks}
 
 
-def _special(values: list[Any], material: FaceMaterial) -> dict[Pair, FaceMaterial]:
-    """Materials of single pairs of blocks: ``material`` but for the numbers that they give."""
+def _special(
+    values: list[Any], material: FaceMaterial, chosen: Selection
+) -> dict[Pair, FaceMaterial]:
+    """Materials of pairs of blocks: ``material`` but for the numbers that they give.
+
+    Of a pair that fits several, the last, but two blocks may be named only once.
+    """
     defaults = {name: getattr(material, name) for name in MATERIAL}
-    special = {}
+    special: dict[Pair, FaceMaterial] = {}
+    once: set[Pair] = set()
     for number, value in enumerate(values):
         key = f"special[{number}]"
         given = mapping(key, value, ("between",), MATERIAL)
-        pair = _pair(key, given.pop("between"))
-        if pair in special:
-            raise ValueError(f"{key}.between: {' and '.join(sorted(pair))} appear twice")
-        special[pair] = read_material(key, given, defaults)
+        between = given.pop("between")
+        pairs = chosen.pairs(f"{key}.between", between)
+        if isinstance(between, list):
+            if pairs[0] in once:
+                raise ValueError(f"{key}.between: {' and '.join(sorted(pairs[0]))} appear twice")
+            once.add(pairs[0])
+        special |= dict.fromkeys(pairs, read_material(key, given, defaults))
     return special
 
 
-def _locked(values: list[Any], blocks: list[Block]) -> dict[Pair, Locks]:
-    """Locks of pairs of blocks; of a pair that is named twice, the last."""
+def _locked(values: list[Any], chosen: Selection) -> dict[Pair, Locks]:
+    """Locks of pairs of blocks; of a pair that fits several, the last."""
     locked: dict[Pair, Locks] = {}
     for number, value in enumerate(values):
         key = f"locks[{number}]"
         given = mapping(key, value, ("between", "count", "height"), LOCKS)
-        between = given.pop("between")
-        if between == ALL:
-            pairs = [
-                frozenset((blocks[each.below].name, blocks[each.above].name))
-                for each in interfaces(blocks)
-            ]
-        else:
-            pairs = [_pair(key, between)]
+        pairs = chosen.pairs(f"{key}.between", given.pop("between"))
         locked |= dict.fromkeys(pairs, _locks(key, given))
     return locked
 
@@ -193,7 +200,7 @@ def _locks(key: str, given: dict[str, Any]) -> Locks:
     try:
         return Locks(**numbers)
     except ValueError as error:
-        raise ValueError(f"{key}: {error}") from None
+        raise ValueError(f"{key}.{error}") from None
 
 
 def _condensed(key: str, value: Any) -> Condensed:
@@ -205,13 +212,6 @@ def _condensed(key: str, value: Any) -> Condensed:
     if option not in OPTIONS:
         raise refused(f"{key}.option", option, f"one of {', '.join(OPTIONS)}")
     return Condensed(working, OPTIONS[option])
-
-
-def _pair(key: str, value: Any) -> Pair:
-    pair = listed(f"{key}.between", value)
-    if len(pair) != 2:
-        raise ValueError(f"{key}.between: must be a list of two blocks")
-    return frozenset(map(str, pair))
 
 
 def _load(assembly: Assembly, load: dict[str, Any]) -> Loads:
@@ -234,7 +234,7 @@ def _blocks(name: str, value: Any, folder: Path) -> list[Block]:
         return [_block(name, value)]
     key = f"blocks.{name}"
     given = mapping(key, value, ("file",), ("density", "fixed", "scale"))
-    density = read_number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
+    density = read_number(f"{key}.density", given.get("density", DENSITY), DENSITIES)
     scale = read_number(f"{key}.scale", given.get("scale", 1), POSITIVE)
     path = folder / str(given["file"])
     try:
@@ -270,24 +270,40 @@ def _from_compas(
     return [
         replace(
             block,
-            name=block.name.replace("block", f"{name}-", 1),
             vertices=tuple((scale * x, scale * y, scale * z) for x, y, z in block.vertices),
         )
-        for block in read_compas(path, density, fixed)
+        for block in read_compas(path, density, fixed, name)
     ]
 
 
 def _block(name: str, value: Any) -> Block:
     key = f"blocks.{name}"
     shapes = sorted(each for shape in SHAPES for each in shape)
-    given = mapping(key, value, (), (*shapes, "density", "fixed"))
+    given = mapping(key, value, (), (*shapes, "density", "fixed", "material"))
     shape = frozenset(given) & frozenset(shapes)
     if shape not in SHAPES:
         raise ValueError(f"{key}: must have either {', or '.join(SHAPES.values())}, or file")
-    density = read_number(f"{key}.density", given.get("density", DENSITY), _DENSITY)
+    density = read_number(f"{key}.density", given.get("density", DENSITY), DENSITIES)
     fixed = given.get("fixed", False)
     if not isinstance(fixed, bool):
         raise ValueError(f"{key}.fixed: {shown(fixed)} is not allowed; it must be true or false")
+    if not isinstance(given.get("material", ""), str):
+        raise ValueError(
+            f"{key}.material: {shown(given['material'])} is not allowed; it must be a text"
+        )
+    return replace(
+        _of_shape(name, key, given, shape, density, fixed), material=given.get("material")
+    )
+
+
+def _of_shape(
+    name: str,
+    key: str,
+    given: Mapping[str, Any],
+    shape: frozenset[str],
+    density: float,
+    fixed: bool,
+) -> Block:
     if "low" in shape:
         low, high = (vector(f"{key}.{end}", given[end]) for end in ("low", "high"))
         return box(name, low, high, density, fixed=fixed)

@@ -6,6 +6,7 @@ from typing import Any
 from sidmacib.fields import kinds_of, number_of
 from sidmacib.mechanics.assembly import FaceMaterial, Vector
 from sidmacib.quantities import Number, shown
+from sidmacib.validation import LARGE
 
 MATERIAL = {  # of interfaces, where a file leaves a number out
     "normal_stiffness": 1e10,
@@ -16,6 +17,7 @@ MATERIAL = {  # of interfaces, where a file leaves a number out
     "bond_friction": 0.0,
 }
 FINITE, POSITIVE = Number(), Number(above=0)
+COMPONENT = Number(at_least=-LARGE, at_most=LARGE)
 
 
 def read_material(key: str, value: Any, defaults: Mapping[str, float]) -> FaceMaterial:
@@ -39,7 +41,7 @@ def vector(key: str, value: Any) -> Vector:
     numbers = listed(key, value)
     if len(numbers) != 3:
         raise ValueError(f"{key}: must be a list of three numbers")
-    x, y, z = (read_number(key, each, FINITE) for each in numbers)
+    x, y, z = (read_number(key, each, COMPONENT) for each in numbers)
     return x, y, z
 
 

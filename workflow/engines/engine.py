@@ -4,9 +4,10 @@ import os
 import re
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
+from workflow.engines.numerics import Numerics
 from workflow.model import Ability, Model
 
 # What schedulers and MPI tell the processes that they start: an engine is none of them.
@@ -43,6 +44,10 @@ class Engine(Model):
     def elastic(self) -> bool:
         """Whether its pieces are elastic; it needs no time step or period of rigid ones then."""
         return Ability.ELASTIC in self.abilities
+
+    def numerics(self, given: Numerics) -> Numerics:
+        """``given``, for one process unless the engine can use several."""
+        return given if "ranks" in self.reads else replace(given, ranks=1)
 
     def missing(self) -> str | None:
         """What to install, in one line; None if the program is there."""

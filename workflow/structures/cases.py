@@ -1,7 +1,7 @@
 """The cases of a study's structures."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
 
@@ -57,8 +57,7 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
     numerics = study.dem.numerics.numerics()
     for name, section in study.structures.items():
         for model in models_of(study, section):
-            able = MODELS[model].abilities
-            own = numerics if Ability.RANKS in able else replace(numerics, ranks=1)
+            engine = ENGINES.get(model)
             for load, variant, description in described(section):
                 yield StructureCase(
                     name=structure_case_name(name, load, variant),
@@ -67,7 +66,7 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
                     load=load,
                     variant=variant,
                     description=description,
-                    numerics=own if Ability.NUMERICS in able else None,
+                    numerics=engine.numerics(numerics) if engine else None,
                 )
 
 

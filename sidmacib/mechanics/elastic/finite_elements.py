@@ -1,8 +1,7 @@
 """Finite elements of linear elastic cuboids, condensed to their contact nodes.
 
 Elements are hexahedra on a grid of lines along x, y and z. On such a grid every integral over the
-cuboid is a product of integrals along lines, which scikit-fem's line elements give. If contact
-nodes are the vertices of cells, elements are trilinear and have the same nodes. Otherwise they are
+cuboid is a product of integrals along lines. If contact nodes are the vertices of cells, elements are trilinear and have the same nodes. Otherwise they are
 triquadratic, which bend without locking: their nodes include the Gauss-Lobatto nodes, and a node at
 the centre of a cell has the mean displacement of the cell.
 
@@ -11,19 +10,23 @@ accelerations; the displacements are those whose mean over the mass has no trans
 rotation. In equilibrium of the whole assembly the accelerations add up to zero.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
+from itertools import product
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementLineP1, ElementLineP2, MeshLine
+from scipy.linalg import qr
 
 from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.mechanics.elastic.layers import compliance
+from sidmacib.mechanics.elastic.lines import Edges, Line
 
-Edges = tuple[float, ...]
+LARGE = 600  # degrees of freedom of a cuboid: mirror planes of smaller ones save nothing
 Grid = tuple[Edges, Edges, Edges]
+ROUNDING = 1e-9  # of a rigid motion: less of it is none
 
 
 @dataclass(frozen=True)
@@ -52,43 +55,6 @@ class Flexibility:
     load: Floats
 
 
-@dataclass(frozen=True)
-class Line:
-    """Elements along a line: integrals of shape functions and of their derivatives."""
-
-    basis: Basis
-    order: Integers  # of degrees of freedom by place
-    place: Floats  # m
-    mass: sp.csr_array
-    stiffness: sp.csr_array
-    cross: sp.csr_array  # derivative of the row's function times the column's function
-
-    @classmethod
-    def of(cls, edges: Edges, quadratic: bool) -> "Line":
-        """Elements between ``edges`` (m), linear or quadratic."""
-        element = ElementLineP2() if quadratic else ElementLineP1()
-        basis = Basis(MeshLine(np.array(edges)), element)
-        order = np.argsort(basis.doflocs[0])
-
-        def integral(form: BilinearForm) -> sp.csr_array:
-            return sp.csr_array(form.assemble(basis)[order][:, order])
-
-        return cls(
-            basis,
-            order,
-            basis.doflocs[0][order],
-            integral(BilinearForm(lambda u, v, _: u * v)),
-            integral(BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0])),
-            integral(BilinearForm(lambda u, v, _: u * v.grad[0])),
-        )
-
-    def values(self, places: Floats) -> sp.csr_array:
-        """Shape functions at ``places`` (m), (K,), one row each."""
-        # Rounding may put a place beyond the ends.
-        places = np.clip(places, self.place[0], self.place[-1])
-        return sp.csr_array(self.basis.probes(places[None]))[:, self.order]
-
-
 class Cuboid:
     """A cuboid of unit Young's modulus; its centroid is the origin."""
 
@@ -97,21 +63,19 @@ class Cuboid:
         self.place = np.stack(
             np.meshgrid(*(line.place for line in self.lines), indexing="ij"), axis=-1
         ).reshape(-1, 3)
-        self.mass = _product([line.mass for line in self.lines])
         axes = np.eye(3)[:, None]
         shifts = np.broadcast_to(axes, (3, *self.place.shape))
         self.rigid = np.concatenate([shifts, np.cross(axes, self.place)]).reshape(6, -1).T
-        self.rigid_mass = self._each(self.mass) @ self.rigid
-        self.inertia = self.rigid.T @ self.rigid_mass
+        self.rigid_mass = self._rigid_times([line.mass for line in self.lines])
         self.stiffness = self._stiffness(poisson)
-        self.held = self._three_points()
 
-    def _stiffness(self, poisson: float) -> sp.csc_array:
+    def _stiffness(self, poisson: float) -> sp.csr_array:
         """Stiffness, the components of a node together: lambda div u div v + 2 mu e(u) : e(v)."""
         lame = poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
         shear = 0.5 / (1.0 + poisson)
+        pairs = [np.nonzero(line.mass) for line in self.lines]  # of coupled nodes
 
-        def gradients(one: int, other: int) -> sp.csr_array:
+        def gradients(one: int, other: int) -> Floats:
             """Integral of the derivatives of rows along ``one`` and of columns along ``other``."""
             factors = [line.mass for line in self.lines]
             if one == other:
@@ -119,99 +83,145 @@ class Cuboid:
             else:
                 factors[one] = self.lines[one].cross
                 factors[other] = self.lines[other].cross.T
-            return _product(factors)
+            x, y, z = (factor[pair] for factor, pair in zip(factors, pairs, strict=True))
+            return np.asarray((x[:, None, None] * y[:, None] * z).ravel())
 
-        both = {(a, b): gradients(a, b) for a in range(3) for b in range(3)}
-        every = shear * (both[0, 0] + both[1, 1] + both[2, 2])
-        blocks = [
-            [lame * both[a, b] + shear * both[b, a] + (every if a == b else 0) for b in range(3)]
-            for a in range(3)
-        ]
-        count = len(self.place)
-        together = np.arange(3 * count).reshape(3, count).T.ravel()
-        return sp.csc_array(sp.csr_array(sp.block_array(blocks))[together][:, together])
+        both = [[gradients(a, b) for b in range(3)] for a in range(3)]
+        every = shear * (both[0][0] + both[1][1] + both[2][2])
+        values = np.array(
+            [
+                [
+                    lame * both[a][b] + shear * both[b][a] + (every if a == b else 0)
+                    for b in range(3)
+                ]
+                for a in range(3)
+            ]
+        )
+        row, column = (self._nodes(*(pair[side] for pair in pairs)) for side in (0, 1))
+        k = np.arange(3)[:, None, None]
+        rows, columns = np.broadcast_arrays(3 * row + k, 3 * column + k.swapaxes(0, 1))
+        where = rows.ravel(), columns.ravel()
+        return sp.csr_array((values.ravel(), where), 2 * (self.rigid.shape[0],))
 
-    def _each(self, matrix: sp.csr_array) -> sp.csr_array:
-        """``matrix`` for each of the three components."""
-        return sp.csr_array(sp.kron(matrix, np.eye(3)))
+    def _nodes(self, *along: Integers) -> Integers:
+        """Numbers of the nodes at all combinations of places ``along`` the lines."""
+        counts = [len(line.place) for line in self.lines]
+        return np.asarray(np.ravel_multi_index(np.ix_(*along), counts).ravel())
 
-    def _three_points(self) -> Integers:
-        """Six degrees of freedom at three corners whose supports exclude rigid motion only."""
-        low, high = self.place.min(axis=0), self.place.max(axis=0)
-
-        def corner(*axes: int) -> int:
-            where = np.where(np.isin(np.arange(3), axes), high, low)
-            return 3 * int(np.abs(self.place - where).sum(axis=1).argmin())
-
-        first, along_x, along_y = corner(), corner(0), corner(1)
-        return np.array([first, first + 1, first + 2, along_x + 1, along_x + 2, along_y + 2])
+    def _rigid_times(self, factors: Sequence[Floats]) -> Floats:
+        """The product of matrices along the lines, applied to each component of rigid motions."""
+        fields = self.rigid.reshape(*(len(line.place) for line in self.lines), -1)
+        for axis, factor in enumerate(factors):
+            fields = np.moveaxis(np.tensordot(factor, fields, (1, axis)), 0, axis)
+        return np.asarray(fields.reshape(self.rigid.shape))
 
     def contact(self, rows: sp.csr_array, axes: Integers) -> sp.csc_array:
         """Shape functions of contact components, by column; ``rows``: of all nodes, (C, nodes)."""
-        count = len(axes)
-        direction = sp.csr_array((np.ones(count), (np.arange(count), axes)), (count, 3))
-        return sp.csc_array(_row_products([rows, direction]).T)
+        parts = rows.tocoo()
+        where = 3 * parts.col + axes[parts.row], parts.row
+        return sp.csc_array((parts.data, where), (3 * rows.shape[1], rows.shape[0]))
 
     def values(self, places: Floats, cell: Floats | None = None) -> sp.csr_array:
         """Shape functions of all nodes at ``places`` (m), (K, 3), one row each.
 
         ``cell``: edges (m), (K, 3), of cells around the places; if given, means over these cells.
         """
-
-        def along(line: Line, k: int) -> sp.csr_array:
-            if cell is None:
-                return line.values(places[:, k])
-            ends = [line.values(places[:, k] + side * cell[:, k] / 2) for side in (-1.0, 1.0)]
-            return (ends[0] + 4.0 * line.values(places[:, k]) + ends[1]) / 6.0
-
-        return _row_products([along(line, k) for k, line in enumerate(self.lines)])
+        parts = [
+            line.values(places[:, k]) if cell is None else line.means(places[:, k], cell[:, k])
+            for k, line in enumerate(self.lines)
+        ]
+        (i, x), (j, y), (k, z) = parts
+        counts = [len(line.place) for line in self.lines]
+        each = i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]
+        nodes = np.ravel_multi_index(each, counts)
+        values = x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]
+        place, *inside = np.nonzero(values)
+        where = place, nodes[place, *inside]
+        return sp.csr_array((values[place, *inside], where), (len(places), len(self.place)))
 
     def load(self, spread: Spread) -> Floats:
         """Nodal forces of a load."""
         factors = [line.mass for line in self.lines]
         if spread.axis is not None:
-            place = self.lines[spread.axis].place
-            end = len(place) - 1 if spread.high else 0
-            factors[spread.axis] = sp.csr_array(([1.0], ([end], [end])), (len(place), len(place)))
-        fields = self._each(_product(factors)) @ self.rigid
+            count = len(self.lines[spread.axis].place)
+            factors[spread.axis] = np.diag(np.arange(count) == (count - 1) * spread.high) * 1.0
+        fields = self._rigid_times(factors)
         # The combination of the six fields of rigid motions that has this wrench.
         wrench, resultant = np.array(spread.wrench), self.rigid.T @ fields
         return np.asarray(fields @ np.linalg.lstsq(resultant, wrench, rcond=1e-9)[0])
 
     def flexibility(self, seen: sp.csc_array, loads: Sequence[Spread]) -> Flexibility:
         """Flexibility by contact components, the columns of ``seen``, and by ``loads``."""
-        forces = np.hstack([seen.toarray(), *(self.load(each)[:, None] for each in loads)])
-        share = np.linalg.solve(self.inertia, self.rigid.T @ forces)
-        free = np.setdiff1d(np.arange(len(forces)), self.held)
-        balanced = (forces - self.rigid_mass @ share)[free]
-        factors = splu(
-            self.stiffness[free][:, free],
-            permc_spec="MMD_AT_PLUS_A",
-            diag_pivot_thresh=0.0,
-            options={"SymmetricMode": True},
-        )
-        moved = np.zeros_like(forces)
-        moved[free] = factors.solve(balanced)
-        moved -= self.rigid @ np.linalg.solve(self.inertia, self.rigid_mass.T @ moved)
-        whole = forces.T @ moved
-        whole = (whole + whole.T) / 2
-        count = seen.shape[1]
-        return Flexibility(whole[:count, :count], whole[:count, count:], whole[count:, count:])
+        forces = np.zeros((len(self.rigid), len(loads)))
+        for column, each in enumerate(loads):
+            forces[:, column] = self.load(each)
+        contact = np.zeros(2 * (seen.shape[1],))
+        by_load, load = np.zeros((seen.shape[1], len(loads))), np.zeros(2 * (len(loads),))
+        for basis, layer in self._mirror_classes():
+            part = sp.csr_array(basis.T @ seen)
+            touched = np.flatnonzero(np.diff(part.indptr))
+            part, count = part[touched], len(touched)
+            both = np.zeros((basis.shape[1], count + len(loads)))
+            both[touched, np.arange(count)] = 1.0
+            both[:, count:] = basis.T @ forces
+            moved = self._compliance(basis, layer, both)
+            contact += (part.T @ (part.T @ moved[:count, :count]).T).T
+            by_load += part.T @ moved[:count, count:]
+            load += moved[count:, count:]
+        return Flexibility((contact + contact.T) / 2, by_load, load)
+
+    def _compliance(self, basis: sp.csr_array, layer: Integers, forces: Floats) -> Floats:
+        """Displacements in the span of ``basis``, without rigid motion, along forces by forces."""
+        rigid, rigid_mass = basis.T @ self.rigid, basis.T @ self.rigid_mass
+        size = np.linalg.norm(rigid, axis=0)
+        used = size > ROUNDING * np.linalg.norm(self.rigid, axis=0)
+        rigid, rigid_mass = rigid[:, used], rigid_mass[:, used]
+        inertia = rigid.T @ rigid_mass
+        forces -= rigid_mass @ np.linalg.solve(inertia, rigid.T @ forces)
+        # Degrees of freedom whose supports exclude rigid motion only.
+        held = qr(rigid.T, mode="r", pivoting=True)[1][: len(inertia)]
+        free = np.setdiff1d(np.arange(len(forces)), held)
+        stiffness = sp.csr_array(basis.T @ self.stiffness @ basis)
+        return compliance(stiffness[free][:, free], layer[free], forces[free])
+
+    def _mirror_classes(self) -> Iterator[tuple[sp.csr_array, Integers]]:
+        """Bases of displacements that are equal or opposite to their mirror images.
+
+        A large cuboid has mirror planes where its grid has, and these displacements are independent
+        of each other. With each basis: the layer of each of its vectors along the longest line.
+        """
+        large = len(self.rigid) > LARGE
+        halves = [_halves(len(line.place), large and line.mirrored) for line in self.lines]
+        longest = int(np.argmax([len(line.place) for line in self.lines]))
+        for chosen in product(*halves):
+            parts, layers = [], []
+            for component in range(3):
+                # A mirror turns the component across it into its opposite.
+                along = [half[k == component] for k, half in enumerate(chosen)]
+                together = reduce(lambda one, other: sp.kron(one, other, format="csr"), along)
+                unit = sp.csr_array(np.eye(3)[:, [component]])
+                parts.append(sp.kron(together, unit, format="csr"))
+                counts = [part.shape[1] for part in along]
+                layers.append(np.indices(counts)[longest].ravel())
+            layer = np.concatenate(layers) // 2  # elements couple nodes up to two places apart
+            order = np.argsort(layer, kind="stable")
+            yield sp.csr_array(sp.hstack(parts, format="csc")[:, order]), layer[order]
 
 
-def _product(factors: Sequence[sp.csr_array]) -> sp.csr_array:
-    """Kronecker product."""
-    return sp.csr_array(reduce(lambda one, other: sp.kron(one, other, format="csr"), factors))
+Half = tuple[sp.csr_array, sp.csr_array]  # for components along the mirror plane, and across it
 
 
-def _row_products(factors: Sequence[sp.csr_array]) -> sp.csr_array:
-    """Kronecker product row by row, (K, m), (K, n), ... to (K, m n ...)."""
-
-    def product(one: sp.csr_array, other: sp.csr_array) -> sp.csr_array:
-        width = other.shape[1]
-        ones = np.ones((1, width))
-        left = sp.kron(one, ones, format="csr")
-        right = sp.kron(np.ones((1, one.shape[1])), other, format="csr")
-        return sp.csr_array(left.multiply(right))
-
-    return reduce(product, factors)
+def _halves(count: int, mirrored: bool) -> tuple[Half, ...]:
+    """Bases of even and odd values at ``count`` places; all values if there is no mirror plane."""
+    if not mirrored:
+        every = sp.csr_array(np.eye(count))
+        return ((every, every),)
+    middle, side = count // 2, np.arange(count // 2)
+    pairs = np.zeros((2, count, middle))
+    pairs[:, side, side] = math.sqrt(0.5)
+    pairs[:, count - 1 - side, side] = [[math.sqrt(0.5)], [-math.sqrt(0.5)]]
+    even, odd = pairs
+    if count % 2:
+        even = np.column_stack([even, np.eye(count)[middle]])
+    one, other = sp.csr_array(even), sp.csr_array(odd)
+    return (one, other), (other, one)

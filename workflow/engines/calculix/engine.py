@@ -21,7 +21,7 @@ CALCULIX = Engine(
     colour=PURPLE,
     abilities=frozenset(
         {
-            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION, Ability.NUMERICS),
+            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
             *(Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }

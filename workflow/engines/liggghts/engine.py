@@ -27,8 +27,8 @@ LIGGGHTS = Engine(
     colour=ORANGE,
     abilities=frozenset(  # its inner faces are as stiff along as across
         {
-            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE, Ability.NUMERICS),
-            *(Ability.RIGID, Ability.SHARED, Ability.RANKS),
+            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE),
+            *(Ability.RIGID, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }
     ),

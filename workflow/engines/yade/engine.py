@@ -23,7 +23,7 @@ YADE = Engine(
     abilities=frozenset(
         {
             *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
-            *(Ability.PROGRESSIVE, Ability.NUMERICS, Ability.RIGID, Ability.SHARED),
+            *(Ability.PROGRESSIVE, Ability.RIGID, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }
     ),
