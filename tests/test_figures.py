@@ -88,10 +88,10 @@ def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     face, nodes = face_and_nodes
     corners = np.array(_cells(nodes, face, nodes))
     sides = np.ptp(corners, axis=1)
-    assert sides.prod(axis=1).sum() == pytest.approx(face.area)
+    assert sides.prod(axis=1).sum() == pytest.approx(1e6 * face.area)  # mm2
     for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):
-        assert corner.min() == pytest.approx(face.low[axis])
-        assert corner.max() == pytest.approx(face.high[axis])
+        assert corner.min() == pytest.approx(1e3 * face.low[axis])
+        assert corner.max() == pytest.approx(1e3 * face.high[axis])
 
 
 def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:

@@ -11,12 +11,11 @@ from analysis.drawing.labels import label_of
 from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
-    PEAK_ACCURACY,
     answers,
-    direction_words,
     percent,
     ratios,
 )
+from analysis.summary.rules import PEAK_ACCURACY, direction_words
 from analysis.tables.misfit import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
@@ -54,7 +53,7 @@ def summary(
     return "\n".join(
         [
             *_failed(tables["cases"]),
-            *answers(tables, leading, mesh),
+            *(line for each in answers(tables, leading, mesh) for line in each.lines),
             "",
             *_validation(tables["validation"], leading),
             *_models(tables["capacity"], ratio, mesh),

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, bars, curves, draw, text_of
+from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, text_of
 from sidmacib.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
@@ -117,7 +117,7 @@ def capacity(
     asked = list(dict.fromkeys(models or usual_models(joint)))
     rows = capacity_rows(joint, list(dict.fromkeys(ratios)), asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
 
 
@@ -159,7 +159,7 @@ def envelope(
     asked = list(dict.fromkeys(models or ("safe", "law")))
     rows = capacity_rows(joint, DIRECTIONS, asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
 
 

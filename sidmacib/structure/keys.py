@@ -37,7 +37,7 @@ def vectors(key: str, value: Any) -> tuple[Vector, ...]:
 
 
 def vector(key: str, value: Any) -> Vector:
-    """A list of three finite numbers; ValueError."""
+    """A list of three numbers up to `LARGE`; ValueError."""
     numbers = listed(key, value)
     if len(numbers) != 3:
         raise ValueError(f"{key}: must be a list of three numbers")

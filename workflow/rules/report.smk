@@ -23,6 +23,7 @@ rule report:
         step="analysis.report.page",
         study=lambda wildcards: STUDY.pieces_json() if STUDY.samples else None,
         structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
+        configuration=STUDY.model_dump_json(exclude={"results"}),
         cases=[*reversed(SHOWN_STRUCTURES.values())],
         files=PAGE_FILES,
     message:
