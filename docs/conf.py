@@ -1,4 +1,4 @@
-"""How the pages are made into a site, by Sphinx: `make docs`."""
+"""Configuration of Sphinx, which builds the pages as a site: `make docs`."""
 
 import sys
 from pathlib import Path
@@ -19,7 +19,7 @@ myst_heading_anchors = 3
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "paper"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 

@@ -31,7 +31,7 @@ function look() {
   const of = (id) => document.getElementById(id);
   if (of('yaml')?.textContent) window.frames_seen.push({
     slider: of('locks').valueAsNumber,
-    label: parseInt(of('locks-value').textContent),
+    label: of('locks-value').valueAsNumber,
     words: parseInt(of('words').textContent),
     drawn: of('drawing').querySelectorAll('rect.lock').length,
     weights: of('drawing').querySelectorAll('rect.weight').length,
@@ -111,9 +111,9 @@ def require_true(frames: list[dict[str, Any]]) -> None:
     assert frames
     for frame in frames:
         assert frame["label"] == frame["slider"], frame
-        own = {frame[name] for name in ("words", "drawn", "weights", "yaml")}
-        assert len(own) == 1, frame
-        if own != {frame["slider"]}:
+        shown = {frame[name] for name in ("words", "drawn", "weights", "yaml")}
+        assert len(shown) == 1, frame
+        if shown != {frame["slider"]}:
             assert frame["busy"] == frame["curve"] == "true", frame
             assert frame["opacity"] < 0.5, frame
 
@@ -203,9 +203,9 @@ def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
     require_true(opened.frames())
 
 
-def test_a_server_that_was_stopped_is_told(browser: Browser) -> None:
-    with explorer() as own:
-        opened = Opened(browser, own)
+def test_a_server_that_was_stopped_is_reported(browser: Browser) -> None:
+    with explorer() as server:
+        opened = Opened(browser, server)
     opened.page.focus("#locks")
     opened.page.keyboard.press("ArrowRight")
     expect(opened.page.locator("#problem")).to_contain_text("The server does not answer.")
@@ -226,6 +226,53 @@ def test_a_link_beyond_the_sliders_shows_the_joint_and_says_so(
     page.keyboard.press("ArrowLeft")
     expect(page.locator("#notes")).to_be_empty()
     opened.context.close()
+
+
+def test_a_typed_number_moves_its_slider_and_the_address_opens_the_same_joint(
+    opened: Opened, browser: Browser, served: Served
+) -> None:
+    page = opened.page
+    page.fill("#locks-value", "7")
+    page.keyboard.press("Tab")
+    opened.settle()
+    assert page.input_value("#locks") == "7"
+    page.select_option("#one_piece", label="one piece")
+    opened.settle()
+    words = page.text_content("#words")
+    assert (words or "").startswith("7 locks, ")
+    assert page.url == f"{served.url}/?locks=7&one_piece=1"
+    again = Opened(browser, served, "?locks=7&one_piece=1")
+    assert again.page.text_content("#words") == words
+    assert again.page.input_value("#locks-value") == "7"
+    again.context.close()
+
+
+def test_a_typed_number_that_is_not_possible_is_told_and_brought_to_the_slider(
+    opened: Opened,
+) -> None:
+    page = opened.page
+    page.fill("#locks-value", "99")
+    page.keyboard.press("Tab")
+    opened.settle()
+    assert page.input_value("#locks-value") == "31"
+    expect(page.locator("#notes")).to_have_text(
+        "locks: from 2 to 31 in steps of 1; the nearest is shown."
+    )
+
+
+def test_two_joints_stand_beside_each_other(opened: Opened) -> None:
+    page = opened.page
+    page.click("#keep")
+    page.fill("#locks-value", "6")
+    page.keyboard.press("Tab")
+    opened.settle()
+    told = page.text_content("#kept") or ""
+    assert "5 locks, " in told
+    assert "Changed since: n 5 → 6." in told
+    names = page.evaluate("document.getElementById('curve').data.map(each => each.name)")
+    assert any(name.startswith("kept: 5 locks, ") for name in names)
+    page.click("#forget")
+    assert page.text_content("#kept") == ""
 
 
 def test_copies_are_reached_and_made_by_keyboard(opened: Opened) -> None:
@@ -275,8 +322,8 @@ def test_another_page_cannot_frame_it_or_make_it_work(
         headers = f"{{'Content-Type': '{kind}'}}"
         options = f"{{method: 'POST', body: '{asked}', headers: {headers}}}"
         for mode in ("", "mode: 'no-cors', "):
-            own = options.replace("{method", f"{{{mode}method", 1)
-            page.evaluate(f"fetch('{served.url}/answer', {own}).catch(() => null)")
+            changed_options = options.replace("{method", f"{{{mode}method", 1)
+            page.evaluate(f"fetch('{served.url}/answer', {changed_options}).catch(() => null)")
     page.wait_for_timeout(500)
     frames = [frame for frame in page.frames if frame != page.main_frame]
     assert all(frame.locator("#sliders").count() == 0 for frame in frames)

@@ -78,8 +78,10 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
 @pytest.fixture(params=NodeLayout)
 def face_and_nodes(request: pytest.FixtureRequest):
     model = assemble(Joint(3), 0.005, request.param)
-    own = lock_faces(Joint(3))
-    number, face = next((i, f) for i, f in enumerate(model.faces) if own.get(f.name) == 1)
+    locks_of_faces = lock_faces(Joint(3))
+    number, face = next(
+        (i, f) for i, f in enumerate(model.faces) if locks_of_faces.get(f.name) == 1
+    )
     positions = model.nodes.position[model.nodes.face == number]
     return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
 
@@ -88,10 +90,10 @@ def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     face, nodes = face_and_nodes
     corners = np.array(_cells(nodes, face, nodes))
     sides = np.ptp(corners, axis=1)
-    assert sides.prod(axis=1).sum() == pytest.approx(face.area)
+    assert sides.prod(axis=1).sum() == pytest.approx(1e6 * face.area)  # mm2
     for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):
-        assert corner.min() == pytest.approx(face.low[axis])
-        assert corner.max() == pytest.approx(face.high[axis])
+        assert corner.min() == pytest.approx(1e3 * face.low[axis])
+        assert corner.max() == pytest.approx(1e3 * face.high[axis])
 
 
 def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:

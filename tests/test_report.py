@@ -18,8 +18,11 @@ from analysis.report.joints import law_of
 from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
 from analysis.report.plain import plain
+from analysis.report.provenance import as_yaml, provenance, versions_of
 from sidmacib.joint import Joint
+from sidmacib.yaml_text import parsed
 from workflow.cases import cases_of
+from workflow.configuration import read_study
 from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
 
@@ -27,6 +30,7 @@ pytestmark = pytest.mark.study
 
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
+LONGEST = 100  # times 100 ms, until charts have been drawn again
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +46,9 @@ def report(solved_study: tuple[Study, Path]) -> Path:
 def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> None:
     text = report.read_text()
     assert len(text.encode()) < MOST_BYTES
-    own = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
-    assert not re.search(r"""(src|href)=["'](https?:)?//""", own)
-    assert "@import" not in own
+    rest = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
+    assert not re.search(r"""(src|href)=["'](https?:)?//""", rest)
+    assert "@import" not in rest
 
 
 def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
@@ -52,8 +56,10 @@ def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
 
 
 def test_data_cannot_end_their_script() -> None:
-    told = {"names": [], "verdict": [], "tables": {}, "evil": "</script><script>alert(1)</script>"}
-    text = page(told, "", "summary & <b>more</b>")
+    evil = "</script><script>alert(1)</script>"
+    source = provenance(None, {})
+    content = {"names": [], "verdict": [], "tables": {}, "provenance": source, "evil": evil}
+    text = page(content, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
 
@@ -64,14 +70,26 @@ def test_files_of_the_page_are_part_of_its_job(study: Study) -> None:
     assert all((ROOT / name).is_file() for name in FILES)
 
 
-def test_the_law_is_told_for_more_and_fewer_locks() -> None:
-    told = law_of(Joint(5))
-    assert told["locks"][0] == 3
-    law = dict(zip(told["locks"], told["law"], strict=True))
+def test_the_law_is_reported_for_more_and_fewer_locks() -> None:
+    content = law_of(Joint(5))
+    assert content["locks"][0] == 3
+    law = dict(zip(content["locks"], content["law"], strict=True))
     assert law[3] < law[5] < law[15] < 2.2
-    half = dict(zip(told["locks"], told["half"], strict=True))
+    half = dict(zip(content["locks"], content["half"], strict=True))
     assert half[15] == 7
     assert half[4] is None
+
+
+def test_its_configuration_starts_the_same_study_again(study: Study) -> None:
+    again = read_study(parsed(as_yaml(study.model_dump(mode="json")).encode()))
+    assert again == study
+
+
+def test_the_versions_of_engines_are_those_of_the_cases() -> None:
+    rows = pd.DataFrame({"versions": ["yade 2022.01a", None, "liggghts 3.8.0, yade 2022.01a"]})
+    told = dict(versions_of({"cases": rows}))
+    assert (told["YADE"], told["LIGGGHTS"]) == ("2022.01a", "3.8.0")
+    assert {"multilock", "Python", "numpy"} <= set(told)
 
 
 def test_what_is_missing_or_infinite_is_plain() -> None:
@@ -119,6 +137,87 @@ def test_no_request_is_possible(opened: Opened) -> None:
     sent = "fetch('http://127.0.0.1:9/').then(() => 'sent', (error) => error.message)"
     assert opened.page.evaluate(sent) == "Failed to fetch"
     assert any("Content Security Policy" in error for error in opened.errors)
+
+
+@needs_browser
+def test_the_first_screen_answers_whether_half_of_the_locks_may_be_counted(opened: Opened) -> None:
+    page = opened.page
+    assert "May I count (n \N{MINUS SIGN} 1)/2 locks?" in (page.text_content("#h-verdict") or "")
+    assert "No: unsafe by" in (page.text_content("#h-verdict strong") or "")
+    assert "No laboratory test" in (page.text_content("#verdict .warning") or "")
+    box = page.locator(".rules tr", has_text="(n \N{MINUS SIGN} 1)/2").bounding_box()
+    assert box is not None
+    assert box["y"] + box["height"] < 800
+    names = [trace["name"] for trace in opened.traces("answer-plot")]
+    assert names == [
+        "mesh error of static model",
+        "(n \N{MINUS SIGN} 1)/2, Option 4",
+        "static model",
+    ]
+
+
+@needs_browser
+def test_the_first_screen_shows_the_sample_that_the_answer_names(opened: Opened) -> None:
+    shown = opened.page.input_value("#answer-sample")
+    assert f"({shown}, " in (opened.page.text_content("#h-verdict") or "")
+
+
+@needs_browser
+def test_an_empty_plot_says_why(opened: Opened) -> None:
+    page = opened.page
+    for box in page.locator("#curve-models input, #curve-options input").all():
+        box.uncheck()
+    told = page.evaluate("document.getElementById('curve-plot').layout.annotations[0].text")
+    assert told.replace("<br>", " ").startswith("Nothing is chosen")
+
+
+@needs_browser
+def test_the_joint_opens_undeformed_with_load_and_lock_numbers(opened: Opened) -> None:
+    page = opened.page
+    assert page.text_content("#joint-factor") == "undeformed"
+    texts = page.evaluate("document.getElementById('joint-plot').data.flatMap(t => t.text || [])")
+    assert {"1", "2", "3"} <= set(texts)
+    assert any(text.startswith("V = ") for text in texts)
+    page.select_option("#path-direction", "torsion")
+    texts = page.evaluate("document.getElementById('joint-plot').data.flatMap(t => t.text || [])")
+    assert any(text.startswith("M = ") for text in texts)
+    assert not any(text.startswith("V = ") for text in texts)
+
+
+def settles(page: Any, expression: str, value: str) -> bool:
+    """Whether ``expression`` comes to ``value``; the page's policy forbids scripts that wait."""
+    for _ in range(LONGEST):
+        if page.evaluate(expression) == value:
+            return True
+        page.wait_for_timeout(100)
+    return False
+
+
+@needs_browser
+def test_charts_follow_the_dark_and_are_light_and_whole_on_paper(opened: Opened) -> None:
+    page = opened.page
+    look = "document.getElementById('curve-plot')._fullLayout"
+    assert page.evaluate(f"{look}.paper_bgcolor") == "#ffffff"
+    page.emulate_media(color_scheme="dark")
+    assert settles(page, f"{look}.paper_bgcolor", "#14171c")
+    page.emulate_media(media="print")
+    assert settles(page, f"{look}.paper_bgcolor", "#ffffff")
+    assert page.evaluate(f"{look}.width") < 700  # of A4 within its margins
+    page.emulate_media(media="screen")  # where the picture of the joint is made
+    page.wait_for_selector("img.printed", state="attached")
+    page.emulate_media(media="print")
+    page.wait_for_selector("img.printed", state="visible")
+    assert page.locator("#joint-plot").is_hidden()
+
+
+@needs_browser
+def test_everyone_can_read_it_in_the_dark(browser: Any, report: Path) -> None:
+    page = browser.new_page(viewport={"width": 1200, "height": 800}, color_scheme="dark")
+    page.goto(report.as_uri())
+    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    found = Axe().run(page)
+    assert found.violations_count == 0, found.generate_report()
+    page.close()
 
 
 @needs_browser

@@ -22,8 +22,9 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import posed
 from sidmacib.structure.blocks import Block, box, normal_of, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
-from sidmacib.structure.overlaps import overlap
+from sidmacib.structure.overlaps import overlap, shared_volume
 from sidmacib.structure.structure import refined, structure
+from sidmacib.structure.warnings import structure_warnings
 from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
@@ -252,6 +253,32 @@ def test_blocks_that_overlap_are_refused_by_name() -> None:
     sunk = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
     with pytest.raises(ValueError, match=r"^blocks: ground and block overlap by 0\.01 m$"):
         structure([GROUND, sunk], dry(0.5))
+
+
+@pytest.mark.parametrize("turn", [(0, 0, 0), (20, 30, 40)])
+def test_blocks_that_are_not_convex_may_touch_but_not_overlap(turn: tuple[int, int, int]) -> None:
+    ell = [(0, 0, 0), (2, 0, 0), (2, 0, 1), (1, 0, 1), (1, 0, 2), (0, 0, 2)]
+    angle = prism("angle", ell, (0.0, 1.0, 0.0), 2e3, fixed=True)
+    for depth in (0.0, 0.01):
+        seat = box("seat", (1.0 - depth, 0.0, 1.0), (2.0, 1.0, 2.0), 2e3)
+        turned = Rotation.from_euler("xyz", turn, degrees=True)
+        pair = [moved(each, turned, (0.0, 0.0, 0.0)) for each in (angle, seat)]
+        assert shared_volume(*pair) == pytest.approx(depth, abs=1e-9)
+        if depth:
+            with pytest.raises(ValueError, match=r"^blocks: angle and seat overlap by 0\.01 m3$"):
+                structure(pair, dry(0.5))
+        else:
+            assert len(structure(pair, dry(0.5)).faces) == 2
+
+
+def test_faces_that_nearly_touch_get_a_note_unless_the_tolerance_joins_them() -> None:
+    other = box("other", (0.4 + 2e-5, 0.0, 0.0), (0.8, 0.6, 1.0), 2e3)
+    model = structure([GROUND, BLOCK, other], dry(0.5))
+    (note,) = structure_warnings(model)
+    assert note.startswith("block and other: 0.6 m2 of their faces do not touch")
+    joined = structure([GROUND, BLOCK, other], dry(0.5), near=1e-4)
+    assert len(joined.faces) == len(model.faces) + 1
+    assert structure_warnings(joined) == []
 
 
 def test_blocks_whose_boxes_overlap_may_touch() -> None:

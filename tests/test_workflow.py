@@ -122,11 +122,16 @@ def test_a_dry_run_plans_every_case_and_table_and_writes_nothing(workspace: Work
     assert not workspace.results.exists()
 
 
-def test_the_rule_graph_names_the_rules_and_writes_nothing(workspace: Workspace) -> None:
-    found = workspace.snakemake("--rulegraph")
+@pytest.mark.parametrize(("snakefile", "target"), [("", "all"), ("workflow", "study")])
+def test_the_rule_graph_names_the_rules_and_writes_nothing(
+    workspace: Workspace, snakefile: str, target: str
+) -> None:
+    """Also from the Snakefile at the place where catalogues of workflows look for it."""
+    path = str(workspace.checkout / snakefile / "Snakefile")
+    found = workspace.snakemake("--snakefile", path, "--rulegraph")
     assert found.returncode == 0, found.stderr
     named = set(re.findall(r'label = "(\w+)"', found.stdout))
-    assert named == {"all", "engine", "solve", "variants"} | TABLES
+    assert named == {target, "engine", "solve", "variants"} | TABLES
     assert not workspace.results.exists()
 
 
@@ -404,7 +409,7 @@ def test_a_run_that_is_killed_leaves_nothing_alive_and_the_next_one_goes_on(
     assert children
     refused = workspace.snakemake()
     assert refused.returncode != 0
-    assert re.search(r"another run is at work here \(process \d+\)", refused.stderr)
+    assert re.search(r"another run is using this folder \(process \d+\)", refused.stderr)
     run.send_signal(signal.SIGKILL)
     run.wait()
     deadline = time.monotonic() + 20

@@ -4,20 +4,23 @@
 const BROKEN = "The server does not answer. Start it again with make explore.";
 const SUPERSEDED = 204;
 const PAGE = crypto.randomUUID();
-const sliders = [...at("sliders").querySelectorAll("input")];
+const sliders = [...at("sliders").querySelectorAll("[data-value]")]; // and choices
 const inFlight = new Set();
+const waitingForCurve = []; // the same, as soon as the curve is
 const waiting = []; // what is done as soon as the answer is that of the sliders
 let latest = 0; // number of the sliders' last change
 let shown = null; // the answer on the page
 let line = null; // the curve on the page
+let kept = null; // the joint that others are compared with, and its curve
 
-const values = () => Object.fromEntries(sliders.map((slider) => [slider.id, slider.valueAsNumber]));
+const typed = (slider) => at(`${slider.id}-value`); // the field beside a slider; a choice has none
+const values = () => Object.fromEntries(sliders.map((slider) => [slider.id, Number(slider.value)]));
 const isJointOf = (one, other) => Object.keys(one).every((name) => name === "eccentricity" || one[name] === other[name]);
 
 function changed() {
   latest += 1;
   at("answer").ariaBusy = at("curve").ariaBusy = "true";
-  for (const slider of sliders) at(`${slider.id}-value`).textContent = slider.valueAsNumber;
+  for (const slider of sliders) if (typed(slider) && document.activeElement !== typed(slider)) typed(slider).value = slider.value;
   ask("answer");
 }
 
@@ -54,8 +57,10 @@ function showAnswer(answer) {
   for (const name of ["words", "yaml", "python", "link"]) at(name).textContent = answer[name];
   drawCurve();
   drawJoint();
+  compare();
   if (answer.number !== latest) return; // in grey: the sliders have moved on
   at("answer").ariaBusy = "false";
+  history.replaceState(null, "", answer.link); // so that the address opens the same joint
   for (const act of waiting.splice(0)) act();
   ask("curve");
 }
@@ -65,6 +70,7 @@ function showCurve(curve) {
   line = curve;
   drawCurve();
   at("curve").ariaBusy = String(curve.number !== latest);
+  if (curve.number === latest) for (const act of waitingForCurve.splice(0)) act();
 }
 
 // --- charts ----------------------------------------------------------------------------------
@@ -74,8 +80,12 @@ function drawCurve() {
   const style = (color) => ({ mode: "lines+markers", line: { color }, marker: { color } });
   const traces = line && !current ? [vmTrace({ shear: line.shear, torque: line.torque, name: "curve of another joint", ...style("#c9ced8") })] : [];
   traces.push(vmTrace({ shear: current ? line.shear : shear, torque: current ? line.torque : torque, name: current ? name + line.spread : name, ...style(colour) }));
+  if (kept) {
+    traces.push(vmTrace({ shear: kept.line.shear, torque: kept.line.torque, name: `kept: ${kept.name}`, mode: "lines", line: { color: "#555555", dash: "dash", width: 2 } }));
+    for (const mark of kept.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: `kept: ${mark.name}`, mode: "markers", marker: { color: "#555555", symbol: mark.symbol, size: 11 }, showlegend: false }));
+  }
   for (const mark of shown.marks) traces.push(vmTrace({ shear: [mark.shear], torque: [mark.torque], name: mark.name, mode: "markers", marker: { color: mark.colour, symbol: mark.symbol, size: 12 } }));
-  vmChart("curve", traces, { margin: { l: 60, r: 15, t: 15, b: 80 }, legend: { orientation: "h", y: -0.26 }, uirevision: "same" });
+  vmChart("curve", traces, { margin: { l: 60, r: 15, t: 15, b: 50 }, uirevision: "same" });
 }
 
 function part(name, attributes, text = "") {
@@ -115,7 +125,7 @@ function drawJoint() {
     parts.push(box(piece, left + scale * low[0], y(up[1]), scale * (up[0] - low[0]), scale * (up[1] - low[1])));
   }
   const middle = y((h + H) / 2);
-  parts.push(part("path", { d: `M ${left - 45} ${middle} h 38 m -7 -5 l 7 5 l -7 5`, fill: "none", stroke: "#1c1f24", "stroke-width": 2 }));
+  parts.push(part("path", { d: `M ${left - 45} ${middle} h 38 m -7 -5 l 7 5 l -7 5`, fill: "none", stroke: "currentColor", "stroke-width": 2 }));
   parts.push(part("text", { x: left - 60, y: middle, "dominant-baseline": "central" }, "V"));
   parts.push(part("text", { x: left, y: y(-H) + 20 }, `${locks} locks: a = ${a}, b = ${b}, h = ${h}, H = ${H} mm; ${locks * b} mm long`));
   at("drawing").setAttribute("viewBox", `0 0 ${across} ${y(-H) + 30}`);
@@ -123,6 +133,40 @@ function drawJoint() {
   at("drawing").ariaLabel = `The joint from the side: ${locks} locks, weights ${weights || "unknown"}`;
   at("drawing").replaceChildren(...parts);
 }
+
+// --- two joints ------------------------------------------------------------------------------
+const NAMES = { locks: "n", a: "a", b: "b", h: "h", H: "H", cohesion: "cohesion", friction: "friction", young: "E", pressure: "pressure", one_piece: "upper body" };
+
+// A value as it is read: a number, or the words of a choice.
+const saidOf = (name, { values: given }) => (at(name).options ? at(name).options[given[name]].text : given[name]);
+
+function keep() {
+  const { values: given, words, marks } = shown;
+  kept = { values: given, words, marks, line: { shear: line.shear, torque: line.torque }, name: `${given.locks} locks, ${given.a} × ${given.b} mm` };
+  at("kept").textContent = `Kept: ${words}`;
+  at("forget").hidden = false;
+  drawCurve();
+}
+
+// What the joint on the page has other than the kept one.
+function compare() {
+  if (!kept) return;
+  const other = Object.keys(NAMES).filter((name) => kept.values[name] !== shown.values[name]);
+  const words = other.map((name) => `${NAMES[name]} ${saidOf(name, kept)} → ${saidOf(name, shown)}`).join(", ");
+  at("kept").textContent = `Kept (dashed, grey): ${kept.words}${words ? ` Changed since: ${words}.` : ""}`;
+}
+
+at("keep").addEventListener("click", () => {
+  const whole = () => at("answer").ariaBusy === "false" && at("curve").ariaBusy === "false";
+  if (whole()) keep();
+  else waitingForCurve.push(keep);
+});
+at("forget").addEventListener("click", () => {
+  kept = null;
+  at("kept").textContent = "";
+  at("forget").hidden = true;
+  drawCurve();
+});
 
 // --- copies ----------------------------------------------------------------------------------
 async function copy(button) {
@@ -140,6 +184,13 @@ for (const button of document.querySelectorAll("[data-copy]")) {
 for (const slider of sliders) {
   slider.addEventListener("input", () => {
     at("notes").textContent = "";
+    changed();
+  });
+  typed(slider)?.addEventListener("change", (event) => {
+    const field = event.target;
+    at("notes").textContent = field.validity.valid && field.value !== "" ? "" : `${slider.id}: from ${field.min} to ${field.max} in steps of ${field.step}; the nearest is shown.`;
+    slider.value = field.value === "" ? slider.value : field.value; // which rounds it
+    field.value = slider.value;
     changed();
   });
 }

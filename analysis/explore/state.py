@@ -16,12 +16,16 @@ SHORT = 24  # letters of a value or a name in a note
 
 @dataclass(frozen=True)
 class Slider:
-    """The range and step of a parameter, and its label with the unit."""
+    """The range and step of a parameter, and its label with the unit.
+
+    ``choices``: what the values 0, 1 … stand for, if it is no number.
+    """
 
     least: float
     most: float
     step: float
     words: str
+    choices: tuple[str, ...] = ()
 
     def nearest(self, value: float) -> float:
         """The value of the slider that is nearest to ``value``, which may be infinite."""
@@ -40,7 +44,7 @@ SLIDERS = {
     "young": Slider(0, 50, 1, "E (GPa), 0: rigid"),
     "pressure": Slider(0, 200, 5, "pressure on top (kPa), 0: fixed plate"),
     "eccentricity": Slider(0, 3, 0.05, "eccentricity e / a"),
-    "one_piece": Slider(0, 1, 1, "upper body: columns (0), one piece (1)"),
+    "one_piece": Slider(0, 1, 1, "upper body", ("cut into columns", "one piece")),
 }
 
 

@@ -7,7 +7,7 @@ from matplotlib.patches import Rectangle
 from analysis.drawing.boxes import MM, boxes
 from analysis.figures import style
 from analysis.figures.material import Material
-from sidmacib.drawing import BLACK, BLUE, GREY
+from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
 from sidmacib.joint import Joint
 from sidmacib.loading import Push
 
@@ -37,14 +37,16 @@ def joint(material: Material) -> Figure:
         axes.set_xlim(-0.4 * width, 1.4 * width)
         axes.set_aspect("equal")
         axes.set_axis_off()
-    below.plot((-0.1 * width, 1.02 * width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.")
+    below.plot((-0.16 * width, 1.02 * width), (0.0, 0.0), color=BLACK, lw=0.6, ls="-.", zorder=1.5)
+    below.text(1.03 * width, 0.0, "middle", va="center", fontsize=8)
+    _torque(below, (width / 2.0, 0.0), 0.36 * MM * drawn.a)
     side.set_title("from the side", loc="left", fontsize=10)
     below.set_title("locks from below", loc="left", fontsize=10)
-    right, centre = 1.06 * width, MM * drawn.b
+    right, centre = 1.16 * width, MM * drawn.b
     _size(side, (right, MM * drawn.h, top), f"H = {MM * drawn.H:g}")
     _size(side, (right, 0.0, MM * drawn.h), f"h = {MM * drawn.h:g}")
     _size(below, (right, -MM * drawn.a / 2.0, MM * drawn.a / 2.0), f"a = {MM * drawn.a:g}")
-    _size(below, (start - sign * 0.05 * width, 0.0, beside), "e")
+    _size(below, (start - sign * 0.07 * width, min(0.0, beside), max(0.0, beside)), "e")
     _name(
         side,
         "inner face of lock 1: bonded",
@@ -63,6 +65,14 @@ def joint(material: Material) -> Figure:
         height=0.2,
     )
     return figure
+
+
+def _torque(axes: Axes, middle: tuple[float, float], radius: float) -> None:
+    """M as an arrow that turns about the ``middle``."""
+    ends = [(middle[0] + radius * sign, middle[1] - 0.6 * radius) for sign in (-1.0, 1.0)]
+    look = {"arrowstyle": "-|>", "connectionstyle": "arc3,rad=-0.5", "color": VERMILION, "lw": 1.5}
+    axes.annotate("", ends[0], ends[1], arrowprops={**look, "shrinkA": 0, "shrinkB": 0})
+    axes.text(ends[1][0], ends[1][1], "  M = V e", color=VERMILION, fontsize=9, va="center")
 
 
 def _name(axes: Axes, words: str, face: tuple[float, float], place: tuple[float, float]) -> None:
@@ -96,6 +106,7 @@ def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
                 ha="center",
                 va="center",
                 fontsize=8,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0, "alpha": 0.8},
             )
     axes.autoscale_view()
 
@@ -103,5 +114,6 @@ def _draw(axes: Axes, joint: Joint, plane: tuple[int, int]) -> None:
 def _size(axes: Axes, place: tuple[float, float, float], words: str) -> None:
     """An arrow with a size beside it, upright."""
     x, low, high = place
-    axes.annotate("", (x, low), (x, high), arrowprops={"arrowstyle": "<->", "lw": 0.8})
+    look = {"arrowstyle": "|-|,widthA=0.2,widthB=0.2", "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (x, low), (x, high), arrowprops=look)
     axes.text(x, (low + high) / 2, f"  {words}", va="center", fontsize=8)

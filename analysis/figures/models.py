@@ -1,6 +1,7 @@
 """The models of the joint's pieces beside each other."""
 
 from collections.abc import Sequence
+from itertools import islice
 
 import numpy as np
 import pandas as pd
@@ -13,8 +14,16 @@ from analysis.figures.curves import model_curve, published_point, rule_curve
 from analysis.figures.material import Material
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
-from workflow.models import LAWS
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.static.after_peak import after_peak
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import posed
+from workflow.case import REFERENCE
+from workflow.cases import cases_of
+from workflow.models import LAWS, REFERENCE_MODEL
 from workflow.schema import Study
+
+MOST_BEHIND = 40  # points of a path behind its peak
 
 
 def models(material: Material) -> Figure:
@@ -37,6 +46,10 @@ def models(material: Material) -> Figure:
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     weights.set_title(f"weights at {place}", loc="left", fontsize=10)
     _displacements(moved, material.models, first)
+    behind = _path(moved, material)
+    moved.set_xlim(left=0)
+    moved.set_ylim(bottom=0)
+    moved.legend(fontsize=8)
     moved.set_title(f"displacement at {place}", loc="left", fontsize=10)
     _friction(friction, material.models, rows)
     style.caption(
@@ -45,9 +58,9 @@ def models(material: Material) -> Figure:
         "m. Distinct elements and the static model follow brittle failure and Coulomb friction; "
         "limit analysis redistributes freely, has no friction here and does not move: its weights "
         "are one state of many. Weight: shear on a lock over T0. Displacement: the one that the "
-        "load works on, at a quarter, half and three quarters of the first failure. Friction: "
-        f"V that reaches the lower body other than by its locks. {_of_rules(study)}"
-        f"{material.assumed_geometry}",
+        "load works on; marks: at a quarter, half and three quarters of the first failure. "
+        f"{behind}Friction: V that reaches the lower body other than by its locks. "
+        f"{_of_rules(study)}{material.assumed_geometry}",
         height=0.13,
     )
     return figure
@@ -88,12 +101,46 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
         if not np.isnan(moved).any():
             places = 1e6 * np.array(moved)
             name = label_of(model).name
-            axes.plot(places, loads, **style.of_model(model, models), label=name)
+            line = style.of_model(model, models)
+            if model != REFERENCE_MODEL:
+                axes.plot(places, loads, **line, label=name)
     axes.set_xlabel("displacement (µm)")
     axes.set_ylabel("load (N)")
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.legend(fontsize=8)
+
+
+def _path(axes: Axes, material: Material) -> str:
+    """The static model's whole path, to the peak and behind it; the sentence on it."""
+    study, mesh = material.study, min(material.study.meshes)
+    first = [
+        case
+        for case in cases_of(study).values()
+        if (case.model, case.sample, case.variant) == (REFERENCE_MODEL, material.sample, REFERENCE)
+        and case.mesh == mesh
+        and case.direction.eccentricity == min(study.eccentricities)
+    ]
+    if not first or REFERENCE_MODEL not in material.models:
+        return ""
+    case = first[0]
+    try:
+        problem = posed(case.joint, case.loading, case.mesh, case.nodes)
+        path = static_peak(*problem).path
+    except CapacityError:
+        return ""
+    behind = [path[-1], *islice(after_peak(*problem, path[-1]), MOST_BEHIND)]
+    label = label_of(REFERENCE_MODEL)
+    for points, name, line in (
+        (path, label.name, {"linestyle": "-", "lw": 1.2}),
+        (behind, "behind the peak", {"linestyle": ":", "marker": "o", "ms": 3, "lw": 1.0}),
+    ):
+        places = [1e6 * point.displacement for point in points]
+        axes.plot(places, [p.load for p in points], color=label.colour, label=name, **line)
+    axes.plot(1e6 * path[-1].displacement, path[-1].load, "*", color=label.colour, ms=9)
+    if len(behind) == 1:
+        return "Star: the peak; behind it no equilibrium is left. "
+    return (
+        "Star: the peak; dotted: what is left behind it if the displacement is held and not the "
+        "load, bond after bond. "
+    )
 
 
 def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:

@@ -7,13 +7,17 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
+from analysis.drawing.boxes import MM
 from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.material import Material, Stresses
 from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Rectangle
 from sidmacib.pieces import assemble, lock_faces
+
+TEXT = 8.0  # points, of all that is written in a map
 
 
 def shear_stress(material: Material) -> Figure:
@@ -39,31 +43,32 @@ def _map(material: Material) -> Figure:
     figure = Figure(figsize=(min(max(width, 6.0), 14.0), 4.4), layout="constrained")
     axes = figure.subplots()
     cells = _draw_faces(axes, shown)
-    figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
+    bar = figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
+    bar.ax.tick_params(labelsize=TEXT)
     for row in record.weights:
-        y = joint.lock_centre_y(row.lock)
+        y = MM * joint.lock_centre_y(row.lock)
         label = (
             f"lock {row.lock} ({row.block})\nW = {row.weight:.2f}\nmean {row.mean_shear_ratio:.2f}"
         )
-        axes.text(y, 0.53 * joint.a, label, ha="center", va="bottom", fontsize=7.5)
+        axes.text(y, 0.53 * MM * joint.a, label, ha="center", va="bottom", fontsize=TEXT)
     axes.set_aspect("equal")
     axes.grid(visible=False)
     axes.spines[:].set_visible(False)
     axes.set_xlabel(
-        "y (m), push from the left"
+        "y (mm), push from the left"
         if case.loading.push is Push.PLUS_Y
-        else "y (m), push from the right"
+        else "y (mm), push from the right"
     )
-    axes.set_ylabel("x (m)")
-    axes.set_ylim(-0.55 * joint.a, 1.0 * joint.a)
-    axes.set_yticks(np.array([-0.5, 0.0, 0.5]) * joint.a)
+    axes.set_ylabel("x (mm)")
+    axes.set_ylim(-0.55 * MM * joint.a, 1.0 * MM * joint.a)
+    axes.set_yticks(np.array([-0.5, 0.0, 0.5]) * MM * joint.a)
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
         f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {label_of(case.model).name}, "
-        f"mesh {case.mesh:g} m. Seen from below. Faces of upper locks lie at z = h, of lower locks "
-        "at z = 0; arrows: direction of the stress on the piece above; grey: broken. W: resultant "
-        f"over T0; mean: mean magnitude over the cohesion. {material.assumed_geometry}",
+        f"mesh {MM * case.mesh:g} mm. Seen from below. Faces of upper locks lie at z = h, of lower "
+        "locks at z = 0; arrows: direction of the stress on the piece above; grey: broken. W: "
+        f"resultant over T0; mean: mean magnitude over the cohesion. {material.assumed_geometry}",
         height=0.27,
     )
     return figure
@@ -107,21 +112,22 @@ def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
         )
     )
     for face in faces.values():
-        axes.axvline(face.low[1], color="white", linewidth=2)
+        axes.axvline(MM * face.low[1], color="white", linewidth=2)
     thinned = inner.groupby("face", sort=False)[inner.columns].apply(_thinned)
     arrows = axes.quiver(
-        thinned["y_m"],
-        thinned["x_m"],
+        MM * thinned["y_m"],
+        MM * thinned["x_m"],
         thinned["shear_y_Pa"],
         thinned["shear_x_Pa"],
         color="white",
-        scale=strongest * 7 * joint.locks,
-        width=0.003,
+        scale=strongest * 5 * joint.locks,
+        width=0.0035,
         pivot="mid",
         clip_on=False,
+        path_effects=[withStroke(linewidth=1.0, foreground="black")],  # to be seen on yellow
     )
     arrows.set_in_layout(False)
-    axes.set_xlim(0, joint.total_width)
+    axes.set_xlim(0, MM * joint.total_width)
     return cells
 
 
@@ -139,7 +145,7 @@ def _thinned(nodes: pd.DataFrame, most: int = 5) -> pd.DataFrame:
 def _cells(
     nodes: pd.DataFrame, face: Rectangle, shown: pd.DataFrame
 ) -> list[list[tuple[float, float]]]:
-    """Corners (y, x) of the cells around the nodes ``shown`` of a face's regular grid ``nodes``.
+    """Corners (y, x), in mm, of cells around the nodes ``shown`` of a face's regular ``nodes``.
 
     Cells meet half-way between nodes, and end with the face.
     """
@@ -152,6 +158,6 @@ def _cells(
         number = np.searchsorted(places, shown[name].round(12) - 1e-12)
         spans.append(np.column_stack([edges[number], edges[number + 1]]))
     return [
-        [(y[i], x[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+        [(MM * y[i], MM * x[j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
         for y, x in zip(*spans, strict=True)
     ]

@@ -8,8 +8,10 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import SERIES, label_of
+from analysis.report.answer import answer_content
 from analysis.report.joints import joints_content, joints_verdict
 from analysis.report.plain import plain
+from analysis.report.provenance import provenance
 from analysis.report.structures import (
     structures_content,
     structures_verdict,
@@ -38,6 +40,7 @@ def content(
         names += list(study.samples)
         verdict += joints_verdict(tables, study)
         data["joints"] = joints_content(study, tables)
+        data["answer"] = answer_content(study, tables)
     if structures:
         names += dict.fromkeys(case.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
@@ -52,6 +55,7 @@ def content(
     ]
     return {
         **data,
+        "provenance": provenance(study, tables),
         "names": names,
         "verdict": verdict,
         "tables": {name: plain(table) for name, table in shown.items()},

@@ -5,6 +5,14 @@ PARTS = ("joints", "structures")  # of which each has a template and a script
 FOLDER = "analysis/report"
 STYLE = f"{FOLDER}/report.css"
 SCRIPTS = ("analysis/drawing/chart.js", f"{FOLDER}/report.js")
-TEMPLATES = (f"{FOLDER}/page.html.j2", *(f"{FOLDER}/{part}.html.j2" for part in PARTS))
-SCRIPTS_OF_PARTS = {part: f"{FOLDER}/{part}.js" for part in PARTS}
-FILES = (*TEMPLATES, STYLE, *SCRIPTS, *SCRIPTS_OF_PARTS.values())
+TEMPLATES = tuple(f"{FOLDER}/{name}.html.j2" for name in ("page", "answer", "end", *PARTS))
+SCRIPTS_OF_PARTS = {
+    "joints": tuple(f"{FOLDER}/{name}.js" for name in ("joints", "answer", "paths")),
+    "structures": (f"{FOLDER}/structures.js",),
+}
+FILES = (
+    *TEMPLATES,
+    STYLE,
+    *SCRIPTS,
+    *(name for part in SCRIPTS_OF_PARTS.values() for name in part),
+)

@@ -32,7 +32,9 @@ function drawCurves() {
     const rows = rules.filter((r) => r.sample === sample && r.mesh_m === mesh && r.option === option && r.reduction === at("curve-reduction").value && r.weights_from === at("curve-source").value && String(r.friction) === String(at("curve-friction").checked));
     line(rows, `${labelOf("sidmacib").name} ${JOINTS.options[option].name}`, { mode: "lines", line: { width: 1.5, dash: "dot", color: JOINTS.options[option].colour } });
   }
-  vmChart("curve-plot", traces);
+  const published = capacity.filter((r) => r.model === "published" && r.variant === "3dec" && r.sample === sample && r.mesh_m === mesh);
+  line(published, "published (3DEC)", { mode: "markers", marker: { symbol: "star-open", size: 13, color: "#000000" } });
+  vmChart("curve-plot", traces, { why: `Nothing is chosen, or none of what is chosen has an answer for ${sample} here.` });
   const peaks = traces.map((t) => `${t.name} ${short(Math.max(...t.x))} N and ${short(Math.max(...t.y))} N m`);
   at("curve-text").textContent = `${sample}, mesh ${mesh} m. Largest V and M: ${peaks.join("; ") || "nothing chosen"}.`;
 }
@@ -49,7 +51,7 @@ function startCurves() {
   fill(at("curve-mesh"), meshes, meshes[0]);
   fill(at("curve-variant"), unique(plain.map((row) => row.variant)), "reference");
   const reductions = unique(rules.map((row) => row.reduction));
-  fill(at("curve-reduction"), reductions, reductions.includes("lower_sum") ? "lower_sum" : reductions[0], (name) => JOINTS.rules[name] || name);
+  fill(at("curve-reduction"), reductions, reductions.includes("half") ? "half" : reductions[0], (name) => JOINTS.rules[name] || name);
   at("curve-sample").addEventListener("change", fillSources);
   fillSources();
   boxes(at("curve-models"), models, models, drawCurves, (model) => labelOf(model).name);
@@ -59,14 +61,29 @@ function startCurves() {
 }
 
 // --- weights ---------------------------------------------------------------------------------
+const markOfPublished = { as: { name: "published, as printed", color: "#000000" }, swapped: { name: "published, first two swapped", color: "#9aa0aa" } };
+
+// The paper's weights beside those of a case in pure shear, where it has any: as printed, and swapped.
+function publishedWeights(rows) {
+  const { sample, mesh_m: mesh, eccentricity_over_a: ratio } = rows[0];
+  const own = records(DATA.tables.validation).filter((row) => row.sample === sample && row.mesh_m === mesh);
+  const of = (quantity) => own.find((row) => row.quantity === quantity);
+  const locks = unique(rows.map((row) => row.lock)), printed = locks.map((lock) => of(`weight_lock${lock}`));
+  if (ratio !== 0 || printed.some((row) => !row)) return [];
+  const swapped = locks.map((lock, k) => of(`weight_lock${lock}_swapped`) || printed[k]);
+  return [["as", printed], ["swapped", swapped]].map(([kind, values]) => ({ type: "bar", name: markOfPublished[kind].name, y: values.map((row) => row.published), marker: { color: markOfPublished[kind].color } }));
+}
+
 function drawWeights() {
   const rows = weights.filter((row) => row.case === at("weight-case").value && row.variant === "reference");
   const traces = unique(rows.map((row) => row.model)).map((model) => {
     const own = rows.filter((row) => row.model === model);
     return { type: "bar", name: labelOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: labelOf(model).colour } };
   });
-  chart("weight-plot", traces, { barmode: "group", xaxis: axis(""), yaxis: axis("weight", { rangemode: "tozero" }) });
-  at("weight-text").textContent = traces.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ");
+  const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
+  const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textposition: "outside", cliponaxis: false }));
+  chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { rangemode: "tozero" }), why: "No model of this study gives stresses, from which weights are read." });
+  at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". The paper's first two weights stand in the other order than statics asks for: see docs/validation.md." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
 }
 
 function chooseWeights() {
@@ -83,113 +100,37 @@ function startWeights() {
   chooseWeights();
 }
 
-// --- stresses, order of failure, joint -------------------------------------------------------
-const pathsOf = (mesh) => JOINTS.paths.filter((path) => path.sample === at("path-sample").value && (mesh === null || path.mesh === mesh));
-const chosenPath = () => pathsOf(Number(at("path-mesh").value)).find((path) => path.eccentricity === at("path-direction").value);
-const chosenStep = (path) => path.steps[Math.min(Number(at("path-step").value), path.steps.length - 1)];
-
-function drawStress(path, step) {
-  const x = [], y = [], colour = [], symbol = [];
-  path.faces.forEach((face, k) => {
-    x.push(...face.y.map((v) => 1000 * v));
-    y.push(...face.x.map((v) => 1000 * v));
-    colour.push(...step.shear[k]);
-    symbol.push(...step.bonded[k].map((whole) => (whole ? "square" : "x")));
+// --- convergence -----------------------------------------------------------------------------
+function drawConvergence() {
+  const sample = at("mesh-sample").value, model = at("mesh-model").value;
+  const own = capacity.filter((r) => r.sample === sample && r.model === model && r.variant === "reference" && r.load_N !== null);
+  const ratios = unique(own.map((r) => String(r.eccentricity_over_a)));
+  const traces = ratios.flatMap((ratio, k) => {
+    const rows = own.filter((r) => String(r.eccentricity_over_a) === ratio).sort((a, b) => b.mesh_m - a.mesh_m);
+    const finest = rows.at(-1), colour = COLOURS[k % COLOURS.length];
+    const bars = { type: "data", array: rows.map((r) => (r.mesh_error === null ? 0 : (100 * r.mesh_error * r.load_N) / finest.load_N)), thickness: 1, width: 4, color: colour };
+    return rows.length < 2 ? [] : [{ x: rows.map((r) => 1000 * r.mesh_m), y: rows.map((r) => (100 * r.load_N) / finest.load_N), name: ratio === "inf" ? "torsion" : `e/a = ${ratio}`, mode: "lines+markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 8 }, line: { color: colour, dash: DASHES[k % DASHES.length], width: 1.5 }, text: rows.map((r) => `${short(r.load_N)} N`), hovertemplate: "%{text} at %{x} mm<br>%{y:.2f} %" }];
   });
-  const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: Math.max(4, Math.min(13, 120 / Math.sqrt(x.length))), colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
-  chart("stress-plot", [trace], { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false });
+  chart("mesh-plot", traces, { xaxis: axis("mesh (mm)", { rangemode: "tozero" }), yaxis: axis("load over that at the finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });
+  const errors = own.filter((r) => r.mesh_error !== null && r.mesh_m === ANSWER_MESH);
+  const worst = errors.reduce((one, other) => (one && one.mesh_error >= other.mesh_error ? one : other), null);
+  at("mesh-text").textContent = `Bars: mesh error, estimated from two meshes.${worst ? ` At ${ANSWER_MESH} m it is at most ${(100 * worst.mesh_error).toFixed(1)} % (${worst.case}).` : ""}`;
 }
 
-function drawOrder(path, step) {
-  const loads = path.steps.map((s) => s.load);
-  const traces = path.faces.map((face, k) => ({ x: loads, y: path.steps.map((s) => Math.max(...s.shear[k].map((v, i) => (s.bonded[k][i] ? v : 0)))), name: `lock ${face.lock}`, mode: "lines+markers", marker: { symbol: MARKS[k % MARKS.length] }, line: { color: COLOURS[k % COLOURS.length], dash: DASHES[k % DASHES.length] } }));
-  const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
-  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion of the bonds", { rangemode: "tozero" }) });
-  const last = path.steps[path.steps.length - 1];
-  const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
-}
+const ANSWER_MESH = Math.min(...JOINTS.meshes);
 
-function boxMesh(piece, moved, scale, colour, opacity) {
-  const [lo, hi] = [piece.low, piece.high];
-  const centre = lo.map((v, k) => (v + hi[k]) / 2);
-  const corner = [];
-  for (let k = 0; k < 8; k += 1) {
-    const p = [k & 1 ? hi[0] : lo[0], k & 2 ? hi[1] : lo[1], k & 4 ? hi[2] : lo[2]];
-    corner.push(shifted(p, centre, moved, scale));
-  }
-  const i = [0, 1, 4, 5, 0, 1, 2, 3, 0, 2, 1, 3], j = [1, 3, 6, 7, 4, 5, 3, 7, 2, 6, 3, 7], k = [2, 2, 5, 6, 1, 4, 6, 6, 4, 4, 5, 5];
-  return { type: "mesh3d", x: corner.map((p) => p[0]), y: corner.map((p) => p[1]), z: corner.map((p) => p[2]), i, j, k, color: colour, opacity, flatshading: true, name: piece.name, hoverinfo: "name" };
-}
-
-function drawJoint(path, step) {
-  const pieces = JOINTS.pieces[path.sample];
-  const size = Math.max(...pieces.flatMap((p) => p.high.map((v, k) => v - p.low[k])));
-  const largest = Math.max(1e-12, ...step.moved.flatMap((m) => m.slice(0, 3).map(Math.abs)));
-  const scale = (Number(at("joint-scale").value) / 100) * 0.3 * size / largest;
-  at("joint-factor").textContent = `× ${short(Number(scale.toPrecision(2)))}`;
-  const traces = [];
-  pieces.forEach((piece, k) => {
-    const body = !piece.name.startsWith("lock");
-    if (piece.name === "plate" || (body && piece.block === "upper" && !at("joint-body").checked)) return;
-    traces.push(boxMesh(piece, step.moved[k], scale, piece.block === "upper" ? "#56b4e9" : "#9aa0aa", body ? 0.25 : 0.6));
-  });
-  const x = [], y = [], z = [], colour = [];
-  path.faces.forEach((face, k) => {
-    const name = `lock${face.lock}`;
-    const n = pieces.findIndex((p) => p.name === name);
-    const centre = pieces[n].low.map((v, axisNumber) => (v + pieces[n].high[axisNumber]) / 2);
-    face.x.forEach((_, node) => {
-      const p = shifted([face.x[node], face.y[node], face.z], centre, step.moved[n], scale);
-      x.push(p[0]); y.push(p[1]); z.push(p[2]); colour.push(step.shear[k][node]);
-    });
-  });
-  traces.push({ type: "scatter3d", mode: "markers", x, y, z, marker: { size: 4, color: colour, colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { title: { text: "shear / cohesion" } } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" });
-  const scene = { aspectmode: "data", camera: { eye: { x: 1.5, y: -1.5, z: 1.2 } }, xaxis: { title: { text: "x (m)" } }, yaxis: { title: { text: "y (m)" } }, zaxis: { title: { text: "z (m)" } } };
-  chart("joint-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample });
-}
-
-function drawPath() {
-  const path = chosenPath();
-  if (!path) return;
-  at("path-step").max = path.steps.length - 1;
-  const step = chosenStep(path);
-  at("path-load").textContent = `${short(step.load)} N`;
-  drawStress(path, step);
-  drawOrder(path, step);
-  drawJoint(path, step);
-}
-
-function choosePath() {
-  const meshes = unique(pathsOf(null).map((path) => path.mesh));
-  const mesh = Number(at("path-mesh").value);
-  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : meshes.filter((own) => JOINTS.meshes.includes(own)).at(-1));
-  const own = pathsOf(Number(at("path-mesh").value)).map((path) => path.eccentricity);
-  fill(at("path-direction"), own, own.includes(at("path-direction").value) ? at("path-direction").value : own[0]);
-  const path = chosenPath();
-  if (path) {
-    at("path-step").max = path.steps.length - 1;
-    at("path-step").value = path.steps.length - 1;
-  }
-  drawPath();
-}
-
-function startPaths() {
-  const samples = unique(JOINTS.paths.map((path) => path.sample));
-  for (const id of ["stresses", "joint"]) at(id).hidden = samples.length === 0;
-  if (!samples.length) return;
-  fill(at("path-sample"), samples, samples[0]);
-  at("path-sample").addEventListener("change", choosePath);
-  at("path-mesh").addEventListener("change", choosePath);
-  at("path-direction").addEventListener("change", choosePath);
-  for (const id of ["path-step", "joint-scale", "joint-body"]) at(id).addEventListener("input", drawPath);
-  choosePath();
+function startConvergence() {
+  const own = models.filter((model) => !["law", "safe"].includes(model));
+  fill(at("mesh-sample"), JOINTS.samples, DATA.answer.sample);
+  fill(at("mesh-model"), own, own.includes("static") ? "static" : own[0], (model) => labelOf(model).name);
+  for (const id of ["mesh-sample", "mesh-model"]) at(id).addEventListener("change", drawConvergence);
+  drawConvergence();
 }
 
 // --- law, models -----------------------------------------------------------------------------
 function drawLaw() {
   const own = JOINTS.law[at("law-sample").value];
-  const names = { law: labelOf("law"), safe: labelOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n - 1) / 2", colour: "#000000" } };
+  const names = { law: labelOf("law"), safe: labelOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n − 1)/2", colour: "#000000" } };
   const traces = Object.keys(names).map((key, k) => ({ x: own.locks, y: own[key], name: names[key].name, connectgaps: true, mode: "lines+markers", marker: { symbol: MARKS[k] }, line: { color: names[key].colour, dash: DASHES[k] } }));
   chart("law-plot", traces, { xaxis: axis("locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }) });
 }
@@ -210,11 +151,11 @@ function drawModels() {
     const rows = own.filter((row) => row.model === model);
     return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: labelOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: labelOf(model).colour, size: 8 } };
   });
-  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 20, b: 150 }, legend: { orientation: "h", y: 1.1 }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
+  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
 }
 
 startCurves();
 startWeights();
-startPaths();
+startConvergence();
 startLaw();
 drawModels();

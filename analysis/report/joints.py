@@ -9,7 +9,8 @@ import pandas as pd
 from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.report.plain import plain_value
-from analysis.summary.summary import AGREEMENT, leading_models
+from analysis.report.provenance import sizes_of
+from analysis.summary.summary import AGREEMENT
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.solution import SPREAD_LIMIT
@@ -47,8 +48,6 @@ def joints_verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dic
         *_failed(tables["cases"]),
         *_published(tables["validation"]),
         *_agreement(tables["cases"]),
-        *_safe_rule(tables["capacity"], leading_models(tables["fit"])),
-        *_mesh(tables["capacity"], study),
         *verdict_of_spread(tables["capacity"]),
         {
             "title": "What is assumed",
@@ -115,41 +114,6 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
     ]
 
 
-def _safe_rule(capacity: pd.DataFrame, leading: Mapping[str, str]) -> list[dict[str, str]]:
-    """Revised SiDMACIB against the peaks of each sample's leading model, rule by rule."""
-    rule = capacity[capacity["model"].eq("sidmacib") & capacity["reduction"].notna()]
-    rule = rule[~rule["friction"].astype(str).eq("True") & rule["option"].eq("option4")]
-    selected = rule[rule["weights_from"].eq(rule["sample"].map(leading))]
-    peaks = capacity[capacity["variant"].eq(REFERENCE)].set_index(["model", "case"])["load_N"]
-    if selected.empty or peaks.empty:
-        return []
-    against = peaks.reindex(pd.MultiIndex.from_frame(selected[["weights_from", "case"]]))
-    over = selected["load_N"].to_numpy() / against.to_numpy() - 1.0
-    with_peak = selected.assign(over=over).dropna(subset=["over"])
-    findings = []
-    for name, part in with_peak.groupby("reduction", sort=True):
-        worst = part.loc[part["over"].idxmax()]
-        words = f"unsafe by up to {100 * worst['over']:.1f} % ({worst['case']})"
-        findings.append(f"{rule_name(str(name))}: {words if worst['over'] > 0.0 else 'safe'}")
-    models = ", ".join(label_of(name).name for name in dict.fromkeys(leading.values()))
-    return [
-        {
-            "title": "Which rule is safe",
-            "text": f"SiDMACIB, Option 4, no friction, against {models}. {'; '.join(findings)}.",
-            "kind": "note",
-        }
-    ]
-
-
-def _mesh(capacity: pd.DataFrame, study: Study) -> list[dict[str, str]]:
-    selected = capacity[capacity["variant"].eq(REFERENCE) & capacity["mesh_m"].isin(study.meshes)]
-    error = selected.groupby("mesh_m")["mesh_error"].max().dropna()
-    if error.empty:
-        return []
-    words = ", ".join(f"{100 * value:.1f} % at {mesh:g} m" for mesh, value in error.items())
-    return [{"title": "Largest mesh error", "text": f"{words}.", "kind": "note"}]
-
-
 def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
     """Which capacities of the static model are first failures, as peaks spread too far."""
     spread = capacity["peak_spread"].dropna()
@@ -191,6 +155,7 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     ends = _ends(tables["cases"])
     return {
         "samples": list(study.samples),
+        "sizes": sizes_of(study),
         "meshes": sorted(study.meshes),
         "rules": {name: rule_name(name) for name in study.sidmacib.reductions},
         "options": {

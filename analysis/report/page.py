@@ -1,9 +1,7 @@
 """Write the report: data, styles and scripts in one file, with the plotting library inside."""
 
 import json
-import platform
 from collections.abc import Mapping
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +10,7 @@ from plotly.offline import get_plotlyjs
 
 from analysis.report.content import content
 from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, STYLE
+from analysis.report.provenance import as_yaml
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
 from workflow.schema import Study
@@ -19,14 +18,14 @@ from workflow.structures.case import StructureCase
 
 HERE = Path(__file__).parent
 CHECKOUT = HERE.parents[1]
-PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 SUMMARIES = ("summary", "structure_summary")
 SECTIONS = {  # of each part, as in its template
     "joints": (
-        ("curves", "V\N{EN DASH}M curves"),
-        ("weights", "Weights"),
-        ("stresses", "Stresses"),
+        ("stresses", "Load and displacement"),
         ("joint", "Joint"),
+        ("convergence", "Convergence"),
+        ("weights", "Weights"),
+        ("curves", "All V\N{EN DASH}M curves"),
         ("law", "Law"),
         ("models", "Models"),
     ),
@@ -35,13 +34,16 @@ SECTIONS = {  # of each part, as in its template
 
 
 def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
-    """The page as HTML, with the parts that there are ``data`` for."""
+    """The page as HTML, with the parts that there are ``data`` for.
+
+    ``configuration``: as YAML. ``summary``: as text.
+    """
     files = FileSystemLoader(HERE)
     environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
     # Data may hold whatever a configuration does: nothing in it ends the script it is in.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     parts = [part for part in PARTS if part in data]
-    scripts = (*SCRIPTS, *(SCRIPTS_OF_PARTS[part] for part in parts))
+    scripts = (*SCRIPTS, *(script for part in parts for script in SCRIPTS_OF_PARTS[part]))
     return environment.get_template("page.html.j2").render(
         data=text,
         plotly=get_plotlyjs(),
@@ -53,7 +55,8 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
         tables=list(data["tables"]),
         summary=summary,
         configuration=configuration,
-        versions=[("Python", platform.python_version()), *((p, version(p)) for p in PACKAGES)],
+        answer=data.get("answer"),
+        **data["provenance"],
         names=", ".join(data["names"]),
     )
 
@@ -64,7 +67,8 @@ def run(
     """Write the page from the tables that it has in full, and the summaries.
 
     ``arguments``: ``study`` as JSON, None without joints; ``structures``: the sections of that name
-    as JSON, None without any; ``cases``: one of each structure, load and variant.
+    as JSON, None without any; ``cases``: one of each structure, load and variant;
+    ``configuration``: the whole of it as JSON.
     """
     study = None
     if arguments["study"] is not None:
@@ -76,10 +80,6 @@ def run(
     }
     cases = [StructureCase.from_json(text) for text in arguments["cases"]]
     data = content(study, tables, cases, outputs["page"].parent)
-    configuration = {} if study is None else study.model_dump(mode="json")
-    if arguments["structures"] is not None:
-        configuration |= json.loads(arguments["structures"])
+    configuration = as_yaml(json.loads(arguments["configuration"]))
     summaries = [inputs[name].read_text() for name in SUMMARIES if name in inputs]
-    outputs["page"].write_text(
-        page(data, json.dumps(configuration, indent=1), "\n".join(summaries))
-    )
+    outputs["page"].write_text(page(data, configuration, "\n".join(summaries)))

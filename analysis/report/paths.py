@@ -1,6 +1,7 @@
 """The static model's path from no load to the peak: for maps and a joint that moves."""
 
 from collections.abc import Iterable, Sequence
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -8,16 +9,21 @@ import numpy as np
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint
-from sidmacib.load_path import load_path
+from sidmacib.loading import Push
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.mechanics.static.after_peak import after_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.pieces import cut_pieces, lock_faces, upper_block
+from sidmacib.problem import Problem, posed
 from workflow.case import REFERENCE, Case
 from workflow.models import REFERENCE_MODEL
 
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
 MOST_NODE_STATES = 400_000  # of all paths: what the page has room for
+MOST_NODES_BEHIND = 700  # of the inner faces: behind the peak nodes fail one after the other
+MOST_BEHIND = 60  # points behind a peak
 DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
 
 
@@ -45,15 +51,18 @@ def path_of(case: Case) -> dict[str, Any] | None:
     """Loads, stresses and movements along the path of ``case``; None if it has no peak.
 
     ``faces``: of each lock, where its nodes lie (x and y in m) and the load from which bonds fail.
-    ``steps``: the load (N), for each face the shear over the cohesion at its nodes and whether they
-    are bonded, and for each piece its displacement and rotation (m, rad).
+    ``curve``: displacement along the load (m) and load (N) of all equilibria; ``behind``: the same
+    behind the peak, None if not followed, see `after_peak`. ``steps``: the load (N), for each face
+    the shear over the cohesion at its nodes and whether they are bonded, and for each piece its
+    displacement and rotation (m, rad).
     """
     joint = case.joint
     try:
-        assembly, solution = load_path(joint, case.loading, case.mesh, case.nodes)
+        problem = posed(joint, case.loading, case.mesh, case.nodes)
+        solution = static_peak(*problem)
     except CapacityError:
         return None
-    path = solution.path
+    path, assembly = solution.path, problem.assembly
     numbers = lock_faces(joint)
     faces = [index for index, face in enumerate(assembly.faces) if face.name in numbers]
     faces.sort(key=lambda index: numbers[assembly.faces[index].name])
@@ -65,6 +74,10 @@ def path_of(case: Case) -> dict[str, Any] | None:
         "sample": case.sample,
         "mesh": case.mesh,
         "eccentricity": _spelled(case.direction.eccentricity),
+        "push": 1 if case.loading.push is Push.PLUS_Y else -1,
+        "first": float(f"{solution.first_failure_load:.6g}"),
+        "curve": [_point(point) for point in path],
+        "behind": _behind(problem, path[-1], sum(map(len, nodes)), case.direction.eccentricity),
         "faces": [
             {
                 "lock": numbers[assembly.faces[index].name],
@@ -77,6 +90,20 @@ def path_of(case: Case) -> dict[str, Any] | None:
         ],
         "steps": [_step(path[place], assembly, joint, faces, nodes) for place in chosen],
     }
+
+
+def _behind(
+    problem: Problem, peak: Equilibrium, nodes: int, eccentricity: float
+) -> list[list[float]] | None:
+    """Points behind the ``peak``, where these are few: whole locks fail at once in pure shear."""
+    if nodes > MOST_NODES_BEHIND and eccentricity != 0.0:
+        return None
+    found = after_peak(problem.assembly, problem.loads, peak)
+    return [_point(point) for point in islice(found, MOST_BEHIND)]
+
+
+def _point(point: Equilibrium) -> list[float]:
+    return [float(f"{value:.5g}") for value in (point.displacement, point.load)]
 
 
 def pieces_of(case: Case) -> list[dict[str, Any]]:

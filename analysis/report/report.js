@@ -86,23 +86,28 @@ function tableRow(row) {
   return line;
 }
 
+function save(text, type, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], { type }));
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
 function download() {
   const { columns, rows } = shownRows();
   const safe = (value) => (/^[=+\-@\t\r]/.test(value) ? `'${value}` : value); // no formula of a spreadsheet
   const cellText = (value) => (typeof value === "string" ? safe(value) : String(value ?? ""));
   const cell = (value) => (/[",\n\r]/.test(cellText(value)) ? `"${cellText(value).replaceAll('"', '""')}"` : cellText(value));
   const text = [columns, ...rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-  link.download = `${at("table-name").value}.csv`;
-  link.click();
-  URL.revokeObjectURL(link.href);
+  save(text, "text/csv", `${at("table-name").value}.csv`);
 }
 
 function startTables() {
   at("table-name").addEventListener("change", () => { sorted = { column: null, down: false }; drawTable(); });
   at("table-filter").addEventListener("input", drawTable);
   at("table-csv").addEventListener("click", download);
+  at("configuration-save").addEventListener("click", () => save(at("configuration").textContent, "application/yaml", "study.yaml"));
   drawTable();
   at("times").tBodies[0].replaceChildren(...DATA.times.map(tableRow));
   const failed = DATA.failed.rows.map(([model, name, error]) => Object.assign(document.createElement("li"), { textContent: `${name} (${model}): ${error}` }));

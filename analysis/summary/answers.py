@@ -2,26 +2,41 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_name
+from analysis.summary.rules import RuleError, direction_words, rule_errors, worst_of
 from analysis.tables.misfit import winner
-from workflow.case import REFERENCE
 from workflow.engines import ENGINES
 
-# Smaller errors count as none: the distinct elements' peaks are not known more accurately.
-PEAK_ACCURACY = 0.0025
 MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 DESIGN = "safe"  # the model whose loads are for design
 SHOWN = 6  # samples in one answer
 
 
+@dataclass(frozen=True)
+class Answer:
+    """A question, and its answer in a few words, with ``details`` on a line below."""
+
+    question: str
+    answer: str
+    details: str = ""
+
+    @property
+    def lines(self) -> Iterator[str]:
+        """The answer as lines of text."""
+        yield f"{self.question} {self.answer}"
+        if self.details:
+            yield f"  {self.details}"
+
+
 def answers(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
-) -> Iterator[str]:
-    """One line for each answer, at the finest ``mesh`` (m); ``leading``: see the summary."""
+) -> Iterator[Answer]:
+    """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
     yield from _half(tables, leading, mesh)
     yield from _locks(tables["best_fit"], leading, mesh)
     yield from _design(tables["capacity"], ratios(tables["cases"]))
@@ -35,11 +50,6 @@ def ratios(cases: pd.DataFrame) -> dict[str, float]:
     """The ratio e / a of each direction of loading, by case; infinite for torsion."""
     selected = cases.drop_duplicates("case")
     return dict(zip(selected["case"], selected["eccentricity_over_a"], strict=True))
-
-
-def direction_words(ratio: float) -> str:
-    """A direction in words."""
-    return "torsion" if math.isinf(ratio) else f"e/a = {ratio:g}"
 
 
 def percent(share: float) -> str:
@@ -56,62 +66,35 @@ def listed(words: Iterable[str]) -> str:
 
 def _half(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
-) -> Iterator[str]:
+) -> Iterator[Answer]:
     """Whether (n - 1) / 2 locks may be counted, with any option, and where not."""
-    fit = tables["fit"]
-    half = fit[(fit["reduction"] == "half") & np.isclose(fit["mesh_m"], mesh)]
-    half = half[half["model"] == half["sample"].map(leading)]
-    safest = [_safest(half[half["sample"] == sample]) for sample in half["sample"].unique()]
-    if not safest:
+    errors = [each for each in rule_errors(tables, leading, mesh) if each.rule == "half"]
+    if not errors:
         return
-    worst = max(safest, key=lambda row: row["largest_unsafe_error"])
-    asked, error = "May I count (n - 1) / 2 locks?", worst["largest_unsafe_error"]
-    if error <= PEAK_ACCURACY:
-        yield f"{asked} Yes, for these joints:"
-    else:
-        where = direction_words(_least_safe(tables, worst))
-        yield f"{asked} No: unsafe by {percent(error)} ({worst['sample']}, {where})"
-    yield "  " + listed(map(_verdict, safest))
+    (worst,) = worst_of(errors)
+    where = f"({worst.sample}, {direction_words(worst.ratio)})"
+    yield Answer(
+        "May I count (n - 1) / 2 locks?",
+        "Yes, for these joints:" if worst.safe else f"No: unsafe by {percent(worst.error)} {where}",
+        listed(map(_verdict, errors)),
+    )
 
 
-def _safest(half: pd.DataFrame) -> pd.Series:
-    """Of a sample's rows by (n - 1) / 2 the best that is safe, else the least unsafe."""
-    safe = half[half["largest_unsafe_error"] <= PEAK_ACCURACY]
-    by = "largest_unsafe_error" if safe.empty else "misfit"
-    return (half if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
+def _verdict(error: RuleError) -> str:
+    verdict = "safe" if error.safe else f"unsafe by {percent(error.error)}"
+    return f"{error.sample} {verdict} ({option_name(str(error.option))})"
 
 
-def _verdict(row: pd.Series) -> str:
-    error, option = row["largest_unsafe_error"], option_name(row["option"])
-    verdict = "safe" if error <= PEAK_ACCURACY else f"unsafe by {percent(error)}"
-    return f"{row['sample']} {verdict} ({option})"
-
-
-def _least_safe(tables: Mapping[str, pd.DataFrame], row: pd.Series) -> float:
-    """The direction, e / a, in which SiDMACIB promises most over what the joint carries."""
-    capacity = tables["capacity"]
-    same = capacity[(capacity["sample"] == row["sample"])]
-    same = same[np.isclose(same["mesh_m"], row["mesh_m"])]
-    carried = same[(same["model"] == row["model"]) & (same["variant"] == REFERENCE)]
-    promised = same[(same["weights_from"] == row["model"]) & (same["reduction"] == "half")]
-    promised = promised[
-        (promised["option"] == row["option"]) & (promised["friction"] == row["friction"])
-    ]
-    loads = carried.set_index("case")["load_N"]
-    error = promised.set_index("case")["load_N"] / loads
-    return ratios(tables["cases"])[str(error.idxmax())]
-
-
-def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """How many locks fit, if any number may."""
+def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+    """The number of locks that fits best, which need not be whole."""
     selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
         parts = listed(f"{row.sample} {row.locks_that_count:.2f}" for row in selected.itertuples())
-        yield f"How many locks fit best? {parts}"
+        yield Answer("How many locks fit best?", parts)
 
 
-def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
+def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answer]:
     """Design loads in the first and the last direction of each sample."""
     safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
     if safe.empty:
@@ -128,8 +111,11 @@ def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]
             parts.append(f"{sample} no answer, see below")
             continue
         parts.append(f"{sample} {', '.join(map(_at, ends.itertuples()))}")
-    yield "What may I design for? The safe rule's V (N) or M (N m), others below:"
-    yield f"  {listed(parts)}"
+    yield Answer(
+        "What may I design for?",
+        "The safe rule's V (N) or M (N m), others below:",
+        listed(parts),
+    )
 
 
 def _at(row: object) -> str:
@@ -144,8 +130,8 @@ def _at(row: object) -> str:
     return f"{loads} at {direction_words(ratio)}" if ratio and math.isfinite(ratio) else loads
 
 
-def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """Which option of SiDMACIB fits best, by any rule."""
+def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+    """The option of SiDMACIB that fits best, with its rule."""
     selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:
@@ -154,11 +140,11 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
             f"({percent(row['misfit'])})"
             for row in rows
         )
-        yield f"Which option and rule of SiDMACIB fit best? {parts}"
+        yield Answer("Which option and rule of SiDMACIB fit best?", parts)
 
 
-def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[str]:
-    """How far the peaks in pure shear are from the published ones."""
+def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+    """Differences of the peaks in pure shear from the published ones."""
     selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
@@ -166,29 +152,29 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
             f"{row.sample} {100 * float(row.relative_difference):+.2f} %"
             for row in selected.itertuples()
         )
-        yield f"Are published peaks met? {parts}"
+        yield Answer("Are published peaks met?", parts)
 
 
-def _engines(cases: pd.DataFrame) -> Iterator[str]:
-    """How far the engines are from the static model."""
+def _engines(cases: pd.DataFrame) -> Iterator[Answer]:
+    """Differences of the engines from the static model."""
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
         names = ", ".join(label_of(model).name for model in engines["model"].unique())
-        yield (
-            f"Do models of the same pieces agree? {names} and the static model within "
-            f"{100 * size.max():.2g} % in {len(size)} cases"
+        yield Answer(
+            "Do models of the same pieces agree?",
+            f"{names} and the static model within {100 * size.max():.2g} % in {len(size)} cases",
         )
 
 
-def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[str]:
+def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[Answer]:
     """Whether the finest mesh is fine enough."""
     selected = capacity[capacity["mesh_error"].notna() & np.isclose(capacity["mesh_m"], mesh)]
     if selected.empty:
         return
     row = selected.sort_values("mesh_error", kind="stable").iloc[-1]
     verdict = "No" if row["mesh_error"] > MESH_LIMIT else "Yes"
-    yield (
-        f"Is a mesh of {mesh:g} m fine enough? {verdict}: mesh error up to "
-        f"{percent(row['mesh_error'])} ({row['model']}, {row['case']})"
+    yield Answer(
+        f"Is a mesh of {mesh:g} m fine enough?",
+        f"{verdict}: mesh error up to {percent(row['mesh_error'])} ({row['model']}, {row['case']})",
     )

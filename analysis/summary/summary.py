@@ -11,12 +11,11 @@ from analysis.drawing.labels import label_of
 from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
-    PEAK_ACCURACY,
     answers,
-    direction_words,
     percent,
     ratios,
 )
+from analysis.summary.rules import PEAK_ACCURACY, direction_words
 from analysis.tables.misfit import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
@@ -54,7 +53,7 @@ def summary(
     return "\n".join(
         [
             *_failed(tables["cases"]),
-            *answers(tables, leading, mesh),
+            *(line for each in answers(tables, leading, mesh) for line in each.lines),
             "",
             *_validation(tables["validation"], leading),
             *_models(tables["capacity"], ratio, mesh),
@@ -78,7 +77,7 @@ def summary(
 
 
 def _assumed(published: bool) -> str:
-    """What rests on an assumption; the geometry only if it stands for the paper's."""
+    """The assumptions of the results; the geometry only if it represents the paper's."""
     geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
     return f"Assumed: {geometry}contact-point positions."
 
@@ -207,7 +206,7 @@ def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
 
 
 def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
-    """The largest mesh error of each model at each mesh, and what to do where it is large.
+    """The largest mesh error of each model at each mesh, with advice where it is large.
 
     ``nodes``: the layouts that there are.
     """
@@ -233,7 +232,7 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
 
 
 def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
-    """How far peaks move under tiny changes, and which capacities are first failures for it."""
+    """Spread of peaks under tiny changes, and the capacities that it makes first failures."""
     known = capacity[capacity["peak_spread"].notna()]
     if known.empty:
         return

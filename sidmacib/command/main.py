@@ -1,6 +1,7 @@
 """The command `multilock`."""
 
 import importlib
+import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -10,7 +11,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, bars, curves, draw, text_of
+from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, text_of
 from sidmacib.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
@@ -38,7 +39,9 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock envelope --picture vm.png    its V-M curve
   multilock weights -n 5                 what each lock carries at the peak
   multilock law -n 9 -H 0.06             how many locks work
+  multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
   multilock assembly arch.yaml           what an arch or a wall of blocks carries
+  multilock design vault.yaml            the locks that an arch or a vault needs
 
 Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
 completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
@@ -114,7 +117,7 @@ def capacity(
     asked = list(dict.fromkeys(models or usual_models(joint)))
     rows = capacity_rows(joint, list(dict.fromkeys(ratios)), asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
 
 
@@ -156,7 +159,7 @@ def envelope(
     asked = list(dict.fromkeys(models or ("safe", "law")))
     rows = capacity_rows(joint, DIRECTIONS, asked, Push(push))
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks"), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
 
 
@@ -191,6 +194,69 @@ def law(form: str, push: str, **flags: Any) -> None:
         click.echo(text_of(law_rows(joint, Push(push)), form))
 
 
+@main.command("joint")
+@joint_options
+@click.option("-V", "--shear", type=float, default=0.0, help="Shear force to carry, N.")
+@click.option("-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.")
+@click.option("-e", "--eccentricity", "ratio", type=float, help="e / a of V, in place of -M.")
+@click.option(
+    "--vary",
+    multiple=True,
+    metavar="NAME=VALUES",
+    help="Sizes to choose from, m: locks, a, b, h or H, as in a=0.04:0.12:0.01 (from, to, step) or "
+    "locks=3,5,7; may be repeated.",
+)
+@click.option(
+    "--price",
+    multiple=True,
+    metavar="NAME=PRICE",
+    help="Of area (per m2 of the joint), volume (per m3 cut), bonded (per m2); may be repeated.  "
+    "[default: area=1]",
+)
+@click.option("--all", "every", is_flag=True, help="Show all joints of --vary.")
+@_format
+@_picture
+def inverse(
+    shear: float,
+    torque: float,
+    ratio: float | None,
+    vary: Sequence[str],
+    price: Sequence[str],
+    every: bool,
+    form: str,
+    picture: Path | None,
+    push: str,
+    **flags: Any,
+) -> None:
+    """The fewest locks, or the cheapest sizes, that carry V and M by the safe rule.
+
+    Without --vary, the fewest locks of the given sizes; each smaller number is shown with what it
+    carries, or why the rule refuses it. With --vary, the cheapest of all combinations. A joint is
+    no answer where the safe rule refuses it. --picture draws all joints of --vary over the first
+    two names, such as locks and a. Ends with status 1 if no joint carries the load.
+    """
+    with _refused_in_one_line():
+        from sidmacib.command import inverse as answers
+
+        demand = answers.demand_of(shear, torque, ratio)
+        values, prices = answers.values_of(vary), answers.prices_of(price)
+        if flags["locks"] is not None and (not vary or "locks" in values):
+            raise click.UsageError("-n: must not be given where the number of locks is sought")
+        if not vary and (price or every):
+            raise click.UsageError(f"{'--price' if price else '--all'}: needs --vary")
+        joint = joint_of(flags)
+        found, tried = answers.sought(
+            joint, demand, values, prices, Push(push), every or (bool(vary) and picture is not None)
+        )
+        if picture is not None:
+            draw(answers.chart(found, tried, values), picture)
+        shown = tried if every or not vary else (found,) if found is not None else ()
+        if shown:
+            click.echo(text_of(answers.candidate_rows(shown, values, prices), form))
+    if found is None:
+        raise click.ClickException(answers.why_none(tried))
+
+
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
@@ -212,20 +278,64 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     answer.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, structure_rows
+        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.file import read_structure
-        from sidmacib.structure.unit_warnings import structure_warnings
+        from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem)
+        limit = None if interfaces and compas is None else limit_of(problem)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.compas_results import write_compas_results
 
-            write_compas_results(problem, file, compas)
+            write_compas_results(problem, file, compas, limit)
     _require_answer(rows)
+
+
+@main.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the structure with its locks into this YAML file, for multilock assembly.",
+)
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+@click.option(
+    "--format", "form", type=click.Choice(("table", "json")), default="table", show_default=True
+)
+def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
+    """The locks that a structure needs: how many in each interface, and which way they run.
+
+    FILE is a structure as for assembly, with a key design: load cases, locks, candidate directions.
+    The result is checked by limit analysis and by the static model with locks cut out of the
+    blocks, and has an order in which blocks can be placed. Ends with status 1 if a check fails.
+    """
+    with _refused_in_one_line():
+        from sidmacib.command.designs import design_tables, verdict
+        from sidmacib.design.designed import design_of
+        from sidmacib.design.file import read_task, write_designed
+
+        task = read_task(file)
+        found = design_of(task, (lambda _: None) if quiet else _progress)
+        if output is not None:
+            write_designed(task, found.choice, output)
+    tables = design_tables(found)
+    if form == "json":
+        click.echo(json.dumps({"verdict": verdict(found), **tables}, indent=1))
+    else:
+        click.echo(verdict(found))
+        for name, rows in tables.items():
+            if rows:
+                click.echo(f"\n{name}\n{text_of(rows, form)}")
+    if not found.passes:
+        sys.exit(1)
+
+
+def _progress(line: str) -> None:
+    click.echo(line, err=True)
 
 
 @main.command()

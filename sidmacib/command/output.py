@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
+    from sidmacib.joint import Joint
 
 DIGITS = 4
 FORMATS = ("table", "json", "csv")
@@ -90,8 +91,8 @@ def bars(rows: "Sequence[Row]", title: str) -> "Figure":
     return figure
 
 
-def curves(rows: "Sequence[Row]", title: str) -> "Figure":
-    """V-M curves of the models in ``rows``."""
+def curves(rows: "Sequence[Row]", title: str, note: str = "") -> "Figure":
+    """V-M curves of the models in ``rows``, with a ``note`` below them."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 4.5), layout="constrained")
@@ -103,6 +104,19 @@ def curves(rows: "Sequence[Row]", title: str) -> "Figure":
         line = {"marker": "o", "markersize": 3, "color": COLOURS[model]}
         vm_curve(axes, shear, torque, model, **line)
     vm_axes(axes, title)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_axisbelow(True)
     if axes.lines:
         axes.legend()
+    if note:
+        figure.supxlabel(note, x=0.02, ha="left", fontsize=8)
     return figure
+
+
+def note_of(joint: "Joint") -> str:
+    """Sizes of a joint whose curves are drawn, and why these bend."""
+    sizes = ", ".join(f"{name} = {1e3 * getattr(joint, name):g}" for name in ("a", "b", "h", "H"))
+    return (
+        f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e. Where a curve bends, dry faces\n"
+        "open or others come to bear, or another lock becomes the first to fail."
+    )

@@ -45,7 +45,7 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     """All regions in which ``blocks`` touch, in the order of the blocks.
 
     ``near``: how far two faces in one plane may be apart, over the mean size of the blocks. A pair
-    of fixed blocks has none. ValueError, with their names, for convex blocks that overlap by more,
+    of fixed blocks has none. ValueError, with their names, for blocks that overlap by more,
     and for a free block that touches nothing.
     """
     require_apart(blocks, near * mean_size(blocks))
@@ -55,7 +55,7 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
         if not block.fixed and number not in touched:
             raise ValueError(
                 f"{block.name}: touches no other block; a gap may be at most "
-                f"{near * mean_size(blocks):g} m"
+                f"{near * mean_size(blocks):g} m (tolerance {near:g} of the blocks' mean size)"
             )
     return found
 

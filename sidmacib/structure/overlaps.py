@@ -1,7 +1,8 @@
-"""Whether blocks overlap: convex ones that no plane parts."""
+"""Whether blocks overlap: convex ones if no plane parts them, others by the volume they share."""
 
 from collections.abc import Iterator, Sequence
 
+import manifold3d
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -12,14 +13,45 @@ PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gi
 
 
 def require_apart(blocks: Sequence[Block], near: float) -> None:
-    """ValueError, with their names, for two convex blocks that overlap by more than ``near`` (m).
+    """ValueError, with their names, for two blocks that overlap by more than ``near`` (m).
 
-    Pairs of fixed blocks may overlap. Blocks that are not convex are not looked at.
+    Pairs of fixed blocks may overlap. Blocks that are not convex overlap if the volume that they
+    share is more than a layer of that thickness on the smaller one.
     """
     for one, other in _candidates(blocks, near):
-        depth = overlap(one, other, near)
-        if depth > near:
-            raise ValueError(f"blocks: {one.name} and {other.name} overlap by {depth:.3g} m")
+        if one.reentrant is None and other.reentrant is None:
+            if (depth := overlap(one, other, near)) > near:
+                raise ValueError(f"blocks: {one.name} and {other.name} overlap by {depth:.3g} m")
+        elif (volume := shared_volume(one, other)) > near * min(_surface(one), _surface(other)):
+            raise ValueError(f"blocks: {one.name} and {other.name} overlap by {volume:.3g} m3")
+
+
+def shared_volume(one: Block, other: Block) -> float:
+    """The volume (m3) that two blocks share, convex or not."""
+    middle, size = one.places.mean(axis=0), one.size
+    first, second = (_solid(block, middle, size) for block in (one, other))
+    return float((first ^ second).volume()) * size**3
+
+
+def _solid(block: Block, middle: Floats, size: float) -> manifold3d.Manifold:
+    """``block`` about ``middle`` (m), in units of ``size`` (m)."""
+    triangles = []
+    for face, corners, normal in zip(block.faces, block.outlines, block.normals, strict=True):
+        along = corners[1] - corners[0]
+        plane = np.column_stack([along, np.cross(normal, along)]) / np.linalg.norm(along)
+        triangles.append(
+            np.array(face)[manifold3d.triangulate([(corners - middle) @ plane / size])]
+        )
+    places = (block.places - middle) / size
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(places, np.concatenate(triangles).astype(np.uint64))
+    )
+
+
+def _surface(block: Block) -> float:
+    """Area of all faces, in m2."""
+    around = [np.cross(c, np.roll(c, -1, axis=0)).sum(axis=0) for c in block.outlines]
+    return float(np.linalg.norm(around, axis=1).sum()) / 2
 
 
 def overlap(one: Block, other: Block, near: float = 0.0) -> float:
@@ -39,11 +71,10 @@ def overlap(one: Block, other: Block, near: float = 0.0) -> float:
 
 
 def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, Block]]:
-    """Pairs of convex blocks, one of them free, whose boxes overlap."""
+    """Pairs of blocks, one of them free, whose boxes overlap."""
     low = np.array([block.places.min(axis=0) for block in blocks])
     high = np.array([block.places.max(axis=0) for block in blocks])
     middle, reach = (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2
-    convex = [block.reentrant is None for block in blocks]
     usual = float(np.median(reach))
     large = set(np.flatnonzero(reach > 2 * usual).tolist())  # few, such as the ground
     tree = cKDTree(middle)
@@ -51,7 +82,7 @@ def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, B
         for other in sorted(large.union(others)):
             small = other not in large or number in large
             pair = number < other if small else number != other
-            if not pair or not (convex[number] and convex[other]):
+            if not pair:
                 continue
             if blocks[number].fixed and blocks[other].fixed:
                 continue

@@ -17,6 +17,9 @@ from studies.locks.points import POINTS
 from workflow.results.tables import read_table
 
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
+REACH = 10.0  # %, of errors of the law that are drawn
+RANGES = 12  # of first failures, each with its percentiles
+UNSAFE, SAFE = 200.0, -60.0  # %, of errors of rules that are drawn
 
 
 def smooth_shear(points: pd.DataFrame) -> pd.DataFrame:
@@ -48,33 +51,43 @@ def collapse(points: pd.DataFrame) -> Figure:
     left.set_xlim(0, 5)
     left.set_ylim(bottom=0)
     left.legend(fontsize=8)
-    _parity(right, points)
+    _errors(right, points)
     style.caption(
         figure,
         f"{len(smooth)} smooth joints with columns in pure shear (left), "
         f"{points['law'].notna().sum()} points in "
         "all directions (right). Locks that work: load at the first failure of the static model "
-        "over T0; many: 41 locks, after the law. Most points off the curve are even joints pushed "
+        "over T0; many: 41 locks, after the law. Errors beyond "
+        f"{REACH:g} % are drawn there. Most points off the curve are even joints pushed "
         "from the side of a lower lock: the curve knows no such end, the law does.",
         height=0.12,
     )
     return figure
 
 
-def _parity(axes: Axes, points: pd.DataFrame) -> None:
+def _errors(axes: Axes, points: pd.DataFrame) -> None:
+    """The law's error in per cent over the first failure, each point and percentiles of ranges."""
     held = points[points["law"].gt(0.0) & known(points) & points["plate"]]
+    error = 100.0 * (held["law"] / held["first_failure"] - 1.0)
     shown = held.iloc[:: max(1, len(held) // MOST_DRAWN)]
     for rough, colour in ((True, style.COLOURS[1]), (False, style.COLOURS[0])):
         rows = shown[shown["friction"].gt(0.0).eq(rough)]
-        words = "rough" if rough else "smooth"
-        axes.plot(rows["first_failure"], rows["law"], ".", ms=1.5, color=colour, label=words)
-    ends = [held["first_failure"].min(), held["first_failure"].max()]
-    axes.plot(ends, ends, color="0.2", lw=1.0)
+        look = {"ms": 2.0, "color": colour, "alpha": 0.6, "label": "rough" if rough else "smooth"}
+        axes.plot(rows["first_failure"], error[rows.index].clip(-REACH, REACH), ".", **look)
+    edges = np.geomspace(held["first_failure"].min(), held["first_failure"].max(), RANGES + 1)
+    ranges = pd.cut(held["first_failure"], edges, include_lowest=True)
+    bands = error.groupby(ranges, observed=True).quantile([0.05, 0.5, 0.95]).unstack()
+    middles = [np.sqrt(each.left * each.right) for each in bands.index]
+    axes.plot(middles, bands[0.5], color="0.1", lw=1.4, label="median")
+    for share in (0.05, 0.95):
+        label = "5 and 95 %" if share == 0.05 else None
+        axes.plot(middles, bands[share], color="0.1", lw=1.0, ls="--", label=label)
+    axes.axhline(0.0, color="0.4", lw=0.8)
     axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set_ylim(-REACH, REACH)
     axes.set_xlabel("first failure / T0, static model")
-    axes.set_ylabel("first failure / T0, law")
-    axes.legend(fontsize=8, markerscale=5)
+    axes.set_ylabel("law over first failure, less 1 (%)")
+    axes.legend(fontsize=8, markerscale=4)
 
 
 def margins(points: pd.DataFrame) -> Figure:
@@ -109,43 +122,45 @@ def margins(points: pd.DataFrame) -> Figure:
 
 
 def rules(points: pd.DataFrame) -> Figure:
-    """Where each rule counts too many locks, by number of locks and load of a long joint."""
+    """How far each rule is from the peak, as percentiles over the number of locks."""
     odd = brittle_odd_joints(points)
     pure = odd[odd["eccentricity_over_a"].eq(0.0)]
     errors = rule_errors(odd, "option4")
-    figure = Figure(figsize=(9.6, 2.9 * len(errors) + 0.6), layout="constrained")
+    figure = Figure(figsize=(9.6, 2.3 * len(errors) + 0.8), layout="constrained")
     panels = figure.subplots(len(errors), 2, sharex=True, sharey=True)
     for row, (rule, error) in zip(panels, errors.items(), strict=True):
         worst = error.groupby([odd[name] for name in JOINT]).transform("max")
         for axes, words, shown in (
             (row[0], "pure shear", error),
-            (row[1], "all directions", worst),
+            (row[1], "worst direction", worst),
         ):
-            drawn = axes.scatter(
-                pure["locks"],
-                pure["saturation"],
-                c=100.0 * shown[pure.index],
-                s=4,
-                cmap="RdBu_r",
-                vmin=-100,
-                vmax=100,
-            )
-            axes.set_yscale("log")
-            axes.set_yticks([2, 3, 5, 10, 20], [2, 3, 5, 10, 20])
-            axes.set_yticks([], minor=True)
+            _bands(axes, pure["locks"], 100.0 * shown[pure.index])
             axes.set_title(f"{rule_name(rule)}: {words}", loc="left", fontsize=9)
-        row[0].set_ylabel("V / T0 of many locks")
+        row[0].set_ylabel("over the peak (%)")
+    panels[0, 0].set_ylim(SAFE, UNSAFE)
+    panels[0, 0].legend(fontsize=7, loc="upper left")
     for axes in panels[-1]:
         axes.set_xlabel("locks n")
-    figure.colorbar(drawn, ax=panels, label="rule over the peak (%)", shrink=0.5)
     style.caption(
         figure,
-        "Odd joints under a plate, columns. Red: the rule promises more than the joint carries. "
-        "Right: the largest of all directions. SiDMACIB, Option 4, without friction; V / T0 of 41 "
-        "locks, smooth, after the law.",
+        f"{len(pure)} odd joints under a plate, columns. Above the line the rule promises more "
+        "than the joint carries. Right: the largest error of all directions of a joint. SiDMACIB, "
+        f"Option 4, without friction. Errors above {UNSAFE:g} % are drawn there.",
         height=0.05,
     )
     return figure
+
+
+def _bands(axes: Axes, locks: pd.Series, error: pd.Series) -> None:
+    """Percentiles of an error (%) for each number of ``locks``; 0 is a line."""
+    by_locks = error.clip(SAFE, UNSAFE).groupby(locks).quantile([0.0, 0.25, 0.5, 0.75, 1.0])
+    found = by_locks.unstack()
+    colour = style.COLOURS[0]
+    axes.fill_between(found.index, found[0.0], found[1.0], color=colour, alpha=0.2, label="all")
+    half = {"color": colour, "alpha": 0.4, "label": "half of the joints"}
+    axes.fill_between(found.index, found[0.25], found[0.75], **half)
+    axes.plot(found.index, found[0.5], "o-", ms=3, lw=1.4, color=colour, label="median")
+    axes.axhline(0.0, color=style.COLOURS[5], lw=1.2)
 
 
 def nomogram(points: pd.DataFrame) -> Figure:

@@ -1,4 +1,4 @@
-# The page of a study's joints and structures, of whatever these have told of themselves.
+# The report of a study: its joints and structures, from the inputs that other rules have added.
 from analysis.report.files import FILES as PAGE_FILES
 from analysis.report.files import REPORT
 
@@ -23,6 +23,7 @@ rule report:
         step="analysis.report.page",
         study=lambda wildcards: STUDY.pieces_json() if STUDY.samples else None,
         structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
+        configuration=STUDY.model_dump_json(exclude={"results"}),
         cases=[*reversed(SHOWN_STRUCTURES.values())],
         files=PAGE_FILES,
     message:

@@ -9,7 +9,7 @@ from workflow.model import Ability
 
 
 def _version() -> str:
-    """What CalculiX says of itself; it ends with an exit code although nothing is wrong."""
+    """The text with CalculiX's version; it ends with an exit code although it succeeds."""
     return subprocess.run(
         ["ccx", "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
     ).stdout
@@ -21,7 +21,7 @@ CALCULIX = Engine(
     colour=PURPLE,
     abilities=frozenset(
         {
-            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION, Ability.NUMERICS),
+            *(Ability.BRITTLE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
             *(Ability.ELASTIC, Ability.JOINED, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }

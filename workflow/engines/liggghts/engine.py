@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 from sidmacib.drawing import ORANGE
-from workflow.engines.engine import Engine, own_environment
+from workflow.engines.engine import Engine, engine_environment
 from workflow.model import Ability
 
 
@@ -16,7 +16,7 @@ def _help() -> str:
         capture_output=True,
         text=True,
         errors="replace",
-        env=own_environment(**alone),
+        env=engine_environment(**alone),
         check=False,
     ).stdout
 
@@ -27,8 +27,8 @@ LIGGGHTS = Engine(
     colour=ORANGE,
     abilities=frozenset(  # its inner faces are as stiff along as across
         {
-            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE, Ability.NUMERICS),
-            *(Ability.RIGID, Ability.SHARED, Ability.RANKS),
+            *(Ability.BRITTLE, Ability.FRICTION, Ability.PROGRESSIVE),
+            *(Ability.RIGID, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }
     ),

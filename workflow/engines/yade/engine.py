@@ -23,12 +23,12 @@ YADE = Engine(
     abilities=frozenset(
         {
             *(Ability.BRITTLE, Ability.DUCTILE, Ability.TWO_STIFFNESSES, Ability.FRICTION),
-            *(Ability.PROGRESSIVE, Ability.NUMERICS, Ability.RIGID, Ability.SHARED),
+            *(Ability.PROGRESSIVE, Ability.RIGID, Ability.SHARED),
             *(Ability.STRESSES, Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
         }
     ),
     template="yade.py.j2",
-    # Debian's Python, not yade's own launcher: the latter opens ports on the loopback.
+    # Debian's Python, not the launcher of YADE, which opens ports on the loopback interface.
     command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
     package="yade",
     probe="yade",

@@ -1,0 +1,84 @@
+"""The report's first screen: the question, its answer, and how far each rule can be trusted."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from analysis.drawing.labels import label_of
+from analysis.report.plain import plain_value
+from analysis.summary.answers import Answer, answers, percent
+from analysis.summary.rules import (
+    PEAK_ACCURACY,
+    RuleError,
+    direction_words,
+    rule_errors,
+    worst_of,
+)
+from analysis.summary.summary import leading_models
+from workflow.schema import Study
+
+NO_RULE = Answer("What does the joint carry?", "The curves and tables below tell it, by model.")
+
+
+def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
+    """The first answer of the summary, the other ones, and the table of rules.
+
+    ``rules``: of each rule its largest error, where, and whether it is safe, the least safe first.
+    ``half``: how (n - 1) / 2 is drawn for each sample. ``sample``: the one that is shown first,
+    where (n - 1) / 2 or else the first rule is least safe.
+    """
+    leading, mesh = leading_models(tables["fit"]), min(study.meshes)
+    errors = rule_errors(tables, leading, mesh)
+    first, *others = [*answers(tables, leading, mesh)] or [NO_RULE]
+    worst = sorted(worst_of(errors), key=lambda error: -error.error)
+    half = [error for error in errors if error.rule == "half"]
+    shown = max(half or worst, key=lambda error: error.error, default=None)
+    return {
+        "first": _words(first),
+        "others": [_words(each) for each in others],
+        "safe": first.answer.startswith("Yes"),
+        "rules": [_row(error) for error in worst],
+        "caption": _caption(leading, mesh) if worst else "",
+        "half": {
+            error.sample: {"option": error.option, "friction": error.friction} for error in half
+        },
+        "sample": next(iter(study.samples)) if shown is None else shown.sample,
+        "leading": leading,
+        "mesh": mesh,
+    }
+
+
+def _words(answer: Answer) -> dict[str, str]:
+    return {
+        "question": _typeset(answer.question),
+        "answer": _typeset(answer.answer),
+        "details": _typeset(answer.details),
+    }
+
+
+def _typeset(words: str) -> str:
+    """With the minus of numbers, as the page has room for it."""
+    return words.replace("(n - 1) / 2", "(n \N{MINUS SIGN} 1)/2")
+
+
+def _row(error: RuleError) -> dict[str, Any]:
+    return {
+        "rule": _typeset(error.name),
+        "option": error.option_words,
+        "error": f"{100 * error.error:+.1f} %".replace("-", "\N{MINUS SIGN}"),
+        "mesh_error": "" if pd.isna(error.mesh_error) else percent(error.mesh_error),
+        "where": f"{error.sample}, {direction_words(error.ratio)}",
+        "safe": error.safe,
+        "ratio": plain_value(error.ratio),
+    }
+
+
+def _caption(leading: Mapping[str, str], mesh: float) -> str:
+    models = " and ".join(dict.fromkeys(label_of(name).name for name in leading.values()))
+    return (
+        "Largest error of each rule over all joints and directions of this study: what it promises "
+        f"over what the models of the pieces ({models}) carry at a mesh of {mesh:g} m, less 1. "
+        f"Above zero it promises too much; up to {100 * PEAK_ACCURACY:g} % counts as none. "
+        "SiDMACIB has the option that is safest for each joint. Mesh error: of the carried load."
+    )

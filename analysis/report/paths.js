@@ -1,0 +1,204 @@
+// The report's load paths of the static model: displacements, stresses, order of failure, the joint.
+const pathsOf = (mesh) => JOINTS.paths.filter((path) => path.sample === at("path-sample").value && (mesh === null || path.mesh === mesh));
+const chosenPath = () => pathsOf(Number(at("path-mesh").value)).find((path) => path.eccentricity === at("path-direction").value);
+const chosenStep = (path) => path.steps[Math.min(Number(at("path-step").value), path.steps.length - 1)];
+
+const WIDE_BAR = { orientation: "h", x: 0.5, y: 1, yanchor: "bottom", len: 0.8, thickness: 12, title: { text: "shear / cohesion", side: "top" } };
+const BEHIND = "#d55e00", V_COLOUR = "#d55e00";
+
+function drawDisplacement(path, step) {
+  const micro = ([u]) => 1e6 * u, peak = path.curve.at(-1);
+  const line = (points, name, more) => ({ x: points.map(micro), y: points.map(([, load]) => load), name, ...more });
+  const traces = [line(path.curve, "static model, load raised", { mode: "lines", line: { color: labelOf("static").colour, width: 2.5 } })];
+  const first = path.curve.find(([, load]) => load >= path.first * (1 - 1e-5));
+  if (first) traces.push(line([first], "first failure", { mode: "markers", marker: { symbol: "diamond-open", size: 11, color: "#8a6d00", line: { width: 2 } } }));
+  traces.push(line([peak], "peak", { mode: "markers", marker: { symbol: "star", size: 13, color: labelOf("static").colour } }));
+  if (path.behind && path.behind.length) traces.push(line([peak, ...path.behind], "behind the peak", { mode: "lines+markers", line: { color: BEHIND, dash: "dot", width: 1.5 }, marker: { symbol: "circle-open", size: 6, color: BEHIND } }));
+  traces.push(line([path.curve.reduce((one, other) => (Math.abs(other[1] - step.load) < Math.abs(one[1] - step.load) ? other : one))], "shown below", { mode: "markers", marker: { symbol: "circle", size: 9, color: "#000000" } }));
+  chart("move-plot", traces, { xaxis: axis("displacement along the load (µm)", { rangemode: "tozero" }), yaxis: axis("load (N)", { rangemode: "tozero" }) });
+  at("move-text").textContent = `First failure ${short(path.first)} N, ${path.end.toLowerCase()} ${short(peak[1])} N at ${short(1e6 * peak[0])} µm. ${behindWords(path)}`;
+}
+
+function behindWords({ behind, curve }) {
+  if (behind === null) return "Behind the peak is not followed on this mesh: choose a coarser one, or pure shear.";
+  if (!behind.length) return "Behind the peak no equilibrium is left: the joint fails as a whole, at once.";
+  const most = Math.max(...behind.map(([, load]) => load));
+  return `Behind the peak, with the displacement held, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${short(most)} N (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
+}
+
+function drawStress(path, step) {
+  const x = [], y = [], colour = [], symbol = [];
+  path.faces.forEach((face, k) => {
+    x.push(...face.y.map((v) => 1000 * v));
+    y.push(...face.x.map((v) => 1000 * v));
+    colour.push(...step.shear[k]);
+    symbol.push(...step.bonded[k].map((whole) => (whole ? "square" : "x")));
+  });
+  const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: Math.max(4, Math.min(13, 120 / Math.sqrt(x.length))), colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: WIDE_BAR }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
+  chart("stress-plot", [trace], { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false, margin: { l: 60, r: 20, t: 60, b: 50 } });
+}
+
+function drawOrder(path, step) {
+  const loads = path.steps.map((s) => s.load);
+  const traces = path.faces.map((face, k) => ({ x: loads, y: path.steps.map((s) => Math.max(...s.shear[k].map((v, i) => (s.bonded[k][i] ? v : 0)))), name: `lock ${face.lock}`, mode: "lines+markers", marker: { symbol: MARKS[k % MARKS.length] }, line: { color: COLOURS[k % COLOURS.length], dash: DASHES[k % DASHES.length] } }));
+  const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
+  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion of the bonds", { rangemode: "tozero" }) });
+  const last = path.steps[path.steps.length - 1];
+  const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
+}
+
+function boxMesh(piece, moved, scale, colour, opacity) {
+  const [lo, hi] = [piece.low, piece.high];
+  const centre = lo.map((v, k) => (v + hi[k]) / 2);
+  const corner = [];
+  for (let k = 0; k < 8; k += 1) {
+    const p = [k & 1 ? hi[0] : lo[0], k & 2 ? hi[1] : lo[1], k & 4 ? hi[2] : lo[2]];
+    corner.push(shifted(p, centre, moved, scale));
+  }
+  const i = [0, 1, 4, 5, 0, 1, 2, 3, 0, 2, 1, 3], j = [1, 3, 6, 7, 4, 5, 3, 7, 2, 6, 3, 7], k = [2, 2, 5, 6, 1, 4, 6, 6, 4, 4, 5, 5];
+  return { type: "mesh3d", x: corner.map((p) => p[0]), y: corner.map((p) => p[1]), z: corner.map((p) => p[2]), i, j, k, color: colour, opacity, flatshading: true, name: piece.name, hoverinfo: "name" };
+}
+
+// Shear V (N) and torque M (N m) at a step: V at its eccentricity, M about the middle.
+function loadOf(path, step) {
+  const a = JOINTS.sizes.find((row) => row.sample === path.sample).a_m;
+  if (path.eccentricity === "torsion") return { a, V: 0, M: step.load * a, e: null };
+  const ratio = Number(path.eccentricity), V = step.load / Math.hypot(1, ratio);
+  return { a, V, M: V * ratio * a, e: ratio * a };
+}
+
+function loadTraces(path, step, pieces) {
+  const { a, V, M, e } = loadOf(path, step), upper = pieces.filter((p) => p.block === "upper" && p.name !== "plate");
+  const low = [0, 1, 2].map((k) => Math.min(...upper.map((p) => p.low[k]))), high = [0, 1, 2].map((k) => Math.max(...upper.map((p) => p.high[k])));
+  const size = high[1] - low[1], top = high[2] + 0.12 * a, middle = (low[1] + high[1]) / 2, z = (low[2] + high[2]) / 2;
+  const line = (points, text) => ({ type: "scatter3d", mode: "lines+text", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), text: points.map((_, k) => (k === 0 ? text : "")), textposition: "top center", textfont: { size: 14 }, line: { color: V_COLOUR, width: 6 }, hoverinfo: "skip" });
+  const head = (p, d, length) => ({ type: "cone", x: [p[0]], y: [p[1]], z: [p[2]], u: [d[0]], v: [d[1]], w: [d[2]], anchor: "tip", sizemode: "absolute", sizeref: length, showscale: false, colorscale: [[0, V_COLOUR], [1, V_COLOUR]], hoverinfo: "skip" });
+  const found = [];
+  if (V > 0) {
+    const x = path.push * e, from = path.push > 0 ? low[1] : high[1];
+    found.push(line([[x, from - path.push * 0.3 * size, z], [x, from, z]], `V = ${short(V)} N`), head([x, from, z], [0, path.push, 0], 0.18 * a));
+    if (Math.abs(x) > a / 2) found.push(line([[x, from, z], [0, from, z]], ""));
+  }
+  if (M > 0) {
+    const r = 0.35 * a, turn = [...Array(25).keys()].map((k) => (-0.75 + (k / 24) * 1.5) * Math.PI);
+    const arc = turn.map((t) => [r * Math.cos(t), middle + r * Math.sin(t), top]), end = turn.at(-1);
+    found.push(line(arc, `M = ${short(M)} N m`), head(arc.at(-1), [-Math.sin(end), Math.cos(end), 0], 0.18 * a));
+  }
+  return found;
+}
+
+function lockNumbers(path, pieces, step, scale) {
+  const found = pieces.map((piece, k) => ({ piece, k })).filter(({ piece }) => piece.name.startsWith("lock"));
+  const places = found.map(({ piece, k }) => {
+    const centre = piece.low.map((v, c) => (v + piece.high[c]) / 2);
+    return shifted([piece.high[0] + 0.08 * (piece.high[0] - piece.low[0]), centre[1], centre[2]], centre, step.moved[k], scale);
+  });
+  return { type: "scatter3d", mode: "text", x: places.map((p) => p[0]), y: places.map((p) => p[1]), z: places.map((p) => p[2]), text: found.map(({ piece }) => piece.name.replace("lock", "")), textfont: { size: 16 }, hoverinfo: "skip" };
+}
+
+function drawJoint(path, step) {
+  const pieces = JOINTS.pieces[path.sample];
+  const size = Math.max(...pieces.flatMap((p) => p.high.map((v, k) => v - p.low[k])));
+  const largest = Math.max(1e-12, ...step.moved.flatMap((m) => m.slice(0, 3).map(Math.abs)));
+  const scale = (Number(at("joint-scale").value) / 100) * 0.3 * size / largest;
+  at("joint-factor").textContent = scale > 0 ? `× ${short(Number(scale.toPrecision(2)))}` : "undeformed";
+  const traces = [];
+  pieces.forEach((piece, k) => {
+    const body = !piece.name.startsWith("lock");
+    if (piece.name === "plate" || (body && piece.block === "upper" && !at("joint-body").checked)) return;
+    traces.push(boxMesh(piece, step.moved[k], scale, piece.block === "upper" ? "#56b4e9" : "#9aa0aa", body ? 0.25 : 0.6));
+  });
+  const x = [], y = [], z = [], colour = [];
+  path.faces.forEach((face, k) => {
+    const name = `lock${face.lock}`;
+    const n = pieces.findIndex((p) => p.name === name);
+    const centre = pieces[n].low.map((v, axisNumber) => (v + pieces[n].high[axisNumber]) / 2);
+    face.x.forEach((_, node) => {
+      const p = shifted([face.x[node], face.y[node], face.z], centre, step.moved[n], scale);
+      x.push(p[0]); y.push(p[1]); z.push(p[2]); colour.push(step.shear[k][node]);
+    });
+  });
+  traces.push({ type: "scatter3d", mode: "markers", x, y, z, marker: { size: 4, color: colour, colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { ...WIDE_BAR, y: 0, yanchor: "bottom" } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" });
+  traces.push(...loadTraces(path, step, pieces), lockNumbers(path, pieces, step, scale));
+  const scene = { aspectmode: "data", domain: { y: [0.14, 1] }, camera: { eye: eyeFrom(at("joint-plot")) }, xaxis: { title: { text: "x (m)" } }, yaxis: { title: { text: "y (m)" } }, zaxis: { title: { text: "z (m)" } } };
+  return chart("joint-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample });
+}
+
+// Play: from rest to the magnified displacements and back, until it is stopped.
+const JOINT_PERIOD = 4000; // ms
+let jointSince = null;
+
+function jointFrame(now) {
+  if (jointSince === null) return;
+  jointSince = jointSince || now;
+  at("joint-scale").value = 50 * (1 - Math.cos((2 * Math.PI * (now - jointSince)) / JOINT_PERIOD));
+  const path = chosenPath();
+  drawJoint(path, chosenStep(path)).then(() => requestAnimationFrame(jointFrame));
+}
+
+function stopJoint() {
+  jointSince = null;
+  at("joint-play").textContent = "Play";
+  at("joint-play").ariaPressed = "false";
+}
+
+function playJoint() {
+  if (jointSince !== null) {
+    stopJoint();
+    return;
+  }
+  jointSince = 0;
+  at("joint-play").textContent = "Stop";
+  at("joint-play").ariaPressed = "true";
+  requestAnimationFrame(jointFrame);
+}
+
+// Further away where the plot is narrower than high.
+function eyeFrom({ clientHeight, clientWidth }) {
+  const away = Math.max(1, (1.3 * clientHeight) / clientWidth);
+  return { x: 1.4 * away, y: -1.2 * away, z: 0.9 * away };
+}
+
+function drawPath() {
+  const path = chosenPath();
+  if (!path) return;
+  at("path-step").max = path.steps.length - 1;
+  const step = chosenStep(path);
+  at("path-load").textContent = `${short(step.load)} N`;
+  drawDisplacement(path, step);
+  drawStress(path, step);
+  drawOrder(path, step);
+  drawJoint(path, step);
+}
+
+function choosePath() {
+  const meshes = unique(pathsOf(null).map((path) => path.mesh));
+  const mesh = Number(at("path-mesh").value);
+  fill(at("path-mesh"), meshes, meshes.includes(mesh) ? mesh : meshes.filter((own) => JOINTS.meshes.includes(own)).at(-1));
+  const own = pathsOf(Number(at("path-mesh").value)).map((path) => path.eccentricity);
+  fill(at("path-direction"), own, own.includes(at("path-direction").value) ? at("path-direction").value : own[0]);
+  const path = chosenPath();
+  if (path) {
+    at("path-step").max = path.steps.length - 1;
+    at("path-step").value = path.steps.length - 1;
+  }
+  drawPath();
+}
+
+function startPaths() {
+  const samples = unique(JOINTS.paths.map((path) => path.sample));
+  for (const id of ["stresses", "joint"]) at(id).hidden = samples.length === 0;
+  at("no-paths").hidden = samples.length > 0;
+  if (!samples.length) return;
+  fill(at("path-sample"), samples, samples.includes(ANSWER.sample) ? ANSWER.sample : samples[0]);
+  at("path-sample").addEventListener("change", choosePath);
+  at("path-mesh").addEventListener("change", choosePath);
+  at("path-direction").addEventListener("change", choosePath);
+  for (const id of ["path-step", "joint-scale", "joint-body"]) at(id).addEventListener("input", drawPath);
+  at("joint-scale").addEventListener("input", stopJoint);
+  at("joint-play").addEventListener("click", playJoint);
+  choosePath();
+}
+
+startPaths();

@@ -1,0 +1,219 @@
+"""Which joints carry a load: what is asked on the command line, rows, and the chart."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import click
+
+from sidmacib.command.answers import Row
+from sidmacib.command.joints import LOCKS
+from sidmacib.drawing import GREEN, ORANGE
+from sidmacib.joint import Joint
+from sidmacib.loading import Push
+from sidmacib.parameters import PARAMETERS
+from sidmacib.quantities import Number, number_in, shown
+from sidmacib.rule.demand import (
+    Candidate,
+    Demand,
+    Prices,
+    bonded_area,
+    joint_area,
+    volume_cut,
+)
+from sidmacib.rule.inverse import MOST, SIZES, all_candidates, cheapest, cheapest_of, fewest_locks
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Values = dict[str, tuple[float, ...]]
+PRICED = {"area": "per m2", "volume": "per m3", "bonded": "per m2"}
+ROUND = 12  # digits of a size after the decimal point: of a step that is no binary fraction
+GREY = "0.7"
+
+
+def demand_of(shear: float, torque: float, ratio: float | None) -> Demand:
+    """What is to be carried; `click.UsageError` if nothing is, or what contradicts itself."""
+    for flag, value in (("-V", shear), ("-M", torque), ("-e", ratio or 0.0)):
+        if not math.isfinite(value) or (flag == "-V" and value < 0.0):
+            allowed = "a finite number" + (" of at least 0" if flag == "-V" else "")
+            raise click.UsageError(f"{flag}: {value:g} is not allowed; it must be {allowed}")
+    try:
+        return Demand(shear, torque, ratio)
+    except ValueError as error:
+        raise click.UsageError(f"-V, -M, -e: {error}") from None
+
+
+def values_of(given: Sequence[str]) -> Values:
+    """The values of each name in --vary; `click.UsageError` names what is wrong."""
+    found: Values = {}
+    for text in given:
+        name, equals, spelled = text.partition("=")
+        if not equals or name not in SIZES or name in found:
+            words = "is there twice" if name in found else "is not allowed"
+            allowed = f"one each of {', '.join(SIZES)}, as in a=0.04:0.12:0.01 or locks=3,5"
+            raise click.UsageError(f"--vary: {shown(text)} {words}; it must be {allowed}")
+        number = LOCKS if name == "locks" else PARAMETERS[name].number
+        assert number is not None
+        try:
+            parts = spelled.split(":")
+            if len(parts) == 1:
+                found[name] = tuple(dict.fromkeys(map(number.read, spelled.split(","))))
+            else:
+                found[name] = _steps(parts, number)
+        except ValueError as error:
+            raise click.UsageError(f"--vary {name}: {error}") from None
+    return found
+
+
+def _steps(parts: Sequence[str], number: Number) -> tuple[float, ...]:
+    """From the least to the largest value of a number, in steps."""
+    if len(parts) not in (2, 3):
+        raise ValueError(f"{shown(':'.join(parts))} is not allowed; it must be from:to:step")
+    low, high = number.read(parts[0]), number.read(parts[1])
+    if len(parts) == 2 and not number.whole:
+        raise ValueError("must have a step, as in 0.04:0.12:0.01")
+    step = Number(above=0, whole=number.whole).read(parts[2] if len(parts) == 3 else "1")
+    count = math.floor((high - low) / step * (1.0 + 1e-12) + 1e-9) + 1
+    if not 0 < count <= MOST:
+        raise ValueError(f"has {max(count, 0)} values; it must have from 1 to {MOST}")
+    values = (low + place * step for place in range(count))
+    return tuple(int(value) if number.whole else round(value, ROUND) for value in values)
+
+
+def prices_of(given: Sequence[str]) -> Prices:
+    """The prices in --price, 0 of what is not named; `click.UsageError` names what is wrong."""
+    found: dict[str, float] = {}
+    for text in given:
+        name, equals, spelled = text.partition("=")
+        price = number_in(spelled)
+        if not equals or name not in PRICED or name in found or price is None or price < 0.0:
+            kinds = ", ".join(f"{name} ({unit})" for name, unit in PRICED.items())
+            allowed = f"one each of {kinds}, as in area=100, at least 0"
+            raise click.UsageError(f"--price: {shown(text)} is not allowed; it must be {allowed}")
+        found[name] = float(price)
+    try:
+        return Prices(**{**dict.fromkeys(PRICED, 0.0), **found}) if found else Prices()
+    except ValueError as error:
+        raise click.UsageError(f"--price: {error}") from None
+
+
+def sought(
+    joint: Joint, demand: Demand, values: Values, prices: Prices, push: Push, every: bool
+) -> tuple[Candidate | None, tuple[Candidate, ...]]:
+    """The answer, None if no joint is one, and the joints that were tried; ``every``: all."""
+    if not values:
+        search = fewest_locks(joint, demand, push)
+    elif every:
+        tried = all_candidates(joint, demand, values, push)
+        return cheapest_of(tried, prices), tried
+    else:
+        search = cheapest(joint, demand, values, prices, push)
+    return search.found, search.tried
+
+
+def candidate_rows(
+    candidates: Sequence[Candidate], values: Mapping[str, Sequence[float]], prices: Prices
+) -> list[Row]:
+    """What varies of each joint, what it carries and what it costs."""
+    units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES[1:]}}
+    rows = []
+    for each in candidates:
+        joint = each.joint
+        row: Row = {units[name]: getattr(joint, name) for name in values or ("locks",)}
+        row["safe V (N)"] = each.shear if each.exact else None
+        row["safe M (N m)"] = each.torque if each.exact else None
+        row["needed / safe"] = each.usage if each.exact else None
+        row["area (m2)"], row["volume cut (m3)"] = joint_area(joint), volume_cut(joint)
+        if prices.bonded:
+            row["bonded area (m2)"] = bonded_area(joint)
+        if prices != Prices():
+            row["price"] = prices.of(joint)
+        row["note"] = note_of(each, values)
+        rows.append(row)
+    return rows
+
+
+def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
+    """Whether a joint does, or why not."""
+    if each.load is None:
+        return each.reason
+    if not each.does:
+        most = each.shear or 0.0, each.torque or 0.0
+        words = "too weak"
+        return words if each.exact else f"{words}: at most {most[0]:.4g} N, {most[1]:.4g} N m"
+    ends = [
+        name
+        for name, among in values.items()
+        if len(among) > 2 and getattr(each.joint, name) in (min(among), max(among))
+    ]
+    return f"does; at the end of the values: {', '.join(ends)}" if ends else "does"
+
+
+def why_none(tried: Sequence[Candidate]) -> str:
+    """How far the joints that were tried are from carrying the load."""
+    refused = [each.reason for each in tried if each.load is None]
+    usage = [each.usage for each in tried if each.usage is not None]
+    words = [f"none of {len(tried)} joints carries this by the safe rule"]
+    if usage:
+        words.append(f"{len(usage)} are too weak, the best has {100.0 / min(usage):.3g} % of it")
+    if refused:
+        commonest = max(dict.fromkeys(refused), key=refused.count)
+        words.append(f"{len(refused)} are refused, such as: {commonest}")
+    return "; ".join(words)
+
+
+def chart(
+    found: Candidate | None, tried: Sequence[Candidate], values: Mapping[str, Sequence[float]]
+) -> "Figure":
+    """All joints that were tried over the first two names of ``values``.
+
+    With one name or none: needed over safe load against it. A point stands for several joints where
+    more than two names vary; it does if one of them does.
+    """
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.0, 4.5), layout="constrained")
+    axes = figure.subplots()
+    names = list(values or ("locks",))
+    x, y = names[0], names[1] if len(names) > 1 else None
+    points: dict[tuple[float, float], Candidate] = {}
+    for each in tried:
+        height = getattr(each.joint, y) if y else (each.usage or 0.0)
+        place = getattr(each.joint, x), height
+        if place not in points or (each.usage or math.inf) < (points[place].usage or math.inf):
+            points[place] = each
+    _scatter(axes, {place: each for place, each in points.items() if each.does}, "does", GREEN)
+    weak = {place: each for place, each in points.items() if each.load and not each.does}
+    _scatter(axes, weak, "too weak", ORANGE, hollow=True)
+    _scatter(axes, {p: each for p, each in points.items() if not each.load}, "refused", GREY, "x")
+    if found is not None:
+        height = getattr(found.joint, y) if y else found.usage
+        label = "cheapest" if values else "fewest locks"
+        ring = {"s": 160, "facecolors": "none", "edgecolors": "black", "label": label}
+        axes.scatter([getattr(found.joint, x)], [height], **ring)
+    axes.set_xlabel(x if x == "locks" else f"{x} (m)")
+    axes.set_ylabel("needed over safe load" if y is None else y if y == "locks" else f"{y} (m)")
+    for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
+        if name == "locks":
+            axis.get_major_locator().set_params(integer=True)
+    if y is None:
+        axes.axhline(1.0, color=GREY, linewidth=1)
+    axes.set_title("joints beside the load", loc="left", fontsize=10)
+    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    return figure
+
+
+def _scatter(
+    axes: "Axes",
+    points: Mapping[tuple[float, float], Candidate],
+    label: str,
+    colour: str,
+    marker: str = "o",
+    hollow: bool = False,
+) -> None:
+    if points:
+        x, y = zip(*points, strict=True)
+        face = {"facecolors": "none", "edgecolors": colour} if hollow else {"color": colour}
+        axes.scatter(x, y, marker=marker, label=label, **face)

@@ -1,0 +1,76 @@
+"""What brittle bonds still carry behind the peak, if the displacement is held and not the load.
+
+Under a load that stays, a joint at its peak fails as a whole. A testing machine that holds the
+displacement lets the load fall: to the load at which the next node reaches its strength, once the
+nodes before it have lost theirs. Each such point is an equilibrium, reached from no load with the
+bonds that are left; between them the load may fall further, which is not followed (sequentially
+linear analysis: Rots, J.G., 2001, Heron 46(2), 69-90). Friction has no history here.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Assembly, Failure, Loads
+from sidmacib.mechanics.contact_law import Flags, NodeState, utilisation
+from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.static.model import solver_of
+
+TOGETHER = 1e-2  # nodes whose utilisations differ by less fail together
+PRECISION = 1e-4  # of the loads, over the peak
+LEAST = 0.02  # of the peak: less counts as nothing
+HIGHEST = 1.5  # of the peak: the bonds that are left never carry more than whole ones do
+
+
+def after_peak(assembly: Assembly, loads: Loads, peak: Equilibrium) -> Iterator[Equilibrium]:
+    """The points behind ``peak``, until a node's failure leaves less than `LEAST` of the peak.
+
+    ``assembly``: with brittle bonds; others give nothing. ``peak``: of its path under ``loads``.
+    Every point has at least one bonded node less than the one before.
+    """
+    if assembly.failure is not Failure.BRITTLE:
+        return
+    solver = solver_of(assembly, loads)
+    start = solver.start()
+    bonded = peak.state.bonded & ~_failing(solver, peak)
+    while bonded.any():
+        state = replace(start.state, whole=np.where(bonded, start.state.whole, 0.0))
+        point = _next_failure(solver, start, state, peak.load)
+        if point is None or point.load < LEAST * peak.load:
+            return
+        yield point
+        bonded &= ~_failing(solver, point)
+
+
+def _failing(solver: Solver, point: Equilibrium) -> Flags:
+    """The bonded nodes that reach their strength at ``point``."""
+    used = np.where(
+        point.state.bonded, utilisation(solver.contact_law, point.state, point.force), 0
+    )
+    return np.asarray(used >= used.max() * (1.0 - TOGETHER))
+
+
+def _next_failure(
+    solver: Solver, start: Equilibrium, state: NodeState, peak: float
+) -> Equilibrium | None:
+    """The equilibrium at the load at which a bond reaches its strength; None if there is none."""
+
+    def excess(load: float) -> float:
+        point = solver.solve(load, start.unknowns, state, thorough=True)
+        return float(utilisation(solver.contact_law, state, point.force).max()) - 1.0
+
+    low, high = LEAST * peak / 2.0, peak
+    try:
+        if excess(low) >= 0.0:
+            return None
+        while excess(high) <= 0.0:
+            if high >= HIGHEST * peak:
+                return None
+            high *= 1.1
+        load = float(brentq(excess, low, high, xtol=PRECISION * peak))
+        return solver.solve(load, start.unknowns, state, thorough=True)
+    except CapacityError:
+        return None

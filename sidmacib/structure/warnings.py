@@ -1,0 +1,74 @@
+"""Warnings about a structure: numbers that look as if in another unit, faces that nearly touch."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.interfaces import mean_size, touching
+from sidmacib.unit_warnings import STIFFNESS, STRENGTH, Value, beyond, rough
+
+BLOCK = (1e-3, 50.0)  # m, diagonal of a block
+DENSITY = (100.0, 3e4)  # kg/m3: below are kN/m3 and t/m3
+MOST = 5  # lines: where one block is in another unit, all are
+NEARLY = 1e-3  # over the mean size of the blocks: faces no further apart nearly touch
+
+
+def structure_warnings(assembly: Assembly) -> list[str]:
+    """One line each for numbers of free blocks and of interfaces, and for pairs that nearly touch.
+
+    The first few of each kind.
+    """
+    values: list[Value] = []
+    for piece in assembly.pieces:
+        if isinstance(piece, Block) and not piece.fixed:
+            values.append((f"{piece.name}: diagonal", piece.size, BLOCK, "m"))
+            values.append((f"{piece.name}: density", piece.density, DENSITY, "kg/m3"))
+    units = [*beyond(values), *_of_faces(assembly)]
+    return [*units[:MOST], *list(_near_misses(assembly))[:MOST]]
+
+
+def _near_misses(assembly: Assembly) -> Iterator[str]:
+    """Pairs of pieces with more area close to each other than their interfaces have."""
+    solids: list[Block] = []
+    owner: list[int] = []
+    for number, piece in enumerate(assembly.pieces):
+        parts = piece.solids if isinstance(piece, Compound) else (piece,)
+        solids += [part for part in parts if isinstance(part, Block)]
+        owner += [number] * (len(solids) - len(owner))
+    apart: Counter[tuple[int, int]] = Counter()  # m2
+    for each in touching(solids, NEARLY):
+        apart[_pair(owner[each.below], owner[each.above])] += each.outline.area
+    for face in assembly.faces:
+        if isinstance(face, Polygon):
+            apart[_pair(face.below, face.above)] -= face.outline.area
+    size = mean_size(solids)
+    for pair, area in apart.items():
+        if pair[0] != pair[1] and area > NEARLY * size**2:
+            one, other = (assembly.pieces[number].name for number in pair)
+            yield (
+                f"{one} and {other}: {area:.2g} m2 of their faces do not touch, but are less than "
+                f"{NEARLY * size:.2g} m apart"
+            )
+
+
+def _pair(one: int, other: int) -> tuple[int, int]:
+    return min(one, other), max(one, other)
+
+
+def _of_faces(assembly: Assembly) -> Iterator[str]:
+    """Of each material of a face, named after the first that has it."""
+    named = {face.material: face.name for face in reversed(assembly.faces)}
+    for law, name in named.items():
+        yield from beyond(
+            [
+                (f"{name}: cohesion", law.cohesion, STRENGTH, "Pa"),
+                (f"{name}: tensile strength", law.tensile_strength, STRENGTH, "Pa"),
+                (f"{name}: normal stiffness", law.normal_stiffness, STIFFNESS, "Pa/m"),
+                (f"{name}: shear stiffness", law.shear_stiffness, STIFFNESS, "Pa/m"),
+            ]
+        )
+        yield from rough(
+            {f"{name}: friction": law.friction, f"{name}: bond_friction": law.bond_friction}
+        )

@@ -1,0 +1,1 @@
+"""Joints that were measured, and what a test would have to measure."""

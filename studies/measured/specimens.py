@@ -1,0 +1,126 @@
+"""How many specimens decide between columns and one piece.
+
+    .venv/bin/python -m studies.measured.specimens results-measured/tables/specimens.csv
+
+A laboratory that breaks joints of n locks, and joints of three from the same batch, measures the
+ratio of their loads, in which the strength of the bonds cancels. The models predict two ratios. The
+number of specimens is that of a two-sided test of the mean logarithm of the ratio, with normal
+quantiles, for scattering strengths of the locks (`sidmacib.rule.scatter`).
+"""
+
+import argparse
+import math
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pandas as pd
+from scipy.stats import norm
+
+from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.mechanics.assembly import Elastic
+from sidmacib.rule.scatter import scatter
+from studies.markdown import direction as named
+from studies.markdown import markdown_of
+from workflow.results.tables import Table, write_table
+
+REFERENCE = 3  # locks of the joint that others are compared with
+LOCKS = (5, 7, 9, 11)
+RATIOS = (0.0, 0.5, math.inf)  # e / a
+VARIATION = 0.2  # of the locks' strengths, standard deviation over mean
+YOUNG = 1e10  # Pa, of the one piece
+LEVEL, POWER = (
+    0.05,
+    0.8,
+)  # of the test: of deciding where there is no difference, and where there is
+LEAST = 3  # specimens: fewer tell nothing of their scatter
+SPECIMENS = Table(
+    "specimens",
+    (
+        *("locks", "eccentricity_over_a", "columns_over_three", "one_piece_over_three"),
+        *("log_deviation", "specimens"),
+    ),
+    ("locks", "eccentricity_over_a"),
+    digits=4,
+)
+
+
+class Load(NamedTuple):
+    """First failure at mean strength (N), and the standard deviation of its logarithm."""
+
+    mean: float
+    deviation: float
+
+
+def specimens(difference: float, deviation: float) -> int:
+    """Specimens of each of two kinds whose mean logarithms differ by ``difference``.
+
+    ``deviation``: the standard deviation of the difference of one specimen of each kind. At least
+    `LEAST`. ValueError for no difference.
+    """
+    if not difference:
+        raise ValueError("specimens: no number of them shows a difference of 0")
+    needed = (norm.isf(LEVEL / 2) + norm.isf(1.0 - POWER)) * deviation / difference
+    return max(LEAST, math.ceil(needed**2))
+
+
+def specimens_table() -> pd.DataFrame:
+    """A row for each number of locks and eccentricity."""
+    return pd.DataFrame(_rows(), columns=list(SPECIMENS.columns))
+
+
+def _rows() -> Iterator[tuple[float, ...]]:
+    for locks in LOCKS:
+        for ratio in RATIOS:
+            loads = {n: _loads(n, Direction(ratio)) for n in (REFERENCE, locks)}
+            columns, whole = (
+                many.mean / three.mean
+                for three, many in zip(loads[REFERENCE], loads[locks], strict=True)
+            )
+            # Of the model whose loads scatter more.
+            deviation = math.hypot(*(max(one.deviation for one in each) for each in loads.values()))
+            count = specimens(math.log(whole / columns), deviation)
+            yield locks, ratio, columns, whole, deviation, count
+
+
+def _loads(locks: int, direction: Direction) -> tuple[Load, Load]:
+    """Of columns, and of one piece that bends."""
+    whole = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(YOUNG))
+    return _load(Joint(locks), direction), _load(whole, direction)
+
+
+def _load(joint: Joint, direction: Direction) -> Load:
+    found = scatter(joint, direction, VARIATION)
+    sigma = norm.cdf(1.0)
+    return Load(found.load, math.log(found.quantile(sigma) / found.quantile(1.0 - sigma)) / 2)
+
+
+def in_markdown(results: Path) -> str:
+    """The table for a page."""
+    return markdown_of(
+        pd.read_csv(results / "tables/specimens.csv"),
+        {
+            "locks": lambda row: str(row.locks),
+            "e / a": lambda row: named(row.eccentricity_over_a),
+            "columns, over 3 locks": lambda row: f"{row.columns_over_three:.2f}",
+            "one piece, over 3 locks": lambda row: f"{row.one_piece_over_three:.2f}",
+            "specimens of each": lambda row: str(row.specimens),
+        },
+    )
+
+
+BLOCKS = {"specimens": in_markdown}
+
+
+def main() -> None:
+    """Command line: write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("table", type=Path)
+    path = parser.parse_args().table
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_table(SPECIMENS, specimens_table(), path)
+    print(f"Table: {path}")
+
+
+if __name__ == "__main__":
+    main()

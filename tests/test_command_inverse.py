@@ -1,0 +1,103 @@
+"""`multilock joint`: the fewest locks and the cheapest sizes for V and M."""
+
+from pathlib import Path
+
+import pytest
+from command_runner import answers, run
+
+from sidmacib.command.inverse import chart, prices_of, sought, values_of
+from sidmacib.joint import Joint
+from sidmacib.loading import Push
+from sidmacib.rule.demand import Demand, Prices
+from sidmacib.rule.inverse import cheapest, fewest_locks
+
+SIZES = ("-a", "0.08", "-H", "0.06")
+JOINT = Joint(5, a=0.08, H=0.06)
+
+
+def test_the_fewest_locks_are_those_of_the_library() -> None:
+    rows = answers("joint", "-V", "300", "-e", "0.3", *SIZES)
+    found = fewest_locks(JOINT, Demand(300.0, ratio=0.3))
+    assert [row["locks"] for row in rows] == [each.joint.locks for each in found.tried]
+    assert found.found is not None and rows[-1]["safe V (N)"] == found.found.shear
+    assert rows[-1]["note"] == "does"
+    assert all(str(row["note"]).startswith("too weak") for row in rows[:-1])
+
+
+def test_the_cheapest_sizes_are_those_of_the_library() -> None:
+    vary = ("--vary", "a=0.06:0.1:0.01", "--vary", "h=0.006,0.008")
+    (row,) = answers("joint", "-n", "6", "-V", "300", "-M", "5", *SIZES, *vary)
+    values = {"a": (0.06, 0.07, 0.08, 0.09, 0.1), "h": (0.006, 0.008)}
+    found = cheapest(Joint(6, H=0.06), Demand(300.0, 5.0), values).found
+    assert found is not None
+    assert (row["a (m)"], row["h (m)"]) == (found.joint.a, found.joint.h)
+    assert (row["safe V (N)"], row["safe M (N m)"]) == (found.shear, found.torque)
+
+
+def test_all_joints_are_shown_with_what_is_wrong_with_them() -> None:
+    rows = answers("joint", "-V", "300", "-H", "0.06", "--vary", "a=0.04,0.1,0.2", "--all")
+    weak, does, refused = (str(row["note"]) for row in rows)
+    assert weak.startswith("too weak: at most") and does == "does" and "a / b: 4" in refused
+
+
+def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
+    found = run("joint", "-V", "3e4")
+    assert found.exit_code == 1
+    assert "none of 30 joints carries this by the safe rule; 30 are too weak" in found.output
+    found = run("joint", "-V", "3e4", "--vary", "a=0.05,0.2")
+    assert "the best has" in found.output and "1 are refused, such as: a / b: 4" in found.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ((), "V or M must be other than 0"),
+        (("-V", "-3"), "-V: -3 is not allowed; it must be a finite number of at least 0"),
+        (("-V", "nan"), "-V: nan is not allowed"),
+        (("-V", "3", "-M", "1", "-e", "0.3"), "not both"),
+        (("-V", "3", "-n", "5"), "-n: must not be given"),
+        (("-V", "3", "--vary", "locks=3,5", "-n", "5"), "-n: must not be given"),
+        (("-V", "3", "--all"), "--all: needs --vary"),
+        (("-V", "3", "--price", "area=2"), "--price: needs --vary"),
+        (("-V", "3", "--vary", "q=3"), "--vary: 'q=3' is not allowed"),
+        (("-V", "3", "--vary", "a=1", "--vary", "a=2"), "--vary: 'a=2' is there twice"),
+        (("-V", "3", "--vary", "a=0.1:0.2"), "--vary a: must have a step"),
+        (("-V", "3", "--vary", "a=0.2:0.1:0.01"), "--vary a: has 0 values"),
+        (("-V", "3", "--vary", "a=0.1:0.2:0"), "--vary a: '0' is not allowed; it must be greater"),
+        (("-V", "3", "--vary", "a=0.1:2:1e-9"), "--vary a: has 1900000001 values"),
+        (("-V", "3", "--vary", "a=0.1:0.2:0.1:0.1"), "it must be from:to:step"),
+        (("-V", "3", "--vary", "locks=3.5"), "--vary locks: '3.5'"),
+        (("-V", "3", "--vary", "a="), "--vary a: '' is not a number"),
+        (("-V", "3", "--vary", "a=1", "--price", "gold=2"), "--price: 'gold=2' is not allowed"),
+        (("-V", "3", "--vary", "a=1", "--price", "area=0"), "must be more than 0"),
+    ],
+)
+def test_what_makes_no_question_is_refused_in_one_line(
+    arguments: tuple[str, ...], words: str
+) -> None:
+    found = run("joint", *arguments)
+    assert found.exit_code in (1, 2)
+    assert words in found.output.splitlines()[-1]
+
+
+def test_values_and_prices_are_read() -> None:
+    assert values_of(["a=0.04:0.06:0.01", "locks=3:5"]) == {
+        "a": (0.04, 0.05, 0.06),
+        "locks": (3, 4, 5),
+    }
+    assert prices_of(["volume=2e4", "area=100"]) == Prices(100.0, 2e4, 0.0)
+    assert prices_of([]) == Prices()
+
+
+def test_the_chart_shows_each_joint_once_by_what_it_does(tmp_path: Path) -> None:
+    values = values_of(["locks=2:6", "a=0.06:0.16:0.05"])
+    found, tried = sought(JOINT, Demand(300.0), values, Prices(), Push.PLUS_Y, every=True)
+    (axes,) = chart(found, tried, values).axes
+    shown = {each.get_label(): len(each.get_offsets()) for each in axes.collections}
+    does = sum(each.does for each in tried)
+    refused = sum(each.load is None for each in tried)
+    weak = len(tried) - does - refused
+    assert shown == {"does": does, "too weak": weak, "refused": refused, "cheapest": 1}
+    picture = tmp_path / "joints.svg"
+    assert run("joint", "-V", "300", "-H", "0.06", "--picture", str(picture)).exit_code == 0
+    assert "fewest locks" in picture.read_text() or picture.stat().st_size > 1000

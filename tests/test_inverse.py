@@ -1,0 +1,187 @@
+"""Inverse questions of a joint: the fewest locks, the cheapest sizes, all that carry a load."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import pytest
+
+from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.mechanics.assembly import Elastic, Kind
+from sidmacib.pieces import assemble
+from sidmacib.rule.demand import Demand, Prices, bonded_area, candidate, joint_area, volume_cut
+from sidmacib.rule.inverse import all_candidates, cheapest, cheapest_of, fewest_locks, variants
+from sidmacib.rule.law import safe
+
+SMOOTH = replace(DRY, friction=0.0)
+WEIGHTLESS = Joint(5, a=0.08, H=0.06, density=0.0)
+VALUES: Mapping[str, Sequence[float]] = {"locks": (3, 5, 6), "a": (0.06, 0.08, 0.1), "h": (0.008,)}
+
+
+def test_the_demand_of_a_torque_turns_with_the_length_of_locks_that_of_a_ratio_does_not() -> None:
+    short, long = Joint(3, a=0.05), Joint(3, a=0.1)
+    fixed, turning = Demand(300.0, ratio=0.3), Demand(300.0, torque=4.5)
+    assert fixed.direction(short) == fixed.direction(long) == Direction(0.3)
+    assert turning.direction(short) == Direction(0.3)
+    assert turning.direction(long) == Direction(0.15)
+    assert turning.load(short) == pytest.approx(fixed.load(short))
+    assert turning.load(long) * turning.direction(long).shear == pytest.approx(300.0)
+
+
+def test_a_torque_alone_is_torsion_either_way() -> None:
+    assert Demand(0.0, 5.0).direction(Joint(3)) == Direction(math.inf)
+    assert Demand(0.0, -5.0).direction(Joint(3)) == Direction(-math.inf)
+    assert Demand(0.0, -5.0).load(Joint(3, a=0.05)) == pytest.approx(100.0)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ((0.0,), "V or M must be other than 0"),
+        ((-1.0,), "shear: -1.0"),
+        ((math.inf,), "shear: inf"),
+        ((1.0, math.nan), "torque: nan"),
+        ((1.0, 2.0, 0.3), "not both"),
+        ((1.0, 0.0, math.inf), "give M for torsion"),
+        ((0.0, 0.0, 0.3), "V more than 0"),
+    ],
+)
+def test_what_is_no_demand_is_refused(numbers: tuple[float, ...], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Demand(*numbers)
+
+
+@pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
+@pytest.mark.parametrize("first", list(Block))
+def test_bonded_area_is_that_of_the_inner_faces(body: UpperBody, first: Block) -> None:
+    joint = Joint(6, a=0.07, b=0.04, H=0.03, upper_body=body, first=first)
+    faces = [face for face in assemble(joint, 0.02).faces if face.kind is Kind.INNER]
+    assert bonded_area(joint) == pytest.approx(sum(face.area for face in faces))
+
+
+def test_the_volume_cut_is_that_of_all_locks() -> None:
+    joint = Joint(5, a=0.07, b=0.04, h=0.01)
+    locks = [piece for piece in assemble(joint, 0.02).pieces if piece.name.startswith("lock")]
+    assert volume_cut(joint) == pytest.approx(sum(each.mass for each in locks) / joint.density)
+    assert joint_area(joint) == pytest.approx(5 * 0.07 * 0.04)
+
+
+@pytest.mark.parametrize("demand", [Demand(500.0), Demand(300.0, ratio=0.3), Demand(90.0, 8.0)])
+def test_the_fewest_locks_do_and_one_lock_fewer_does_not(demand: Demand) -> None:
+    found = fewest_locks(WEIGHTLESS, demand).found
+    assert found is not None and found.joint.locks > 2
+    for joint, does in (
+        (found.joint, True),
+        (replace(found.joint, locks=found.joint.locks - 1), False),
+    ):
+        assert (safe(joint, demand.direction(joint)).load >= demand.load(joint)) is does
+
+
+def test_a_larger_load_never_needs_fewer_locks() -> None:
+    joint = replace(WEIGHTLESS, upper_body=UpperBody.MONOLITHIC, dry=SMOOTH)
+    loads = [100.0, 200.0, 400.0, 800.0, 1600.0]
+    needed = [fewest_locks(joint, Demand(load)).found for load in loads]
+    locks = [each.joint.locks for each in needed if each]
+    assert len(locks) == len(loads)
+    assert locks == sorted(locks) and locks[0] < locks[-1]
+
+
+def test_in_pure_shear_each_pair_of_one_smooth_rigid_piece_adds_the_same() -> None:
+    # Theory: rigid bodies share the load evenly, so P pairs carry P T0 but for tilting locks.
+    joint = Joint(5, h=0.003, density=0.0, upper_body=UpperBody.MONOLITHIC, dry=SMOOTH)
+    one = safe(replace(joint, locks=3), Direction(0.0)).load
+    for pairs in (2, 3, 4):
+        found = fewest_locks(joint, Demand(0.9 * pairs * one)).found
+        assert found is not None and found.joint.locks in (2 * pairs, 2 * pairs + 1)
+
+
+def test_columns_that_let_no_load_through_have_no_number_of_locks() -> None:
+    search = fewest_locks(Joint(5), Demand(1e4))
+    assert search.found is None
+    assert [each.joint.locks for each in search.tried] == list(range(2, 32))
+    assert not any(each.does for each in search.tried)
+
+
+def test_elastic_blocks_are_sought_up_to_the_locks_that_the_rule_takes() -> None:
+    joint = Joint(5, elastic=Elastic(1e10), upper_body=UpperBody.MONOLITHIC)
+    search = fewest_locks(joint, Demand(300.0))
+    assert search.found is not None and search.found.joint.locks == 4
+    assert [each.does for each in search.tried] == [False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("size", "strength", "ratio"), [(0.13, 7.0, 0.0), (8.0, 0.2, 0.3), (2.5, 1.0, 0.15)]
+)
+def test_answers_scale_with_sizes_and_strengths(size: float, strength: float, ratio: float) -> None:
+    inner = replace(
+        INNER,
+        cohesion=strength * INNER.cohesion,
+        tensile_strength=strength * INNER.tensile_strength,
+    )
+    sizes = {name: size * getattr(WEIGHTLESS, name) for name in ("a", "b", "h", "H")}
+    scaled = replace(WEIGHTLESS, inner=inner, **sizes)
+    one = fewest_locks(WEIGHTLESS, Demand(240.0, ratio=ratio))
+    other = fewest_locks(scaled, Demand(240.0 * strength * size**2, ratio=ratio))
+    assert [each.joint.locks for each in one.tried] == [each.joint.locks for each in other.tried]
+    for here, there in zip(one.tried, other.tried, strict=True):
+        assert (here.usage or 0.0) == pytest.approx(there.usage or 0.0, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    "prices", [Prices(), Prices(0.0, 1.0), Prices(0.0, 0.0, 1.0), Prices(1.0, 50.0, 0.3)]
+)
+@pytest.mark.parametrize("demand", [Demand(200.0), Demand(250.0, 5.0)])
+def test_the_cheapest_is_that_of_trying_all(demand: Demand, prices: Prices) -> None:
+    priced = [
+        (prices.of(joint), joint)
+        for joint in variants(WEIGHTLESS, VALUES)
+        if safe(joint, demand.direction(joint)).load >= demand.load(joint)
+    ]
+    search = cheapest(WEIGHTLESS, demand, VALUES, prices)
+    assert search.found is not None
+    assert prices.of(search.found.joint) == min(price for price, _ in priced)
+    assert search.found == cheapest_of(all_candidates(WEIGHTLESS, demand, VALUES), prices)
+    assert not any(each.does for each in search.tried[:-1])
+
+
+def test_a_joint_that_the_rule_refuses_is_no_answer_and_has_a_reason() -> None:
+    values = {"a": (0.08, 0.16)}  # a / b of 3.2 was not tested
+    weak, refused = all_candidates(WEIGHTLESS, Demand(700.0), values)
+    assert not weak.does and weak.load is not None and not weak.reason
+    assert refused.load is None and not refused.does and "a / b: 3.2" in refused.reason
+    assert cheapest(WEIGHTLESS, Demand(700.0), values).found is None
+
+
+def test_a_bound_from_the_law_is_above_the_safe_load() -> None:
+    joint, demand = Joint(9, a=0.08), Demand(500.0, ratio=0.3)
+    bound, exact = (candidate(joint, demand, exact=exact) for exact in (False, True))
+    assert not bound.exact and exact.exact
+    assert bound.load is not None and exact.load is not None
+    assert exact.load <= bound.load < demand.load(joint)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({"c": (1.0,)}, "values: 'c'"),
+        ({"a": ()}, "'0 joints'"),
+        ({"a": (0.1,) * 200, "b": (0.1,) * 200}, "'40000 joints'"),
+        ({"a": (-0.1,)}, "a: -0.1"),
+    ],
+)
+def test_values_that_make_no_joints_are_refused(
+    values: Mapping[str, Sequence[float]], words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        variants(WEIGHTLESS, values)
+
+
+def test_locks_that_differ_are_refused() -> None:
+    with pytest.raises(ValueError, match="locks that differ"):
+        fewest_locks(Joint(3, different={2: OwnLock(width=0.03)}), Demand(100.0))
+
+
+@pytest.mark.parametrize("prices", [(0.0, 0.0, 0.0), (-1.0, 2.0), (math.nan,)])
+def test_prices_that_order_nothing_are_refused(prices: tuple[float, ...]) -> None:
+    with pytest.raises(ValueError, match="area"):
+        Prices(*prices)

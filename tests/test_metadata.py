@@ -1,0 +1,77 @@
+"""What the project says of itself in the files of registries and archives."""
+
+import json
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+CODEMETA = json.loads((ROOT / "codemeta.json").read_text())
+ZENODO = json.loads((ROOT / ".zenodo.json").read_text())
+
+
+def test_all_files_name_the_same_version() -> None:
+    assert PROJECT["version"] == CITATION["version"] == CODEMETA["version"]
+    assert f"## {PROJECT['version']}" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_all_files_name_the_same_title_authors_licence_and_keywords() -> None:
+    authors = [author["name"] for author in PROJECT["authors"]]
+    assert authors == [author["name"] for author in CITATION["authors"]]
+    assert authors == [author["name"] for author in CODEMETA["author"]]
+    assert authors == [author["name"] for author in ZENODO["creators"]]
+    assert CITATION["title"] == ZENODO["title"]
+    assert PROJECT["description"] == CODEMETA["description"]
+    assert PROJECT["license"] == CITATION["license"] == ZENODO["license"]
+    assert CODEMETA["license"].endswith(f"/{PROJECT['license']}")
+    keywords = PROJECT["keywords"]
+    assert keywords == CITATION["keywords"] == CODEMETA["keywords"] == ZENODO["keywords"]
+
+
+def test_all_files_name_the_paper_whose_study_is_repeated() -> None:
+    doi = CITATION["references"][0]["doi"]
+    assert PROJECT["urls"]["Published study"] == f"https://doi.org/{doi}"
+    assert CODEMETA["referencePublication"]["@id"] == f"https://doi.org/{doi}"
+    assert ZENODO["related_identifiers"][0]["identifier"] == doi
+    assert CITATION["references"][0]["title"] == CODEMETA["referencePublication"]["name"]
+
+
+@pytest.mark.study
+def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
+    """It has all modules of the library and none of the workflow, and gives the same number."""
+    uv, environment = Path(sys.executable).with_name("uv"), tmp_path / "environment"
+
+    def run(*command: str | Path) -> str:
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    python = ("--python", sys.executable)
+    run(uv, "build", "--no-build-isolation", *python, "--out-dir", tmp_path, ROOT)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        modules = {name for name in archive.namelist() if name.endswith(".py")}
+    assert modules == {str(p.relative_to(ROOT)) for p in (ROOT / "sidmacib").rglob("*.py")}
+    run(uv, "venv", *python, environment)
+    pins = ("--constraint", ROOT / "requirements.txt")
+    run(uv, "pip", "install", "--python", environment / "bin/python", *pins, wheel)
+    question = ("capacity", "-n", "5", "-e", "0.3", "-m", "limit")
+    here = Path(sys.executable).with_name("multilock")
+    assert run(environment / "bin/multilock", *question) == run(here, *question)
+
+
+def test_the_paper_claims_of_the_attack_what_its_table_has() -> None:
+    table = (ROOT / "docs/attack.md").read_text().partition("numbers: attack -->")[2]
+    rows = [line.split("|")[1:-1] for line in table.partition("<!-- end")[0].splitlines()[3:]]
+    joints = sum(int(row[1].replace(",", "")) for row in rows)
+    largest = max(float(row[4]) for row in rows)
+    paper = (ROOT / "docs/paper/paper.md").read_text().replace("\n", " ")
+    assert f"in {joints:,} joints with rigid blocks the largest ratio" in paper
+    assert f"first failure was {largest}." in paper
