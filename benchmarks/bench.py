@@ -155,6 +155,28 @@ def library_figures() -> Iterator[Figure]:
         yield Figure("explorer, a step of the slider", "CPU-s", seconds)
 
 
+def elastic_seconds(locks: int, mesh: float) -> float:
+    """CPU-s of the static model for elastic pieces, one above all locks, in pure shear."""
+    import sidmacib
+    from sidmacib.joint import UpperBody
+
+    elastic = sidmacib.Elastic(1e10, 0.2)
+    joint = sidmacib.Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=elastic)
+    start = time.process_time()
+    assembly = sidmacib.assemble(joint, mesh)
+    loading = sidmacib.Loading(sidmacib.Direction(0.0))
+    sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
+    return time.process_time() - start
+
+
+def elastic_figures() -> Iterator[Figure]:
+    """Pieces that bend: few and many locks, and a finer mesh."""
+    elastic_seconds(2, 0.05)  # imports and compiles
+    for locks, mesh in ((5, 0.02), (11, 0.02), (5, 0.01)):
+        what = f"elastic pieces, {locks} locks, mesh {mesh:g} m"
+        yield Figure(what, "CPU-s", elastic_seconds(locks, mesh))
+
+
 def structure_figures() -> Iterator[Figure]:
     """A wall of 1,000 blocks, and the armadillo with compas_cra if it is installed."""
     list(wall_figures(10))  # compiles
@@ -260,6 +282,7 @@ def main() -> None:
         folder = Path(name)
         figures = [
             *library_figures(),
+            *elastic_figures(),
             *structure_figures(),
             *process_figures(arguments.base, folder),
             *workflow_figures(folder),

@@ -12,9 +12,9 @@ rotation. In equilibrium of the whole assembly the accelerations add up to zero.
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -27,6 +27,8 @@ from sidmacib.mechanics.elastic.lines import Edges, Line
 
 LARGE = 600  # degrees of freedom of a cuboid: mirror planes of smaller ones save nothing
 Grid = tuple[Edges, Edges, Edges]
+Terms = tuple[Integers, Floats]  # nodes along a line and what to multiply their values by, (K, W)
+Half = tuple[Terms, Terms]  # for components along the mirror plane, and across it
 ROUNDING = 1e-9  # of a rigid motion: less of it is none
 
 
@@ -61,6 +63,7 @@ class Cuboid:
 
     def __init__(self, grid: Grid, poisson: float, *, quadratic: bool = True) -> None:
         self.lines = tuple(Line.of(edges, quadratic) for edges in grid)
+        self.counts = tuple(len(line.place) for line in self.lines)
         self.place = np.stack(
             np.meshgrid(*(line.place for line in self.lines), indexing="ij"), axis=-1
         ).reshape(-1, 3)
@@ -106,12 +109,11 @@ class Cuboid:
 
     def _nodes(self, *along: Integers) -> Integers:
         """Numbers of the nodes at all combinations of places ``along`` the lines."""
-        counts = [len(line.place) for line in self.lines]
-        return np.asarray(np.ravel_multi_index(np.ix_(*along), counts).ravel())
+        return np.asarray(np.ravel_multi_index(np.ix_(*along), self.counts).ravel())
 
     def _rigid_times(self, factors: Sequence[Floats]) -> Floats:
         """The product of matrices along the lines, applied to each component of rigid motions."""
-        fields = self.rigid.reshape(*(len(line.place) for line in self.lines), -1)
+        fields = self.rigid.reshape(*self.counts, -1)
         for axis, factor in enumerate(factors):
             fields = np.moveaxis(np.tensordot(factor, fields, (1, axis)), 0, axis)
         return np.asarray(fields.reshape(self.rigid.shape))
@@ -131,20 +133,13 @@ class Cuboid:
             line.values(places[:, k]) if cell is None else line.means(places[:, k], cell[:, k])
             for k, line in enumerate(self.lines)
         ]
-        (i, x), (j, y), (k, z) = parts
-        counts = [len(line.place) for line in self.lines]
-        each = i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]
-        nodes = np.ravel_multi_index(each, counts)
-        values = x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]
-        place, *inside = np.nonzero(values)
-        where = place, nodes[place, *inside]
-        return sp.csr_array((values[place, *inside], where), (len(places), len(self.place)))
+        return _row_products(parts, self.counts)
 
     def load(self, spread: Spread) -> Floats:
         """Nodal forces of a load."""
         factors = [line.mass for line in self.lines]
         if spread.axis is not None:
-            count = len(self.lines[spread.axis].place)
+            count = self.counts[spread.axis]
             factors[spread.axis] = np.diag(np.arange(count) == (count - 1) * spread.high) * 1.0
         fields = self._rigid_times(factors)
         # The combination of the six fields of rigid motions that has this wrench.
@@ -158,20 +153,22 @@ class Cuboid:
             forces[:, column] = self.load(each)
         contact = np.zeros(2 * (seen.shape[1],))
         by_load, load = np.zeros((seen.shape[1], len(loads))), np.zeros(2 * (len(loads),))
-        for basis, layer in self._mirror_classes():
+        for basis, layer, stiffness in self._classes:
             part = sp.csr_array(basis.T @ seen)
             touched = np.flatnonzero(np.diff(part.indptr))
             part, count = part[touched], len(touched)
             both = np.zeros((basis.shape[1], count + len(loads)))
             both[touched, np.arange(count)] = 1.0
             both[:, count:] = basis.T @ forces
-            moved = self._compliance(basis, layer, both)
+            moved = self._compliance(basis, layer, stiffness, both)
             contact += (part.T @ (part.T @ moved[:count, :count]).T).T
             by_load += part.T @ moved[:count, count:]
             load += moved[count:, count:]
         return Flexibility((contact + contact.T) / 2, by_load, load)
 
-    def _compliance(self, basis: sp.csr_array, layer: Integers, forces: Floats) -> Floats:
+    def _compliance(
+        self, basis: sp.csr_array, layer: Integers, stiffness: sp.csr_array, forces: Floats
+    ) -> Floats:
         """Displacements in the span of ``basis``, without rigid motion, along forces by forces."""
         rigid, rigid_mass = basis.T @ self.rigid, basis.T @ self.rigid_mass
         size = np.linalg.norm(rigid, axis=0)
@@ -182,47 +179,65 @@ class Cuboid:
         # Degrees of freedom whose supports exclude rigid motion only.
         held = qr(rigid.T, mode="r", pivoting=True)[1][: len(inertia)]
         free = np.setdiff1d(np.arange(len(forces)), held)
-        stiffness = sp.csr_array(basis.T @ self.stiffness @ basis)
         return compliance(stiffness[free][:, free], layer[free], forces[free])
 
-    def _mirror_classes(self) -> Iterator[tuple[sp.csr_array, Integers]]:
+    @cached_property
+    def _classes(self) -> tuple[tuple[sp.csr_array, Integers, sp.csr_array], ...]:
         """Bases of displacements that are equal or opposite to their mirror images.
 
         A large cuboid has mirror planes where its grid has, and these displacements are independent
-        of each other. With each basis: the layer of each of its vectors along the longest line.
+        of each other. With each basis: the layer of each of its vectors along the longest line, and
+        the stiffness.
         """
         large = len(self.rigid) > LARGE
         halves = [_halves(len(line.place), large and line.mirrored) for line in self.lines]
-        longest = int(np.argmax([len(line.place) for line in self.lines]))
-        for chosen in product(*halves):
-            parts, layers = [], []
-            for component in range(3):
-                # A mirror turns the component across it into its opposite.
-                along = [half[k == component] for k, half in enumerate(chosen)]
-                together = reduce(lambda one, other: sp.kron(one, other, format="csr"), along)
-                unit = sp.csr_array(np.eye(3)[:, [component]])
-                parts.append(sp.kron(together, unit, format="csr"))
-                counts = [part.shape[1] for part in along]
-                layers.append(np.indices(counts)[longest].ravel())
-            layer = np.concatenate(layers) // 2  # elements couple nodes up to two places apart
-            order = np.argsort(layer, kind="stable")
-            yield sp.csr_array(sp.hstack(parts, format="csc")[:, order]), layer[order]
+        longest = int(np.argmax(self.counts))
+        return tuple(self._class(chosen, longest) for chosen in product(*halves))
 
-
-Half = tuple[sp.csr_array, sp.csr_array]  # for components along the mirror plane, and across it
+    def _class(
+        self, chosen: tuple[Half, ...], longest: int
+    ) -> tuple[sp.csr_array, Integers, sp.csr_array]:
+        parts, layers = [], []
+        for component in range(3):
+            # A mirror turns the component across it into its opposite.
+            along = [half[k == component] for k, half in enumerate(chosen)]
+            grid = np.meshgrid(*(np.arange(len(nodes)) for nodes, _ in along), indexing="ij")
+            places = [place.ravel() for place in grid]
+            each = [
+                (nodes[place], values[place])
+                for (nodes, values), place in zip(along, places, strict=True)
+            ]
+            axes = np.full(len(places[0]), component)
+            parts.append(self.contact(_row_products(each, self.counts), axes))
+            layers.append(places[longest] // 2)  # elements couple nodes up to two places apart
+        layer = np.concatenate(layers)
+        order = np.argsort(layer, kind="stable")
+        basis = sp.csr_array(sp.hstack(parts, format="csc")[:, order])
+        return basis, layer[order], sp.csr_array(basis.T @ self.stiffness @ basis)
 
 
 def _halves(count: int, mirrored: bool) -> tuple[Half, ...]:
     """Bases of even and odd values at ``count`` places; all values if there is no mirror plane."""
     if not mirrored:
-        every = sp.csr_array(np.eye(count))
+        every = np.arange(count)[:, None], np.ones((count, 1))
         return ((every, every),)
-    middle, side = count // 2, np.arange(count // 2)
-    pairs = np.zeros((2, count, middle))
-    pairs[:, side, side] = math.sqrt(0.5)
-    pairs[:, count - 1 - side, side] = [[math.sqrt(0.5)], [-math.sqrt(0.5)]]
-    even, odd = pairs
+    side = np.arange(count // 2)
+    nodes = np.column_stack([side, count - 1 - side])
+    root = math.sqrt(0.5)
+    one, other = (np.tile([root, end], (len(side), 1)) for end in (root, -root))
+    even, odd = (nodes, one), (nodes, other)
     if count % 2:
-        even = np.column_stack([even, np.eye(count)[middle]])
-    one, other = sp.csr_array(even), sp.csr_array(odd)
-    return (one, other), (other, one)
+        middle = np.array([[count // 2, count // 2]])
+        even = np.vstack([nodes, middle]), np.vstack([one, [[1.0, 0.0]]])
+    return (even, odd), (odd, even)
+
+
+def _row_products(parts: Sequence[Terms], counts: Sequence[int]) -> sp.csr_array:
+    """Products of terms along x, y and z, row by row, as a matrix of all nodes, (K, nodes)."""
+    (i, x), (j, y), (k, z) = parts
+    each = i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]
+    nodes = np.ravel_multi_index(each, counts)
+    values = x[:, :, None, None] * y[:, None, :, None] * z[:, None, None, :]
+    row, *inside = np.nonzero(values)
+    where = row, nodes[row, *inside]
+    return sp.csr_array((values[row, *inside], where), (len(i), math.prod(counts)))

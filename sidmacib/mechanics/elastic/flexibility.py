@@ -89,9 +89,14 @@ def _condensed(
     loads: tuple[Spread, ...],
 ) -> Flexibility:
     """Flexibility of a piece, computed once for each shape, whatever its Young's modulus."""
-    cuboid = Cuboid(grid, poisson, quadratic=quadratic)
+    cuboid = _cuboid(grid, poisson, quadratic)
     rows = cuboid.values(components.place, components.cell)
     return cuboid.flexibility(cuboid.contact(rows, components.axis), loads)
+
+
+@lru_cache(maxsize=2)  # pieces of one shape differ in their faces and loads
+def _cuboid(grid: Grid, poisson: float, quadratic: bool) -> Cuboid:
+    return Cuboid(grid, poisson, quadratic=quadratic)
 
 
 def element_edges(assembly: Assembly, number: int) -> Grid:

@@ -6,15 +6,14 @@ import resource
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
-
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Integers, NodeLayout
 from sidmacib.mechanics.elastic.flexibility import element_edges
 
 GIB = 2.0**30
 BYTES = 8.0  # of a number
-MATRICES = 5.0  # that are in memory at the same time
+MATRICES = 3.5  # that are in memory at the same time
+ENTRY = 6.0  # numbers for each entry of a stiffness while it is put together
 CGROUP = Path("/sys/fs/cgroup/memory.max")  # of a container
 
 
@@ -42,17 +41,14 @@ def memory() -> float:
 def memory_needed(assembly: Assembly, kept: Integers) -> float:
     """Least memory (bytes) of the elastic solver for the node components ``kept``.
 
-    It keeps several matrices at a time: by components, or by components and degrees of freedom.
+    It keeps several matrices at a time, by components; before, the stiffness of the largest piece.
     """
-    seen = np.bincount(assembly.nodes.face[kept // 3], minlength=len(assembly.faces))
-    step = 2 if assembly.layout is not NodeLayout.VERTICES else 1
-    most = 0.0
+    quadratic = assembly.layout is not NodeLayout.VERTICES
+    step, coupled = (2, 4) if quadratic else (1, 3)  # nodes of an element and to others, on a line
+    freedoms = 0.0
     for number, piece in enumerate(assembly.pieces):
         if piece.elastic is not None and not piece.fixed:
-            touches = [number in (face.below, face.above) for face in assembly.faces]
-            freedoms = 3 * math.prod(
-                step * (len(e) - 1) + 1 for e in element_edges(assembly, number)
-            )
-            most = max(most, float(freedoms) * float(seen[touches].sum()))
+            edges = element_edges(assembly, number)
+            freedoms = max(freedoms, 3.0 * math.prod(step * (len(e) - 1) + 1 for e in edges))
     square = float(len(kept)) ** 2
-    return BYTES * max(MATRICES * square, square + MATRICES * most)
+    return BYTES * max(MATRICES * square, square + ENTRY * 3.0 * coupled**3 * freedoms)

@@ -15,17 +15,19 @@ law; only nodes that are open or slip have unknowns. Node forces always balance 
 import math
 
 import numpy as np
-import scipy.sparse as sp
-from scipy.linalg import cho_factor, cho_solve, lapack, lu_factor, lu_solve
+from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg.blas import dgemm
+from scipy.linalg.lapack import dpotrf, dpotri
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import flexibility
+from sidmacib.mechanics.elastic.loose_nodes import LooseNodes
 from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
+from sidmacib.mechanics.elastic.open_gaps import OpenGaps
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.newton import forces_and_tangents
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
 
 STEPS = 60  # of Newton's method, at most
@@ -57,13 +59,15 @@ class ElasticSolver:
         size = row_units(assembly)
         rigid = (equilibrium_matrix(assembly).toarray()[rows][:, self.kept] / size[:, None]).T
         give[np.diag_indices_from(give)] += 1.0 / self.stiffness
-        inverse, _ = lapack.dpotri(cho_factor(give, lower=True, check_finite=False)[0], lower=1)
-        inverse = np.tril(inverse) + np.tril(inverse, -1).T
+        inverse = _inverted(give)
         held = inverse @ rigid
         whole = rigid.T @ held
         whole[np.diag_indices_from(whole)] += LOOSE * float(whole.diagonal().max())
         factor = cho_factor(whole)
-        self.influence = inverse - held @ cho_solve(factor, held.T)
+        # In place: these matrices are large.
+        self.influence = dgemm(
+            -1.0, held, cho_solve(factor, held.T), 1.0, inverse, overwrite_c=True
+        ).T
         balance = [each.ravel()[rows] / size for each in (loads.permanent, loads.variable)]
         forces = np.column_stack(
             [
@@ -75,7 +79,8 @@ class ElasticSolver:
         self.forces, self.moved, self.motions = forces, moved, motions
         self.factor, self.held = factor, held
         self.weight, self.variable = balance
-        self.gaps: tuple[Integers, tuple[Floats, bool]] | None = None
+        none = np.zeros(0, np.int64)
+        self.open_gaps = none, none, OpenGaps(np.zeros((0, 0)), np.zeros(0))
         elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
         self.largest_step = LARGEST_STEP * float(elastic[0] + loads.scale * elastic[1])
 
@@ -108,24 +113,23 @@ class ElasticSolver:
         """Newton's method from a ``guess`` of the jumps; None if it does not converge."""
         elastic = self.forces @ np.array([1.0, load])
         allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
-        slip = np.zeros((len(self.contact_law.friction), 3))
-        slip[:, 1:] = state.slip
-        jump = np.where(state.whole[self.node] == 1.0, slip.ravel()[self.kept], guess)
-        force, tangent, wrong = self._residual(elastic, jump, slip, state.whole, friction)
+        loose = self._loose_nodes(state, friction)
+        balanced, jump = elastic[loose.components], guess[loose.components]
+        force, tangent, wrong = loose.residual(balanced, jump)
         size = float(np.linalg.norm(wrong))
         sizes = [size]
         for _ in range(STEPS):
             if size <= allowed:
-                return self._equilibrium(load, force, jump, state)
+                return self._equilibrium(load, elastic, loose, force, jump, state)
             if min(sizes[-PATIENCE:]) > min(sizes[:-PATIENCE], default=math.inf) / 2:
                 break
-            step = self._step(tangent, wrong, jump, slip)
+            step = loose.step(tangent, wrong, jump)
             if not float(np.abs(step).max()) <= self.largest_step:  # true for NaN as well
                 break
             before, start = size, jump
             for share in SHARES:  # at last the whole step, if none reduces the residual
                 jump = start + share * step
-                force, tangent, wrong = self._residual(elastic, jump, slip, state.whole, friction)
+                force, tangent, wrong = loose.residual(balanced, jump)
                 size = float(np.linalg.norm(wrong))
                 if size <= before:
                     break
@@ -134,82 +138,70 @@ class ElasticSolver:
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
-        elastic = self.forces @ np.array([1.0, load])
-        slip = np.zeros((len(self.contact_law.friction), 3))
-        slip[:, 1:] = point.state.slip
-        whole, friction = point.state.whole, self.contact_law.friction
-        _, tangent, wrong = self._residual(elastic, point.unknowns, slip, whole, friction)
-        step = self._step(tangent, wrong, point.unknowns, slip)
-        return lifted_part(self.weight, cho_solve(self.factor, self.held.T @ step))
+        loose = self._loose_nodes(point.state, self.contact_law.friction)
+        elastic = self.forces[loose.components] @ np.array([1.0, load])
+        jump = point.unknowns[loose.components]
+        _, tangent, wrong = loose.residual(elastic, jump)
+        step = loose.step(tangent, wrong, jump)
+        return lifted_part(
+            self.weight, cho_solve(self.factor, self.held[loose.components].T @ step)
+        )
 
-    def _residual(
-        self, elastic: Floats, jump: Floats, slip: Floats, whole: Floats, friction: Floats
-    ) -> tuple[Floats, Floats, Floats]:
-        """Forces by the contact law, their tangents, and balanced forces less those of the law."""
-        balanced = elastic - self.influence @ jump
-        displacement = np.zeros(slip.size)
-        displacement[self.kept] = balanced / self.stiffness + jump
-        moved = displacement.reshape(-1, 3) - slip
-        force, tangent = forces_and_tangents(self.node_stiffness, friction, whole, moved)
-        return force, tangent, balanced - force.ravel()[self.kept]
-
-    def _step(self, tangent: Floats, wrong: Floats, jump: Floats, slip: Floats) -> Floats:
-        """Newton step of the jumps."""
-        # At nodes that stick the contact law is linear and the jump is the slip.
-        held = (tangent[:, 1, 1] == self.contact_law.shear_stiffness) | ~self.rough
-        sticks = (held & (tangent[:, 0, 0] == self.contact_law.normal_stiffness))[self.node]
-        step = np.where(sticks, slip.ravel()[self.kept] - jump, 0.0)
-        # wrong + J step = 0 with J = -W - T (1 - W / k); T = 0 at open nodes.
-        target = wrong - self.influence @ step if step.any() else wrong
-        opened = (tangent[:, 0, 0] == 0.0)[self.node]
-        gaps, slides = np.flatnonzero(opened), np.flatnonzero(~sticks & ~opened)
-        factor = self._factorised(gaps)
-        step[gaps] = cho_solve(factor, target[gaps], check_finite=False)
-        if len(slides):
-            blocks = self._blocks(tangent, slides)
-            both = np.concatenate([slides, gaps])
-            inside = self.influence[np.ix_(slides, both)]
-            matrix = inside - blocks @ (inside / self.stiffness[slides][:, None])
-            matrix[:, : len(slides)] += blocks.toarray()
-            # The steps of nodes that stick change the elastic part too.
-            moved = target[slides] + blocks @ ((wrong - target)[slides] / self.stiffness[slides])
-            across = self.influence[np.ix_(gaps, slides)]
-            closed = cho_solve(factor, across, check_finite=False)
-            reduced = matrix[:, : len(slides)] - matrix[:, len(slides) :] @ closed
-            right = moved - matrix[:, len(slides) :] @ step[gaps]
-            step[slides] = lu_solve(lu_factor(reduced, check_finite=False), right)
-            step[gaps] -= closed @ step[slides]
-        return step
-
-    def _factorised(self, gaps: Integers) -> tuple[Floats, bool]:
-        """The influence of open components on each other, factorised; the last result is kept."""
-        if self.gaps is None or not np.array_equal(gaps, self.gaps[0]):
-            matrix = self.influence[np.ix_(gaps, gaps)]
-            matrix[np.diag_indices_from(matrix)] += FLOOR * self.stiffness[gaps]
-            self.gaps = gaps, cho_factor(matrix, check_finite=False, overwrite_a=True)
-        return self.gaps[1]
-
-    def _blocks(self, tangent: Floats, free: Integers) -> sp.csr_array:
-        """Tangents of the nodes that the components ``free`` belong to, as a sparse matrix."""
-        place = np.full(3 * len(tangent), -1)
-        place[self.kept[free]] = np.arange(len(free))
-        by_node = place.reshape(-1, 3)
-        rows = np.repeat(by_node, 3, axis=1).ravel()
-        columns = np.tile(by_node, (1, 3)).ravel()
-        values = tangent.reshape(len(tangent), -1).ravel()
-        inside = (rows >= 0) & (columns >= 0)
-        shape = len(free), len(free)
-        return sp.csr_array((values[inside], (rows[inside], columns[inside])), shape)
+    def _loose_nodes(self, state: NodeState, friction: Floats) -> LooseNodes:
+        """The nodes that may open or slip; what they have in common with the last is kept."""
+        loose = state.whole != 1.0
+        nodes, components, open_gaps = self.open_gaps
+        if np.count_nonzero(loose) != len(nodes) or not loose[nodes].all():
+            more = loose[nodes].all()  # than the last: these come first
+            new = loose.copy()
+            if more:
+                new[nodes] = False
+            else:
+                nodes, components = nodes[:0], components[:0]
+            nodes = np.concatenate([nodes, np.flatnonzero(new)])
+            components = np.concatenate([components, np.flatnonzero(new[self.node])])
+            influence = self.influence[np.ix_(components, components)]
+            floor = FLOOR * self.stiffness[components]
+            make = open_gaps.extended if more else OpenGaps
+            open_gaps = make(influence, floor)
+            self.open_gaps = nodes, components, open_gaps
+        number = np.zeros(len(loose), np.int64)
+        number[nodes] = np.arange(len(nodes))
+        place = 3 * number[self.node[components]] + self.kept[components] % 3
+        of_nodes = self.node_stiffness[nodes], friction[nodes], self.rough[nodes]
+        return LooseNodes(
+            nodes, components, place, *of_nodes, state.whole[nodes], state.slip[nodes], open_gaps
+        )
 
     def _equilibrium(
-        self, load: float, force: Floats, jump: Floats, state: NodeState
+        self,
+        load: float,
+        elastic: Floats,
+        loose: LooseNodes,
+        loose_force: Floats,
+        loose_jump: Floats,
+        state: NodeState,
     ) -> Equilibrium:
-        slip = np.zeros(force.size)
-        slip[self.kept] = jump
-        after = np.where(state.bonded[:, None], state.slip, slip.reshape(-1, 3)[:, 1:])
+        jump = np.zeros(len(elastic))
+        jump[loose.components] = loose_jump
+        force, slip = np.zeros((2, len(state.slip), 3))
+        force.ravel()[self.kept] = elastic - self.influence @ jump
+        force[loose.nodes] = loose_force
+        slip.ravel()[self.kept] = jump
+        after = np.where(state.bonded[:, None], state.slip, slip[:, 1:])
         kept = force.ravel()[self.kept]
         motion = self.motions @ np.array([1.0, load])
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
         return Equilibrium(load, jump, along, force, NodeState(after, state.whole))
+
+
+def _inverted(matrix: Floats) -> Floats:
+    """Inverse of a symmetric positive definite ``matrix``, which is overwritten."""
+    # Its transpose is in LAPACK's order, so that nothing is copied.
+    factor, _ = dpotrf(matrix.T, lower=1, overwrite_a=True)
+    inverse, _ = dpotri(factor, lower=1, overwrite_c=True)
+    for column in range(len(inverse)):
+        inverse[column, column + 1 :] = inverse[column + 1 :, column]
+    return np.asarray(inverse)

@@ -1,0 +1,107 @@
+"""Newton's steps of the jumps at nodes that are not wholly bonded: all that can open or slip.
+
+At a wholly bonded node the contact law is linear, and there is no jump. The other nodes are open,
+stick or slip, and a step treats them by that: the jumps of open ones follow from all others, see
+`sidmacib.mechanics.elastic.open_gaps`; those of sticking ones are known; only slip is solved for.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.elastic.open_gaps import OpenGaps
+from sidmacib.mechanics.newton import forces_and_tangents
+
+
+@dataclass(frozen=True)
+class LooseNodes:
+    """Loose nodes and their components, (N,) and (M,), numbers in the solver's order.
+
+    ``place``: of each component in an array of shape (N, 3), raveled. ``stiffness``: normal and
+    shear (N/m), (N, 2). ``rough``: whether a node has components of shear. ``whole`` and ``slip``
+    as in `NodeState`. ``open_gaps``: with the components' influence on each other.
+    """
+
+    nodes: Integers
+    components: Integers
+    place: Integers
+    stiffness: Floats
+    friction: Floats
+    rough: Flags
+    whole: Floats
+    slip: Floats
+    open_gaps: OpenGaps
+
+    def residual(self, elastic: Floats, jump: Floats) -> tuple[Floats, Floats, Floats]:
+        """Forces by the contact law, their tangents, and balanced forces less those of the law.
+
+        ``elastic``: forces (N) without jumps; ``jump`` in m; both of the components, (M,).
+        """
+        balanced = elastic - self.open_gaps.influence @ jump
+        displacement = np.zeros((len(self.nodes), 3))
+        displacement.ravel()[self.place] = balanced / self._springs() + jump
+        displacement[:, 1:] -= self.slip
+        force, tangent = forces_and_tangents(
+            self.stiffness, self.friction, self.whole, displacement
+        )
+        return force, tangent, balanced - force.ravel()[self.place]
+
+    def step(self, tangent: Floats, wrong: Floats, jump: Floats) -> Floats:
+        """Newton step (m) of the jumps, (M,): wrong + J step = 0, J = -W - T (1 - W / k)."""
+        normal, shear = self.stiffness.T
+        opened, closed = tangent[:, 0, 0] == 0.0, tangent[:, 0, 0] == normal
+        sticks = closed & ((tangent[:, 1, 1] == shear) | ~self.rough)
+        node = self.place // 3
+        gaps = opened[node]
+        # Where the contact law has the full stiffness, the jump is the slip.
+        held = np.column_stack([closed, sticks, sticks]).ravel()[self.place]
+        step = np.zeros_like(jump)
+        step[held] = -jump[held]
+        along = held & (self.place % 3 > 0)
+        step[along] += self.slip[node[along], self.place[along] % 3 - 1]
+        moving = np.flatnonzero(step)
+        across = self.open_gaps.influence[moving].T @ step[moving]
+        matrix, rest = self.open_gaps.opened(gaps), wrong - across
+        # Changes of forces by these steps and those of the gaps that follow.
+        by_gaps = matrix @ np.where(gaps, rest, 0.0)
+        step[gaps] = -by_gaps[gaps]
+        slides = ~(gaps | held)
+        if slides.any():
+            self._slide(step, slides, matrix, tangent, wrong, across + by_gaps)
+            step[gaps] -= (matrix @ np.where(slides, step, 0.0))[gaps]
+        return step
+
+    def _slide(
+        self,
+        step: Floats,
+        slides: Flags,
+        matrix: Floats,
+        tangent: Floats,
+        wrong: Floats,
+        across: Floats,
+    ) -> None:
+        """Put the steps of the components that slide into ``step``; ``across``: by the others."""
+        nodes = np.unique(self.place[slides] // 3)
+        # All nodes that slide have three components, one after the other.
+        all_three = np.searchsorted(self.place, 3 * nodes)[:, None] + np.arange(3)
+        rows, blocks = slides[all_three], tangent[nodes]
+        relaxed = np.eye(3) - blocks / self._springs()[all_three][:, None, :]
+        right = wrong[all_three] - _times(blocks, step[all_three])
+        right -= _times(relaxed, across[all_three])
+        inside = matrix[np.ix_(all_three.ravel(), np.flatnonzero(slides))]
+        system = (relaxed @ inside.reshape(len(nodes), 3, -1))[rows]
+        number = np.zeros(rows.shape, np.int64)
+        number[rows] = np.arange(len(system))
+        node, i, j = np.nonzero(rows[:, :, None] & rows[:, None, :])
+        system[number[node, i], number[node, j]] += blocks[node, i, j]
+        step[slides] = np.linalg.solve(system, right[rows])
+
+    def _springs(self) -> Floats:
+        """Stiffness of the components (N/m), (M,)."""
+        return np.asarray(self.stiffness[self.place // 3, np.minimum(self.place % 3, 1)])
+
+
+def _times(blocks: Floats, vectors: Floats) -> Floats:
+    return np.asarray((blocks @ vectors[:, :, None])[:, :, 0])
