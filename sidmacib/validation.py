@@ -54,6 +54,6 @@ def is_number(value: Any) -> bool:
 
 def refused(name: str, value: Any, allowed: str) -> ValueError:
     """The error for a ``value`` other than what is ``allowed``."""
-    # As Python's own numbers: the repr of numpy's names their type.
+    # As Python numbers, because the repr of numpy's includes the type.
     shown = value.item() if is_number(value) and hasattr(value, "item") else value
     return ValueError(f"{name}: {shown!r} is not allowed; it must be {allowed}")

@@ -1,4 +1,4 @@
-"""What goes back to COMPAS: forces that balance, a mechanism, and what its own package reads."""
+"""Results for COMPAS: forces that balance, a mechanism, and files that its package reads."""
 
 import json
 import math
@@ -107,7 +107,7 @@ def test_an_assembly_of_compas_cra_has_forces_at_its_interfaces(tmp_path: Path) 
         (named, "load: {tilt: {axis: [0, 1, 0]}}", "results.json", "not a tilt"),
     ],
 )
-def test_results_that_cannot_be_written_are_told_under_the_table(
+def test_results_that_cannot_be_written_are_reported_under_the_table(
     tmp_path: Path, content: Callable[[], dict[str, Any]], laws: str, target: str, words: str
 ) -> None:
     path = tmp_path / "model.json"

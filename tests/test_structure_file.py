@@ -36,7 +36,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "structure.yaml"
 
 
-def test_the_command_tells_what_a_structure_carries(path: Path) -> None:
+def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     path.write_text(json.dumps(ON_GROUND))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     assert rows["limit"]["load / weight"] == pytest.approx(0.2, rel=1e-6)
@@ -56,7 +56,7 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
     assert fine["limit"]["mesh error / load"] is None
 
 
-def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> None:
+def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) -> None:
     path.write_text(json.dumps({**ON_GROUND, "load": {"tilt": {"axis": [0, 1, 0]}}}))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     slides = math.degrees(math.atan(0.2))
@@ -214,7 +214,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"loads": 1}, "the file: unknown key 'loads'; valid keys: blocks, load"),
     ],
 )
-def test_a_fault_is_told_in_a_line_that_names_the_key(
+def test_a_fault_is_reported_in_one_line_with_its_key(
     path: Path, change: dict[str, Any], words: str
 ) -> None:
     path.write_text(json.dumps({**ON_GROUND, **change}))
@@ -241,7 +241,7 @@ BAD = [
 
 
 @pytest.mark.parametrize(("changes", "words"), BAD)
-def test_a_bad_number_is_told_with_its_key_and_what_is_allowed(
+def test_a_bad_number_is_reported_with_its_key_and_what_is_allowed(
     path: Path, changes: dict[str, Any], words: str
 ) -> None:
     path.write_text(yaml.safe_dump(changed(ON_GROUND, changes)))
@@ -255,7 +255,7 @@ def test_a_box_without_volume_is_refused(path: Path) -> None:
         read_structure(path)
 
 
-def test_numbers_that_look_like_another_unit_are_told(path: Path) -> None:
+def test_numbers_that_look_like_another_unit_are_noted(path: Path) -> None:
     path.write_text(yaml.safe_dump(changed(ON_GROUND, {"interfaces": {"friction": 30.0}})))
     result = run("assembly", str(path))
     assert "friction: 30 is very large; is it an angle in degrees?" in result.stderr

@@ -46,9 +46,9 @@ class LimitState:
 
     ``load``: along the direction, in N. ``force``: (N, 3) in N, what the piece below each node
     exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
-    the pieces move when the load exceeds its limit, as the multipliers of the equations of
-    equilibrium tell: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Pieces
-    may move in several ways at once; this is one of them.
+    the pieces move when the load exceeds its limit, from the multipliers of the equations of
+    equilibrium: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Several
+    motions may be possible; this is one of them.
     """
 
     load: float
