@@ -110,7 +110,11 @@ class Search:
     def carries(self, parts: Floats) -> bool:
         """Whether rows, of which there are these parts, carry all cases."""
         strength = self.strengths @ parts
-        return all(lack.of(strength)[0] <= SHORT for lack in self.lacks)
+        for lack in self.lacks:
+            if lack.of(strength)[0] > SHORT:
+                self.lacks = sorted(self.lacks, key=lambda each: each is not lack)  # first next
+                return False
+        return True
 
     def _master(
         self, whole: bool, barred: Sequence[Directions], gap: float, time_limit: float
@@ -222,11 +226,20 @@ class Search:
         spent = np.bincount(
             structure.site_of, structure.costs * taken, minlength=len(structure.sites)
         )
-        for site in np.argsort(-spent, kind="stable").tolist():
-            less = _less(structure, taken, site) if spent[site] > 0.0 else None
-            while less is not None and time.monotonic() < end and self.carries(less):
-                taken = less
-                less = _less(structure, taken, site)
+        order = [k for k in np.argsort(-spent, kind="stable").tolist() if spent[k] > 0.0]
+        size = len(order) // 2
+        while size >= 1:  # many sites at once first
+            for start in range(0, len(order), size):
+                less = taken.copy()
+                less[np.isin(structure.site_of, order[start : start + size])] = 0.0
+                if time.monotonic() < end and less.any() and self.carries(less):
+                    taken = less
+            size //= 2
+        for site in order:
+            fewer = _less(structure, taken, site)
+            while fewer is not None and time.monotonic() < end and self.carries(fewer):
+                taken = fewer
+                fewer = _less(structure, taken, site)
         return taken
 
 

@@ -1,0 +1,54 @@
+"""The vault of `studies/designed_vault`, and what is designed of a small one."""
+
+import json
+from pathlib import Path
+
+import yaml
+
+from sidmacib.design.blocking import order_of
+from sidmacib.design.direction import Search, choice_of
+from sidmacib.design.file import read_task, task_of, write_designed
+from sidmacib.design.sizing import carried
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.compas import read_compas
+from sidmacib.structure.file import read_structure
+from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
+
+
+def test_the_file_is_what_the_geometry_writes_and_has_110_free_blocks() -> None:
+    assert FILE.read_text() == text(Barrel())
+    blocks = read_compas(FILE, 1.0)
+    assert sum(not block.fixed for block in blocks) == 110
+    assert {block.density for block in blocks} == {2000.0}
+
+
+def test_its_task_has_a_site_in_every_interface() -> None:
+    task = read_task(FILE)
+    assert len(task.structure.sites) == len(task.structure.assembly.faces) == 305
+    assert all(site.layouts for site in task.structure.sites)
+
+
+def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_path: Path) -> None:
+    path = tmp_path / "vault.json"
+    path.write_text(json.dumps(content(barrel(Barrel(courses=5, blocks=2)))))
+    design = yaml.safe_load(FILE.with_suffix(".yaml").read_text())
+    design["design"]["gap"] = 0.2
+    path.with_suffix(".yaml").write_text(yaml.safe_dump(design))
+    task = read_task(path)
+    structure = task.structure
+    choice = choice_of(structure, Search(structure, 1.0).cheapest(gap=0.5).parts)
+    assert all(state.factor >= 1.0 - 1e-5 for state in carried(structure, choice))
+    assert order_of(structure.assembly, structure.sites, choice).stuck == ()
+    (tmp_path / "out").mkdir()
+    write_designed(task, choice, tmp_path / "out" / "designed.yaml")
+    found = read_structure(tmp_path / "out" / "designed.yaml").assembly
+    locks = sum(len(row.widths) for row in choice if row)
+    assert len(found.pieces) == len(structure.assembly.pieces) + locks
+    assert all(isinstance(face, Polygon) for face in found.faces)
+
+
+def test_between_narrows_the_sites() -> None:
+    given = yaml.safe_load(FILE.with_suffix(".yaml").read_text())
+    given["blocks"] = {"block": {"file": FILE.name}}
+    given["design"]["between"] = [["block-0", "block-2"]]
+    assert len(task_of(given, FILE.parent).structure.sites) == 1
