@@ -11,6 +11,7 @@ import json
 import math
 import random
 import tempfile
+import warnings
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import chdir, contextmanager
@@ -21,11 +22,13 @@ from typing import Any
 import yaml
 from campaigns.counts import ROOT, asked, write_counts
 from click.testing import CliRunner
+from test_compas import assembly, model
 from test_decks import returned
 from test_record import case_of, write_engine_files
 
 from sidmacib.command.main import main as command
 from sidmacib.mechanics.assembly import Assembly
+from sidmacib.structure.compas import read_compas, read_compas_interfaces
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file
@@ -223,8 +226,26 @@ def words(fuzz: Fuzz) -> None:
     (fuzz.refused if found.exit_code else fuzz.accepted)["command"] += 1
 
 
+def compas(fuzz: Fuzz) -> None:
+    """A model of compas_dem or an assembly of compas_cra, as values or as text."""
+    given = fuzz.random.choice((model, assembly))()
+    if fuzz.random.random() < 0.5:
+        told = json.dumps(fuzz.changed(given))
+    else:
+        told = fuzz.cut(json.dumps(given))
+    path = fuzz.folder / "compas.json"
+    path.write_text(told, encoding="utf-8", errors="surrogatepass")
+
+    def read() -> None:
+        read_compas_interfaces(path, read_compas(path, 2e3))
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", RuntimeWarning)  # of numbers that are not checked in time
+        fuzz.holds("compas", read, ValueError)
+
+
 KINDS: tuple[tuple[Callable[[Fuzz], None], int], ...] = (
-    *((tree, 40), (text, 25), (name, 20), (engine, 10), (threedec, 3), (words, 2)),
+    *((tree, 40), (text, 25), (name, 20), (engine, 10), (threedec, 3), (words, 2), (compas, 10)),
 )
 _SMALL_STUDY = read_study(yaml.safe_load(SMALL))
 
