@@ -1,27 +1,27 @@
-# make study   the whole study: tables, figures and a summary in $(RESULTS)
-# make case    one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
-# make report  the report alone, one page: report.html in $(RESULTS); make study writes it too
-# make explore a page with sliders for a joint of your own, on this machine only
-# make calibrate  which geometry fits the published numbers
-# make locks   the study of the law: how many locks work, over 640 joints; hours, goes on where stopped
-# make study PROFILE=slurm  the same on a SLURM cluster, see docs/howto/cluster.md
-# make decks   decks for 3DEC; results.txt that comes back beside them is read by make study
-# make test    lint and all tests, real runs of the engines included
-# make test-slurm  a study through SLURM on this one machine, which is set up for it; as root
-# make test-container  the container, built here without a registry, and a study in it; as root
-# make faults  a campaign of faults, FAULTS=500: whatever happens, the next run ends as if nothing had
-# make fuzz    configurations, names and files changed at random, FUZZ=100000: an answer or one line, every time
-# make same    tables and figures byte for byte: on one core, under four kernels, PYTHONS=other environments' bin/python
-# make attack  an optimiser looks for joints whose safe load is above what they carry, EVALUATIONS=1800 a start
-# make structures  structures of blocks beside published answers; PEERS=1: compas_cra as well
-# make scaling what a large study takes, CASES=100000: time, files, memory
-# make docs    the pages as a site: build/docs/index.html
-# make bench   how long everything takes on this machine; BASE=folder: another checkout beside it; PEERS=1: other programs
-# make mutants whether the tests notice faults in the code, MUTANTS=200
-# make lint    ruff, snakefmt, mypy and import-linter alone
+# make study   run the whole study: tables, figures, report and a summary in $(RESULTS)
+# make case    run one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
+# make report  write only the report, report.html in $(RESULTS)
+# make explore open a page with sliders for any joint; it is served to this machine only
+# make calibrate  find the geometry and friction that fit the published numbers
+# make locks   run the study of the law on 640 joints; takes hours, continues where it stopped
+# make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/cluster.md
+# make decks   write decks for 3DEC; make study reads the results.txt that 3DEC leaves beside a deck
+# make test    run lint and all tests, including real runs of the engines
+# make test-slurm  run a study through SLURM, which is set up on this machine; needs root
+# make test-container  build the container without a registry and run a study in it; needs root
+# make faults  disturb runs FAULTS=500 times and check that the next run gives the same results
+# make fuzz    change inputs at random, FUZZ=100000; each must give an answer or a one-line error
+# make same    compare tables and figures byte for byte: on one core, under four kernels, PYTHONS=other bin/python
+# make attack  search for joints whose safe load exceeds their capacity, EVALUATIONS=1800 per start
+# make structures  compare structures of blocks with published results; PEERS=1: with compas_cra as well
+# make scaling measure time, files and memory of large studies, CASES=100000
+# make docs    build the pages as a site: build/docs/index.html
+# make bench   measure run times on this machine; BASE=folder: also of another checkout; PEERS=1: other programs
+# make mutants insert faults into the code and count those that the tests detect, MUTANTS=200
+# make lint    run ruff, snakefmt, mypy and import-linter
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
-# Cases that have no answer once more, although nothing has changed: make study RETRY=1
+# Retry cases that ended without a result, although nothing has changed: make study RETRY=1
 
 CONFIG ?= config.yaml
 RESULTS ?=
@@ -37,11 +37,11 @@ CASES ?= 100000
 PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1800
-# They reach the shell as they are, whatever is in them.
+# Exported, so that the shell receives the values unchanged, whatever characters they contain.
 export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
-# `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: so does ^C
-# before Python has begun, as it looks whether make was told to end.
+# `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
+# has started reaches it too, because it checks whether make is ending.
 WORKFLOW = @trap '' INT; exec $(BIN)/python -m workflow --end-with-parent
 TO = "$$CONFIG" --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
@@ -145,11 +145,11 @@ system: early
 system-test:
 	@sh workflow/system.sh test
 
-# Each extra has a file of what it adds to the study's. One file for all would not do: pip takes no digests
-# from constraints, and whoever runs studies installs nothing of the developers.
+# Each extra has a file with the packages that it adds to the study's. One file for all is not possible: pip takes
+# no digests from constraints, and users who run studies should not install the developers' packages.
 lock: .venv/test.ready
 	$(COMPILE) --output-file requirements.txt
-	for extra in installer dev slurm peers; do \
+	for extra in installer dev slurm peers compas; do \
 		$(COMPILE) --extra $$extra --constraint requirements.txt --output-file requirements-$$extra.txt \
 			$$(sed -n 's/^\([A-Za-z0-9._-]*\)==.*/--no-emit-package \1/p' requirements.txt) && \
 		{ [ $$extra = installer ] || sed -i '2a --requirement requirements.txt' requirements-$$extra.txt; } || exit 1; \

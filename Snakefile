@@ -1,10 +1,10 @@
 # The whole study: `snakemake`. One case: `snakemake results/cases/yade/n3-mesh0.02-e0.1a/result.json`.
 # Another study: `snakemake --configfile my.yaml --config results=my-results`.
-# What would be done: `snakemake --dry-run`. How rules depend on each other: `snakemake --rulegraph`.
+# Jobs that would run: `snakemake --dry-run`. Graph of the rules: `snakemake --rulegraph`.
 import sys
 from pathlib import Path
 
-# The code that runs is this checkout's, wherever it is called from and whatever is installed.
+# Run the code of this checkout, whatever the working directory and the installed packages are.
 CHECKOUT = str(workflow.current_basedir)
 sys.path.insert(0, CHECKOUT)
 
@@ -14,8 +14,8 @@ from workflow.models import detailed
 from workflow.planning.snakefile import plan_from
 from workflow.structures.cases import structure_jobs
 
-# Snakemake has read the configuration too, and merges it with defaults; this reader checks every key,
-# and does not mix two studies. `workflow.planning.snakefile.plan_of` hands over a study that it has.
+# Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
+# does not mix two studies. `workflow.planning.snakefile.plan_of` passes a study that is already read.
 CONFIG = workflow.config_settings.config or {}
 FILES = [Path(path) for path in workflow.config_settings.configfiles]
 FILES = FILES or [Path(CHECKOUT, "config.yaml")]

@@ -26,9 +26,9 @@ class Published:
         `as_printed`. Its numbers are for
         e = 0.
         """
-        joint, own = study.joint(sample), self.numbers["sample"]
+        joint, numbers = study.joint(sample), self.numbers["sample"]
         return (
-            math.isclose(joint.T0, own["T0"])
+            math.isclose(joint.T0, numbers["T0"])
             and joint.locks in self.numbers["weights"]
             and joint.first is Block.UPPER
             and not joint.different

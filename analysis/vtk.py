@@ -41,18 +41,18 @@ def write_path(case: Case, folder: Path) -> list[Path]:
             name = f"{kind}_{number:04}.vtu"
             mesh.write(folder / name)
             files[kind].append((float(point.load), name))
-    return [_collection(folder / f"{kind}.pvd", own) for kind, own in files.items()]
+    return [_collection(folder / f"{kind}.pvd", paths) for kind, paths in files.items()]
 
 
 def pieces_mesh(case: Case, assembly: Assembly, point: Equilibrium) -> meshio.Mesh:
     """The pieces as hexahedra where they are, with their displacement and block (1: upper)."""
     moved = displacements(assembly, point, rigid=case.joint.elastic is None)
     corners, shifts = [], []
-    for piece, own in zip(assembly.cuboids, moved, strict=True):
+    for piece, motion in zip(assembly.cuboids, moved, strict=True):
         low, high = np.array(piece.low), np.array(piece.high)
         place = low + CORNERS * (high - low)
         corners.append(place)
-        shifts.append(own[:3] + np.cross(own[3:], place - (low + high) / 2.0))
+        shifts.append(motion[:3] + np.cross(motion[3:], place - (low + high) / 2.0))
     above = set(upper_block(case.joint))
     count = len(assembly.cuboids)
     return meshio.Mesh(

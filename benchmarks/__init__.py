@@ -1,1 +1,1 @@
-"""How long everything takes: on this machine, beside other programs, and of large studies."""
+"""Run times: on this machine, compared with other programs, and of large studies."""

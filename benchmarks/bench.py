@@ -1,6 +1,6 @@
-"""How long everything takes on this machine, as a table: `make bench`.
+"""Run times on this machine, as a table: `make bench`.
 
-With ``--base``, another checkout with its own environment, its imports and plans are measured too.
+With ``--base``, imports and plans of another checkout, in its environment, are measured too.
 CPU times are of all processes. Run it on a quiet machine.
 """
 
@@ -68,7 +68,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Usage:
-    """What a command took: s, CPU-s of all its processes, MB of the largest."""
+    """Time (s), CPU time of all processes (s) and memory of the largest (MB) of a command."""
 
     wall: float
     cpu: float
@@ -93,7 +93,7 @@ def least(command: Callable[[Path], Sequence[str]], checkout: Path, repeats: int
 
 
 def python(code: str) -> Callable[[Path], Sequence[str]]:
-    """A command that runs ``code`` in a checkout's own Python."""
+    """A command that runs ``code`` in the Python of a checkout."""
     return lambda checkout: [str(checkout / ".venv/bin/python"), "-c", code]
 
 
@@ -156,7 +156,7 @@ def library_figures() -> Iterator[Figure]:
 
 
 def structure_figures() -> Iterator[Figure]:
-    """A wall of 1,000 blocks, and the armadillo beside compas_cra where that is installed."""
+    """A wall of 1,000 blocks, and the armadillo with compas_cra if it is installed."""
     list(wall_figures(10))  # compiles
     for what, unit, value in (*wall_figures(1000), *armadillo_figures()):
         yield Figure(what, unit, value)
@@ -182,7 +182,7 @@ def process_figures(base: Path | None, folder: Path) -> Iterator[Figure]:
 
 
 def workflow_figures(folder: Path) -> Iterator[Figure]:
-    """What the workflow adds to the work itself, and how long it takes to find nothing to do."""
+    """Time that the workflow adds to the computations, and time of a run with nothing to do."""
     batch = {**SWEEP, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
     times = job_times({**batch, "results": str(folder / "batch")}, "static/")
     start = time.process_time()
@@ -222,7 +222,7 @@ def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
 
 
 def study_figures(results: Path) -> Iterator[Figure]:
-    """What the jobs of a study took when they were last run."""
+    """Times of a study's jobs in their last run."""
     frame = pd.DataFrame([times for _, times in read_times(results)])
     if len(frame):
         yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
@@ -245,14 +245,14 @@ def step_figures(results: Path) -> Iterator[Figure]:
 
 
 def time_steps(result: Path) -> int:
-    """How many time steps an engine took for its result."""
+    """Number of time steps that an engine took for its result."""
     return int(json.loads(result.read_text())["time_steps"])
 
 
 def main() -> None:
     """Command line: perhaps another checkout, and the results of a study that was run."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--base", type=Path, help="another checkout, with its own .venv")
+    parser.add_argument("--base", type=Path, help="another checkout, which has a .venv")
     parser.add_argument("--results", type=Path, default=ROOT / "results")
     arguments = parser.parse_args()
     os.environ["OPENBLAS_NUM_THREADS"] = "1"

@@ -1,4 +1,4 @@
-"""What a step of a slider takes: the explorer's answer, and the browser that draws it."""
+"""Time of a slider step: the explorer's answer, and its drawing in the browser."""
 
 import shutil
 import threading

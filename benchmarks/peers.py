@@ -120,14 +120,14 @@ def at_rest_by_cra(joint: Joint) -> object:
         assembly.add_block(Block.from_vertices_and_faces(*box(piece)), node=number)
     assembly.set_boundary_conditions([n for n, piece in enumerate(pieces) if piece.fixed])
     assembly_interfaces_numpy(assembly, nmax=len(pieces), amin=1e-9, tmax=1e-6)
-    with redirect_stdout(io.StringIO()):  # it tells what it does
+    with redirect_stdout(io.StringIO()):  # it prints its progress
         return cra_solve(assembly, mu=joint.dry.friction, density=joint.density)
 
 
 def seconds_by_cra(path: Path, name: str, friction: float, limit: float) -> float | None:
     """Processor time (s) of compas_cra's solver ``name`` on an assembly, interfaces left out.
 
-    In a process of its own; None if it takes more than ``limit`` (s).
+    In a separate process; None if it takes more than ``limit`` (s).
     """
     code = (
         f"from benchmarks.peers import by_cra; print(by_cra({str(path)!r}, {name!r}, {friction}))"

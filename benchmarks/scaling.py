@@ -1,4 +1,4 @@
-"""What a large study takes: `make scaling CASES=100000`.
+"""Time, files and memory of large studies: `make scaling CASES=100000`.
 
 That many cases of the static model are solved and their table is made, and again when there is
 nothing to do. Fits, figures and report are left out: they grow with what is asked of them.

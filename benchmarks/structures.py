@@ -1,4 +1,4 @@
-"""Structures of many blocks: how long each model takes, and how that grows with the blocks.
+"""Structures of many blocks: times of the models, and their growth with the blocks.
 
 `make bench` has the rows of a wall of 1,000 blocks, and of the armadillo of compas_cra beside that
 program where it is installed; ``python -m benchmarks.structures --blocks 10000`` measures growth.
@@ -56,7 +56,7 @@ def wall(count: int) -> list[Block]:
 
 @dataclass(frozen=True)
 class WallTimes:
-    """What a wall takes: CPU-s, and the largest memory of this process so far (MB)."""
+    """Times of a wall (CPU-s), and the largest memory of this process so far (MB)."""
 
     blocks: int
     interfaces: int
@@ -67,7 +67,7 @@ class WallTimes:
 
 
 def wall_times(count: int) -> WallTimes:
-    """What a wall of at least ``count`` bricks takes, nodes at vertices.
+    """Times of a wall of at least ``count`` bricks, with nodes at vertices.
 
     Interfaces are found; limit analysis raises an acceleration of the dry wall, and the static
     model one of the bonded wall until the first bond fails.

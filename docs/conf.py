@@ -1,4 +1,4 @@
-"""How the pages are made into a site, by Sphinx: `make docs`."""
+"""Configuration of Sphinx, which builds the pages as a site: `make docs`."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the annotations of a dataclass say: by them its fields are checked, and read from JSON."""
+"""Check the fields of dataclasses against their annotations, and read them from JSON."""
 
 import types
 import typing
@@ -56,7 +56,7 @@ def _checks(dataclass: Any) -> tuple[tuple[str, Check], ...]:
 
 
 def _check(kind: Any, or_none: str = "") -> Check | None:
-    """What an annotation asks of a value; None if it asks nothing that is checked here."""
+    """The check that an annotation requires of a value; None if it requires none."""
     if typing.get_origin(kind) in UNIONS:
         kinds = [each for each in typing.get_args(kind) if each is not types.NoneType]
         inner = _check(kinds[0], " or None") if len(kinds) == 1 else None

@@ -1,4 +1,4 @@
-"""What holds the joint down, against rocking."""
+"""Hold-down: the plate, force, pressure or weight that prevents rocking."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ _NOTHING = Number(at_least=0, at_most=0)  # amount of a plate or of nothing
 
 @dataclass(frozen=True)
 class HoldDown:
-    """What acts on the top of the upper block: by default the fixed plate of the paper.
+    """Support or load on the top of the upper block; by default the fixed plate of the paper.
 
     ``amount``: of a force, in N, or of a pressure, in Pa; it acts downwards and is spread evenly
     over the top. ValueError if it is negative, not finite, or given with anything else.
@@ -43,7 +43,7 @@ class HoldDown:
 
     @classmethod
     def read(cls, value: Any) -> "HoldDown":
-        """The hold-down that a file spells: a name, or the amount by name, such as {force: 2000}.
+        """The hold-down given in a file: a name, or the amount by name, such as {force: 2000}.
 
         ValueError for anything else.
         """
@@ -64,7 +64,7 @@ class HoldDown:
 
     @property
     def spelled(self) -> str | dict[str, float]:
-        """What `read` takes."""
+        """The value as `read` accepts it."""
         kind = str(self.kind)
         return {kind: self.amount} if self.kind in AMOUNTS else kind
 

@@ -21,7 +21,7 @@ from sidmacib.validation import is_number, refused
 
 
 class UpperBody(StrEnum):
-    """How the main body of the upper block is cut."""
+    """How the main body of the upper block is divided into pieces."""
 
     COLUMNS = "columns"  # one column above each lock, as in the paper
     JOINED = "joined"  # columns that can come apart, without the compliance of a joint
@@ -42,9 +42,9 @@ DRY = FaceMaterial(1e10, 1e10, friction=0.3, cohesion=0.0, tensile_strength=0.0)
 
 @dataclass(frozen=True)
 class OwnLock:
-    """What a lock has of its own; None: what the joint's locks have.
+    """Properties in which a lock differs from the joint; None: the same as the joint.
 
-    ``width`` (y) in m; ``density`` in kg/m3; ``inner``: the face across which it meets its own
+    ``width`` (y) in m; ``density`` in kg/m3; ``inner``: the face across which it meets its
     block. ValueError as for a `Joint`.
     """
 
@@ -68,11 +68,10 @@ class Joint:
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
     upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y; it
-    belongs to the block ``first``, and the locks belong to the blocks in turn. ``different``: what
-    some locks have of their own, by number; it is kept as pairs in the order of the numbers.
-    ``hold_down``: what acts on the upper block's top. ``elastic``: the material of pieces that
-    deform; they are rigid if it is None. ValueError for a number out of its range, and for a lock
-    of its own that there is not.
+    belongs to the block ``first``, and the others alternate. ``different``: the locks that differ,
+    by number; it is kept as pairs in the order of the numbers. ``hold_down``: support or load on
+    the top of the upper block. ``elastic``: the material of elastic pieces; None for rigid ones.
+    ValueError for a number out of its range, and for ``different`` locks that do not exist.
     """
 
     locks: Count
@@ -96,7 +95,7 @@ class Joint:
 
     @property
     def T0(self) -> float:
-        """Shear strength of a lock that has nothing of its own: cohesion times a times b, in N."""
+        """Shear strength of an unchanged lock: cohesion times a times b, in N."""
         return self.inner.cohesion * self.a * self.b
 
     @property
@@ -111,7 +110,7 @@ class Joint:
 
     @property
     def interlocking(self) -> bool:
-        """Whether locks bear against each other: there are at least two."""
+        """Whether locks bear against each other, which takes at least two."""
         return self.locks > 1
 
     @property
@@ -147,21 +146,21 @@ class Joint:
         return self.elastic.young / (self.inner.normal_stiffness * self.b)
 
     def own(self, lock: int) -> OwnLock:
-        """What lock number ``lock`` has of its own."""
+        """Properties in which lock number ``lock`` differs from the joint."""
         return dict(self.different).get(lock, PLAIN)
 
     def width(self, lock: int) -> float:
         """Width (y) of lock number ``lock``, in m."""
-        own = self.own(lock).width
-        return self.b if own is None else own
+        width = self.own(lock).width
+        return self.b if width is None else width
 
     def lock_density(self, lock: int) -> float:
         """Density of lock number ``lock``, in kg/m3."""
-        own = self.own(lock).density
-        return self.density if own is None else own
+        density = self.own(lock).density
+        return self.density if density is None else density
 
     def inner_of(self, lock: int) -> FaceMaterial:
-        """Law of the face across which lock number ``lock`` meets its own block."""
+        """Law of the face across which lock number ``lock`` meets its block."""
         return self.own(lock).inner or self.inner
 
     def strength(self, lock: int) -> float:
@@ -178,7 +177,7 @@ class Joint:
         return (lock - 0.5) * self.b + more
 
     def _more(self, lock: int) -> float:
-        """What the locks up to number ``lock`` are wider than as many plain ones, in m."""
+        """Extra width of the locks up to number ``lock`` over unchanged ones, in m."""
         wide = dict(self.different)
         return math.fsum(self.width(each) - self.b for each in wide if each <= lock)
 
@@ -190,16 +189,18 @@ class Joint:
 def _in_order(
     different: Mapping[int, OwnLock] | tuple[tuple[int, OwnLock], ...], locks: int
 ) -> tuple[tuple[int, OwnLock], ...]:
-    """What locks have of their own, in the order of their numbers."""
+    """The checked properties of locks that differ, in the order of their numbers."""
     pairs = tuple(different.items() if isinstance(different, Mapping) else different)
-    for number, own in pairs:
+    for number, changes in pairs:
         if isinstance(number, bool) or number not in range(1, locks + 1):
             raise refused("different", number, f"the number of a lock, 1 to {locks}")
-        if not isinstance(own, OwnLock):
-            raise refused(f"different: lock {number}", own, "an OwnLock")
+        if not isinstance(changes, OwnLock):
+            raise refused(f"different: lock {number}", changes, "an OwnLock")
     if len(dict(pairs)) < len(pairs):
         raise refused("different", [number for number, _ in pairs], "one entry for each lock")
-    return tuple(sorted(((int(number), own) for number, own in pairs), key=lambda pair: pair[0]))
+    return tuple(
+        sorted(((int(number), changes) for number, changes in pairs), key=lambda pair: pair[0])
+    )
 
 
 @dataclass(frozen=True)

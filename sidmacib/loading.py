@@ -73,7 +73,7 @@ def lateral_load(joint: Joint, assembly: Assembly, loading: Loading) -> Loads:
     scale = max(joint.strengths) or weight + pressing
     if not scale:
         raise CapacityError(
-            "no capacity: the joint has neither cohesion nor weight, and nothing presses it"
+            "no capacity: the joint has no cohesion and no weight, and nothing presses on it"
         )
     return Loads(permanent, variable, scale, tuple(sides))
 

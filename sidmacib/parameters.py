@@ -21,7 +21,7 @@ PARTS = {"": Joint, "inner": FaceMaterial, "dry": FaceMaterial, "elastic": Elast
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter: what it is, and the fields that it sets, such as ``inner.cohesion``."""
+    """A parameter: its description and the fields that it sets, such as ``inner.cohesion``."""
 
     name: str
     words: str
@@ -95,8 +95,8 @@ def with_parameters(joint: Joint, values: Mapping[str, Any]) -> Joint:
         for place in PARAMETERS[name].fields:
             part, _, field = place.rpartition(".")
             changes[part][field] = value
-    own = changes.pop("", {})
+    whole = changes.pop("", {})
     for part, changed in changes.items():
         before = getattr(joint, part)
-        own[part] = replace(before, **changed) if before is not None else Elastic(**changed)
-    return replace(joint, **own)
+        whole[part] = replace(before, **changed) if before is not None else Elastic(**changed)
+    return replace(joint, **whole)

@@ -48,7 +48,7 @@ def _cells(side: float, mesh: float) -> int:
 
 
 def cut_pieces(joint: Joint) -> tuple[Cuboid, ...]:
-    """Lower body, plate if there is one, locks and upper body or its columns, in this order."""
+    """Lower body, plate (if any), locks, and upper body or its columns, in this order."""
     return tuple(_pieces(joint))
 
 

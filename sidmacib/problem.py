@@ -1,4 +1,4 @@
-"""What a model is asked about a joint: pieces under loads. Light to import."""
+"""The input of a model: pieces under loads. Light to import."""
 
 from typing import NamedTuple
 

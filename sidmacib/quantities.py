@@ -1,4 +1,4 @@
-"""Numbers with a range and a unit: what the fields of a joint are annotated with.
+"""Numbers with a range and a unit, which annotate the fields of a joint.
 
 Everything that reads a joint takes ranges, units and messages from these annotations: the library's
 dataclasses, the command, its files, and the configuration of a study.
@@ -111,7 +111,7 @@ class Number:
         return f"{words}{f' ({self.unit})' if self.unit else ''}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """How pydantic reads a field that is annotated so, where a schema is made of a joint."""
+        """The schema by which pydantic reads a field with this annotation."""
         return _read_before(self.read, source, handler)
 
 
@@ -130,16 +130,19 @@ class Span:
             )
         least, largest = map(self.number.read, value)
         if least > largest:
-            raise ValueError(f"[{least:g}, {largest:g}] is not allowed; the first must not be more")
+            raise ValueError(
+                f"[{least:g}, {largest:g}] is not allowed; the first value must not exceed "
+                "the second"
+            )
         return least, largest
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """How pydantic reads it, as for a `Number`."""
+        """The schema by which pydantic reads it, as for a `Number`."""
         return _read_before(self.read, source, handler)
 
 
 def _read_before(read: Callable[[Any], Any], source: Any, handler: Any) -> dict[str, Any]:
-    """A pydantic schema: ``read``, then the field's own. Plain data: no pydantic is needed here."""
+    """A pydantic schema: ``read``, then that of the field. Plain data, without pydantic."""
     function = {"type": "no-info", "function": read}
     return {"type": "function-before", "function": function, "schema": handler(source)}
 

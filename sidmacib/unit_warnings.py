@@ -42,14 +42,14 @@ def beyond(values: Iterable[Value]) -> Iterator[str]:
 
 
 def rough(frictions: Mapping[str, float]) -> Iterator[str]:
-    """One line for each coefficient of friction, by what it is of, that is hardly ever so large."""
+    """One line for each coefficient of friction that is unusually large, by its description."""
     for name, friction in frictions.items():
         if friction > ROUGHEST:
             yield f"{name}: {friction:g} is very large; {_angle(friction)}"
 
 
 def _angle(friction: float) -> str:
-    """What may have been meant: an angle, if it is below 90 degrees."""
+    """The likely meaning: an angle in degrees, if it is below 90."""
     if not friction < 90.0:
         return f"a coefficient of friction is hardly ever above {ROUGHEST:g}"
     coefficient = math.tan(math.radians(friction))

@@ -5,6 +5,9 @@ from enum import Enum
 from numbers import Integral, Real
 from typing import Any
 
+SMALL = 1e-100  # length of a direction: squares of shorter ones are 0
+LARGE = 1e9  # coordinates (m) and components of directions: products of larger ones overflow
+
 
 def require_positive(**values: Any) -> None:
     """ValueError unless every one of ``values`` is a finite number above 0."""
@@ -35,6 +38,15 @@ def require_member(kind: type[Enum], **values: Any) -> None:
             raise refused(name, value, f"{kind.__name__}: {members}")
 
 
+def require_direction(**values: Any) -> None:
+    """ValueError unless each of ``values`` is three numbers, not all 0, of at most `LARGE`."""
+    for name, value in values.items():
+        numbers = list(value)
+        fine = len(numbers) == 3 and all(is_number(x) and abs(x) <= LARGE for x in numbers)
+        if not (fine and math.hypot(*numbers) > SMALL):
+            raise refused(name, numbers, f"three numbers of at most {LARGE:g}, not all 0")
+
+
 def is_number(value: Any) -> bool:
     """Whether ``value`` is a real number, a boolean not being one."""
     return isinstance(value, Real) and not isinstance(value, bool)
@@ -42,6 +54,6 @@ def is_number(value: Any) -> bool:
 
 def refused(name: str, value: Any, allowed: str) -> ValueError:
     """The error for a ``value`` other than what is ``allowed``."""
-    # As Python's own numbers: the repr of numpy's names their type.
+    # As Python numbers, because the repr of numpy's includes the type.
     shown = value.item() if is_number(value) and hasattr(value, "item") else value
     return ValueError(f"{name}: {shown!r} is not allowed; it must be {allowed}")

@@ -56,7 +56,7 @@ def read_yaml(path: Path) -> Any:
 def parsed(data: bytes) -> Any:
     """The value that the YAML text ``data`` describes; None if it is empty. Raises `TextError`."""
     if len(data) > MAX_BYTES:
-        raise TextError(f"too long; it must have {MAX_BYTES:,} bytes or fewer")
+        raise TextError(f"too long; at most {MAX_BYTES:,} bytes are allowed")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -69,7 +69,7 @@ def parsed(data: bytes) -> Any:
     except yaml.YAMLError as error:  # characters that no text has, such as NUL
         place = getattr(error, "position", 0)
         line = text[:place].count("\n") + 1
-        raise TextError(f"line {line}: not text; it holds a control character") from None
+        raise TextError(f"line {line}: not text; it contains a control character") from None
 
 
 def _syntax_fault(error: yaml.MarkedYAMLError, text: str) -> str:
@@ -82,7 +82,7 @@ def _syntax_fault(error: yaml.MarkedYAMLError, text: str) -> str:
 
 
 class _Reader:
-    """Builds values from YAML's events, and counts them, an alias as all that it stands for."""
+    """Builds values from YAML's events and counts them; an alias counts as all its values."""
 
     def __init__(self, events: Iterator[yaml.Event]) -> None:
         self.events = events
@@ -97,12 +97,12 @@ class _Reader:
         next(self.events)  # end of the document
         following = next(self.events)
         if not isinstance(following, yaml.StreamEndEvent):
-            raise _at(following, "a second document; there must be only one")
+            raise _at(following, "a second document; a file must hold only one")
         return value
 
     def value(self, event: Any, depth: int) -> Any:
         if depth > MAX_DEPTH:
-            raise _at(event, f"nested too deeply; there must be {MAX_DEPTH} levels or fewer")
+            raise _at(event, f"nested too deeply; at most {MAX_DEPTH} levels are allowed")
         if isinstance(event, yaml.AliasEvent):
             return self.alias(event)
         if event.tag is not None:
@@ -127,7 +127,7 @@ class _Reader:
         found: dict[str, Any] = {}
         while not isinstance(key := next(self.events), yaml.MappingEndEvent):
             if not isinstance(key, yaml.ScalarEvent):
-                raise _at(key, "a list or mapping as a key; keys must be words")
+                raise _at(key, "a list or mapping as a key; keys must be plain words")
             if key.value in found:
                 raise _at(key, f"{key.value[:60]!r} appears twice; each key must appear only once")
             found[key.value] = self.value(next(self.events), depth + 1)
@@ -135,7 +135,7 @@ class _Reader:
 
     def alias(self, event: Any) -> Any:
         if event.anchor not in self.anchored:
-            raise _at(event, f"*{event.anchor[:60]} is an alias of nothing before it")
+            raise _at(event, f"*{event.anchor[:60]} is an alias of an undefined anchor")
         value, count = self.anchored[event.anchor]
         self.count += count
         self.check(event)
@@ -143,7 +143,7 @@ class _Reader:
 
     def check(self, event: yaml.Event) -> None:
         if self.count > MAX_VALUES:
-            raise _at(event, f"too many values; there must be {MAX_VALUES:,} or fewer")
+            raise _at(event, f"too many values; at most {MAX_VALUES:,} are allowed")
 
 
 def _scalar(text: str) -> Any:

@@ -48,11 +48,13 @@ def filled(text: str, results: Path) -> str:
     def block(match: re.Match[str]) -> str:
         begin, name, end = match.groups()
         if name not in BLOCKS:
-            raise PageError(f"{name}: unknown numbers; they must be one of {', '.join(BLOCKS)}")
+            raise PageError(
+                f"{name}: unknown block of numbers; it must be one of {', '.join(BLOCKS)}"
+            )
         try:
             return f"{begin}{BLOCKS[name](results)}\n{end}"
         except FileNotFoundError as error:
-            print(f"{name}: left as it is, as {error.filename} is not there", file=sys.stderr)
+            print(f"{name}: unchanged, as {error.filename} is missing", file=sys.stderr)
             return match[0]
 
     return BLOCK.sub(block, text)

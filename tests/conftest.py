@@ -110,7 +110,7 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
 
 @dataclass(frozen=True)
 class CaseResult:
-    """What an engine found for a case: its record and its own tables."""
+    """The results of an engine for a case: its record and its tables."""
 
     case: Case
     record: CaseRecord

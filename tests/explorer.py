@@ -22,7 +22,7 @@ class Answered:
     text: str
 
     @property
-    def told(self) -> Any:
+    def content(self) -> Any:
         return json.loads(self.text)
 
 
@@ -50,9 +50,9 @@ class Served:
     def get(self, path: str, **headers: str) -> Answered:
         return self.send("GET", path, {k.replace("_", "-"): v for k, v in headers.items()})
 
-    def post(self, path: str, told: object, **headers: str) -> Answered:
-        """``told`` as JSON, or as it is if it is a text."""
-        body = told if isinstance(told, str) else json.dumps(told)
+    def post(self, path: str, content: object, **headers: str) -> Answered:
+        """``content`` as JSON, or as it is if it is a text."""
+        body = content if isinstance(content, str) else json.dumps(content)
         more = {k.replace("_", "-"): v for k, v in headers.items()}
         return self.send("POST", path, JSON | more, body)
 

@@ -23,7 +23,7 @@ DIRECTIONS = [Direction(e) for e in (0.0, 0.5, math.inf)]
 
 
 def kernel() -> str:
-    """The processor that numpy's OpenBLAS works for, '' where it does not tell."""
+    """The processor that numpy's OpenBLAS works for, '' where it is unknown."""
     for path in (Path(np.__file__).parents[1] / "numpy.libs").glob("libscipy_openblas64_*"):
         name = ctypes.CDLL(str(path)).scipy_openblas_get_corename64_
         name.restype = ctypes.c_char_p

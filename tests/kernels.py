@@ -1,4 +1,4 @@
-"""Kernels of OpenBLAS, which round in ways of their own, and what a processor needs for them."""
+"""Kernels of OpenBLAS, which round differently, and the processors that can run them."""
 
 import platform
 from pathlib import Path

@@ -47,7 +47,7 @@ def capacity_of(study: Study, records: Sequence[CaseRecord]) -> pd.DataFrame:
 def tables_of(
     study: Study, records: Sequence[CaseRecord], cases: pd.DataFrame | None = None
 ) -> dict[str, pd.DataFrame]:
-    """The tables that a summary needs; ``cases``: in place of the records' own."""
+    """The tables that a summary needs; ``cases``: in place of those of the records."""
     capacity = capacity_of(study, records)
     fit, weights = fit_table(capacity), weights_table(records)
     return {

@@ -315,7 +315,7 @@ def test_only_the_papers_samples_and_loads_are_held_against_the_paper(
     assert read_published().covers(read_study(config), "n") is covered
 
 
-def test_the_summary_tells_the_findings_and_where_everything_is(study, results) -> None:
+def test_the_summary_has_the_findings_and_all_paths(study, results) -> None:
     text = summary("there", tables_of(study, results), [0.02])
     assert "Tables:  there/tables" in text
     assert "Assumed: a, b, h and H" in text

@@ -42,14 +42,14 @@ def run(
     ``folder``: with the study and a home; by default the one that the checkout is in.
     """
     folder = folder or checkout.parent
-    own = {name: value for name, value in os.environ.items() if name not in CACHES}
-    told = (str(folder / "study.yaml"), f"--results={folder / 'results'}")
-    command = (sys.executable, "-m", "workflow", "case", *told, "--case=n3-mesh0.03-e0a")
+    environment = {name: value for name, value in os.environ.items() if name not in CACHES}
+    options = (str(folder / "study.yaml"), f"--results={folder / 'results'}")
+    command = (sys.executable, "-m", "workflow", "case", *options, "--case=n3-mesh0.03-e0a")
     return subprocess.run(
         [*(AS_ANYBODY if os.getuid() == 0 else ()), *command],
         check=False,
         cwd=place,
-        env={**own, "HOME": str(folder / "home"), "PYTHONPATH": str(checkout), **more},
+        env={**environment, "HOME": str(folder / "home"), "PYTHONPATH": str(checkout), **more},
         capture_output=True,
         text=True,
         timeout=600,

@@ -87,10 +87,10 @@ def places(deck: Deck) -> dict[int, np.ndarray]:
 def resultant(deck: Deck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
     """Force and moment about a piece's centre of the nodal forces on it."""
     where, piece, grid = places(deck), deck.assembly.pieces[index], deck.grids[index]
-    own = range(grid.first_node, grid.first_node + len(grid.nodes))
+    numbers = range(grid.first_node, grid.first_node + len(grid.nodes))
     found = np.zeros(6)
     for (node, direction), force in forces.items():
-        if node in own:
+        if node in numbers:
             vector = force * np.eye(3)[direction - 1]
             arm = where[node] - np.array(piece.centre_m)
             found += [*vector, *np.cross(arm, vector)]
@@ -232,23 +232,25 @@ def test_it_is_no_model_of_the_peak_and_says_what_it_needs() -> None:
 def test_a_study_with_rigid_pieces_refuses_it_and_one_with_elastic_pieces_takes_it() -> None:
     config = {"samples": {"n3": {"locks": 3}}}
     assert read_study(config).dem.engines == DISTINCT
-    with pytest.raises(ConfigError, match="pieces: rigid is not possible with calculix; it must"):
+    with pytest.raises(ConfigError, match="pieces: rigid is not allowed with calculix; it must"):
         read_study({**config, "dem": {"engines": ["calculix"]}})
     assert read_study({**config, "assembly": {"pieces": "elastic"}}).dem.engines == ("calculix",)
 
 
-def test_a_study_goes_on_without_it_where_it_is_not_installed(
+def test_a_study_continues_without_an_engine_that_is_not_installed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
     monkeypatch.setenv("PATH", "")
     assert installed_engines(study) == []
-    told = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study goes on"
-    assert told in capsys.readouterr().err
+    note = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
+    assert note in capsys.readouterr().err
 
 
 def test_first_failures_alone_are_not_enough_for_a_study() -> None:
-    with pytest.raises(ConfigError, match=r"limit is not enough while dem\.engines is calculix"):
+    with pytest.raises(
+        ConfigError, match=r"limit has no model that follows failure while dem\.engines is calculix"
+    ):
         read_study(
             {
                 "samples": {"n3": {"locks": 3}},

@@ -44,7 +44,7 @@ SWAPPED = {3: [0.77, 0.99, 0], 5: [0.57, 0.99, 0.68, 0.68, 0]}
 
 
 def at_both(weights: dict[int, list[float]]) -> dict[tuple[int, float], list[float]]:
-    return {(locks, mesh): own for locks, own in weights.items() for mesh in (0.02, 0.005)}
+    return {(locks, mesh): values for locks, values in weights.items() for mesh in (0.02, 0.005)}
 
 
 @pytest.fixture(scope="module")
@@ -60,9 +60,9 @@ def study() -> Study:
 def table(study: Study) -> pd.DataFrame:
     chosen = {f"g{n}": each for n, each in enumerate(candidates(study, PUBLISHED))}
     chosen |= {f"own{n}": each for n, each in enumerate(study_candidates(study, PUBLISHED))}
-    own = read_study(candidate_study(study, check(study, PUBLISHED), chosen, "there"))
-    records = [solved(case, solve)[0] for case in cases_of(own).values()]
-    return misfit_table(own, cases_table(records, records), weights_table(records), PUBLISHED)
+    candidate = read_study(candidate_study(study, check(study, PUBLISHED), chosen, "there"))
+    records = [solved(case, solve)[0] for case in cases_of(candidate).values()]
+    return misfit_table(candidate, cases_table(records, records), weights_table(records), PUBLISHED)
 
 
 @pytest.fixture
@@ -71,7 +71,7 @@ def grid(table: pd.DataFrame) -> pd.DataFrame:
 
 
 @pytest.fixture
-def own(table: pd.DataFrame) -> pd.DataFrame:
+def of_study(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["candidate"].str.startswith("own")]
 
 
@@ -85,7 +85,7 @@ def test_the_grid_has_the_published_area_and_every_friction(study: Study) -> Non
     assert {each.friction for each in found} == {0.01, 0.3}
 
 
-def test_the_studys_own_joints_are_told_apart_by_size_and_friction(study: Study) -> None:
+def test_the_joints_of_the_study_are_distinguished_by_size_and_friction(study: Study) -> None:
     printed, fits = study_candidates(study, PUBLISHED)
     assert printed == Candidate(study.geometry, 0.3)
     assert (fits.geometry.h, fits.friction) == (0.0175, 0.005236)
@@ -124,9 +124,9 @@ def test_samples_that_are_not_published_are_left_out(table: pd.DataFrame) -> Non
 
 
 def test_the_shipped_joint_that_fits_is_within_the_aims_and_the_printed_one_is_not(
-    own: pd.DataFrame,
+    of_study: pd.DataFrame,
 ) -> None:
-    printed, fits = own.to_dict("records")
+    printed, fits = of_study.to_dict("records")
     assert fits["fits"] and not printed["fits"]
     assert fits["largest_peak_difference"] < 0.005
     assert fits["largest_weight_difference"] < 0.04
@@ -177,7 +177,7 @@ def test_what_cannot_be_calibrated_is_refused(change: dict[str, Any], message: s
 
 
 def test_a_study_without_a_published_sample_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"^samples: none of them is published; "):
+    with pytest.raises(ConfigError, match=r"^samples: none is a published sample; "):
         check(read_study({"samples": {"n7": {"locks": 7}}}), PUBLISHED)
 
 
@@ -201,12 +201,12 @@ def test_two_straight_parts_are_found_where_they_meet() -> None:
 def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     chosen = list(candidates(study, PUBLISHED))[:2]
     ranked = {f"rank{rank}": each for rank, each in enumerate(chosen)}
-    own = read_study(engine_study(study, check(study, PUBLISHED), ranked, "there"))
-    assert list(own.samples) == ["rank0_n3", "rank0_n5", "rank1_n3", "rank1_n5"]
-    assert own.joint("rank1_n5").h == pytest.approx(chosen[1].geometry.h)
-    assert own.joint("rank1_n5").dry.friction == chosen[1].friction
-    assert (own.results, own.nodes) == ("there", study.nodes)
-    assert own.dem.engines == study.dem.engines
+    confirmed = read_study(engine_study(study, check(study, PUBLISHED), ranked, "there"))
+    assert list(confirmed.samples) == ["rank0_n3", "rank0_n5", "rank1_n3", "rank1_n5"]
+    assert confirmed.joint("rank1_n5").h == pytest.approx(chosen[1].geometry.h)
+    assert confirmed.joint("rank1_n5").dry.friction == chosen[1].friction
+    assert (confirmed.results, confirmed.nodes) == ("there", study.nodes)
+    assert confirmed.dem.engines == study.dem.engines
     elastic = read_study(
         {"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}, "meshes": [0.005]}
     )
@@ -223,15 +223,15 @@ def test_a_row_gives_back_its_candidate(study: Study, grid: pd.DataFrame) -> Non
 
 
 def test_the_figure_shows_friction_map_profiles_and_a_curve_for_each_sample(
-    grid: pd.DataFrame, own: pd.DataFrame
+    grid: pd.DataFrame, of_study: pd.DataFrame
 ) -> None:
-    row = own.iloc[-1][["candidate", "a_m", "friction"]].to_dict()
+    row = of_study.iloc[-1][["candidate", "a_m", "friction"]].to_dict()
     shape = {"turn_from_shear": 0.4}
     points = [(100.0, 0.0), (50.0, 2.0), (0.0, 3.0)]
     curves = pd.DataFrame(
         row | {"locks": n, "shear_N": v, "torque_Nm": m} | shape for n in (3, 5) for v, m in points
     )
-    shown = calibration(grid, own, curves, PUBLISHED)
+    shown = calibration(grid, of_study, curves, PUBLISHED)
     titles = [axes.get_title(loc="left") for axes in shown.axes]
     assert [title for title in titles if title] == [
         *("least misfit of any geometry", "closest of all published peaks, any weights (%)"),

@@ -1,4 +1,4 @@
-"""What a cluster is told of a job, and what becomes of one that it kills."""
+"""The cluster resources that a job requests, and jobs that the cluster kills."""
 
 import json
 import os
@@ -20,7 +20,7 @@ from sidmacib.mechanics.assembly import Elastic
 from workflow.__main__ import profile_named
 from workflow.case import Case
 from workflow.configuration import ConfigError, read_study
-from workflow.engines.engine import FOREIGN, own_environment
+from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.planning.closure import described
 from workflow.planning.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
@@ -99,12 +99,12 @@ def test_it_is_the_last_try_unless_a_cluster_says_otherwise(
     assert last_try()
 
 
-def test_the_profile_tries_as_often_as_jobs_are_told() -> None:
+def test_the_profile_tries_as_often_as_jobs_expect() -> None:
     profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text())
     assert profile["retries"] == RETRIES
     assert profile_named("slurm") == ROOT / "profiles/slurm"
     assert profile_named("") is None
-    with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not known; it must be"):
+    with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not allowed; it must be"):
         profile_named("slrum")
 
 
@@ -117,23 +117,23 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
     monkeypatch.setattr(engine_step, "run_engine", killed)
     outputs = {"record": tmp_path / RECORD, "result": tmp_path / RESULT}
     case = case_on(mesh=0.02)
-    told = {"case": case.to_json(), "time_limit": 60}
+    arguments = {"case": case.to_json(), "time_limit": 60}
     monkeypatch.setenv(LAST_TRY, "0")
     with pytest.raises(KilledError, match="killed by signal 9"):
-        engine_step.run(told, {}, outputs)
+        engine_step.run(arguments, {}, outputs)
     assert not any(path.exists() for path in outputs.values())
     monkeypatch.setenv(LAST_TRY, "1")
-    assert "killed" in str(engine_step.run(told, {}, outputs))
+    assert "killed" in str(engine_step.run(arguments, {}, outputs))
     assert all(path.exists() for path in outputs.values())
 
 
 def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("SLURM_JOB_ID", "1")
     monkeypatch.setenv("PMI_RANK", "0")
-    own = own_environment(OMP_NUM_THREADS="1")
-    assert not [name for name in own if name.startswith(FOREIGN)]
-    assert own["OMP_NUM_THREADS"] == "1"
-    assert own["PATH"] == os.environ["PATH"]
+    environment = engine_environment(OMP_NUM_THREADS="1")
+    assert not [name for name in environment if name.startswith(FOREIGN)]
+    assert environment["OMP_NUM_THREADS"] == "1"
+    assert environment["PATH"] == os.environ["PATH"]
 
 
 def test_other_machines_find_the_plans_as_they_are(tmp_path: Path) -> None:
@@ -178,9 +178,9 @@ def sleeping(tmp_path: Path, **more: Any) -> subprocess.Popen[str]:
 
 def test_a_job_that_is_stuck_ends_at_its_time_limit(tmp_path: Path) -> None:
     process = sleeping(tmp_path, time_limit=0.5)
-    _, told = process.communicate(timeout=10)
+    _, errors = process.communicate(timeout=10)
     assert process.returncode == 1
-    assert told == "a/job: out of time after 0.5 s\n"
+    assert errors == "a/job: out of time after 0.5 s\n"
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])

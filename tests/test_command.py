@@ -24,7 +24,7 @@ from sidmacib.rule.pairs import pairs_of
 from sidmacib.weights import lock_weights
 
 
-def test_capacity_tells_what_the_library_does() -> None:
+def test_capacity_prints_the_loads_of_the_library() -> None:
     rows = answers("capacity", "-n", "7", "-e", "0.3", "-e", "torsion", "-m", "law", "-m", "safe")
     joint = Joint(7)
     for row, (ratio, rule) in zip(
@@ -85,9 +85,9 @@ def test_flags_make_the_joint() -> None:
 
 
 TOLD = [
-    (told.opts[0], default.group(1))
-    for told in main.commands["law"].params
-    if (default := re.search(r"\[default: ([^\s\],]+)", getattr(told, "help", None) or ""))
+    (parameter.opts[0], default.group(1))
+    for parameter in main.commands["law"].params
+    if (default := re.search(r"\[default: ([^\s\],]+)", getattr(parameter, "help", None) or ""))
 ]
 
 
@@ -106,9 +106,9 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
     assert rows[0]["e/a"] == 0.0
     assert rows[-1]["e/a"] == "torsion"
     joint = Joint(3)
-    own = [row for row in rows if row["model"] == "law"]
-    assert len(own) > 5
-    for row in own:
+    law_rows = [row for row in rows if row["model"] == "law"]
+    assert len(law_rows) > 5
+    for row in law_rows:
         ratio = math.inf if row["e/a"] == "torsion" else float(str(row["e/a"]))
         expected = law(joint, Direction(ratio))
         assert row["V (N)"] == pytest.approx(expected.shear)
@@ -121,13 +121,13 @@ def test_a_picture_has_the_curve_of_each_model() -> None:
     (axes,) = curves(rows, "three").axes
     assert axes.get_title(loc="left") == "three"
     for line, model in zip(axes.lines, ("safe", "law"), strict=True):
-        own = [(row["V (N)"], row["M (N m)"]) for row in rows if row["model"] == model]
+        points = [(row["V (N)"], row["M (N m)"]) for row in rows if row["model"] == model]
         assert line.get_label() == model
         assert line.get_color() == COLOURS[model]
-        assert list(zip(*line.get_data(), strict=True)) == own
+        assert list(zip(*line.get_data(), strict=True)) == points
 
 
-def test_the_static_model_tells_the_first_failure_where_its_peaks_spread() -> None:
+def test_the_static_model_reports_the_first_failure_where_its_peaks_spread() -> None:
     (row,) = answers("capacity", "-n", "15", "-e", "1", "-m", "static")
     assert float(str(row["peak spread"])) > 0.02
     assert str(row["note"]).startswith("first failure; peaks behind it spread by 3 % or more")
@@ -136,7 +136,7 @@ def test_the_static_model_tells_the_first_failure_where_its_peaks_spread() -> No
     assert steady["peak spread"] == 0.0
 
 
-def test_the_static_model_tells_its_first_failure() -> None:
+def test_the_static_model_reports_its_first_failure() -> None:
     (row,) = answers("capacity", "-n", "5", "-m", "static", "--failure", "ductile")
     joint = Joint(5, failure=Failure.DUCTILE)
     found = load_path(joint, Loading(Direction(0.0)), 0.24975 * joint.b)[1]
@@ -162,12 +162,12 @@ def test_weights_are_those_of_each_lock() -> None:
     assert max(in_shear) == pytest.approx(1.0, abs=1e-3)
 
 
-def test_a_force_that_is_rounding_is_told_as_none() -> None:
+def test_a_force_that_is_rounding_is_printed_as_none() -> None:
     assert {row["Vx (N)"] for row in answers("weights", "-n", "3")} == {0.0}
 
 
-def test_the_law_tells_how_many_locks_work() -> None:
-    told = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
+def test_the_law_prints_how_many_locks_work() -> None:
+    values = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
     joint, pairs = Joint(9), pairs_of(Joint(9))
     expected = {
         "pairs that bear": 4,
@@ -179,8 +179,10 @@ def test_the_law_tells_how_many_locks_work() -> None:
         shear = rule(joint, Direction(0.0)).shear
         expected[f"V (N), {rule.__name__}"] = shear
         expected[f"locks that work, {rule.__name__}"] = shear / joint.T0
-    assert told == pytest.approx(expected)
-    assert float(str(told["locks that work, safe"])) < float(str(told["locks that work, law"])) < 4
+    assert values == pytest.approx(expected)
+    assert (
+        float(str(values["locks that work, safe"])) < float(str(values["locks that work, law"])) < 4
+    )
 
 
 @pytest.mark.parametrize("hold_down", ["plate", "weight", "force:100"])
@@ -204,7 +206,7 @@ def test_weights_are_over_the_cohesion() -> None:
     )
 
 
-def test_cases_are_told_where_the_workflow_is(
+def test_cases_are_listed_where_the_workflow_is(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "study.yaml").write_text("samples: {n3: {locks: 3}}\n")
@@ -287,7 +289,7 @@ def test_an_envelope_that_no_model_gives_ends_with_an_error() -> None:
     assert run("envelope", "-n", "9", "-H", "60").exit_code == 1
 
 
-def test_an_answer_asked_for_twice_is_told_once() -> None:
+def test_an_answer_asked_for_twice_is_printed_once() -> None:
     rows = answers("capacity", "-m", "law", "-m", "law", "-e", "0.2", "-e", ".2", "-e", "0")
     assert [(row["model"], row["e/a"]) for row in rows] == [("law", 0.2), ("law", 0.0)]
 
@@ -306,7 +308,7 @@ def test_a_picture_of_weights_has_a_bar_for_each_lock() -> None:
     assert found == pytest.approx({float(str(r["lock"])): r["weight"] for r in rows})
 
 
-def test_a_picture_that_cannot_be_written_is_told_without_a_number(tmp_path: Path) -> None:
+def test_a_picture_that_cannot_be_written_is_reported_without_a_number(tmp_path: Path) -> None:
     found = run("envelope", "-m", "law", "--picture", str(tmp_path / "none" / "vm.png"))
     assert found.exit_code == 2
     assert "vm.png: No such file or directory" in " ".join(found.output.split())

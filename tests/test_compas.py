@@ -18,8 +18,8 @@ from sidmacib.structure.file import read_structure, structure_of
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.structure import structure
 
-GROUND = box("block0", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
-CUBE = box("block3", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
+GROUND = box("block-0", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+CUBE = box("block-3", (0.0, 0.0, 0.0), (0.4, 0.6, 1.0), 2e3)
 KIND = "compas_cra.datastructures/CRA_Assembly"
 
 
@@ -111,6 +111,56 @@ def test_a_model_of_compas_dem_has_blocks_that_are_moved_and_materials(path: Pat
     assert np.array(cube.vertices) == pytest.approx(np.array(CUBE.vertices))
 
 
+def test_an_empty_group_is_no_block(path: Path) -> None:
+    given = model()
+    group = {"dtype": "compas_model.elements/Group", "data": {"name": "empty"}}
+    given["data"]["elements"]["e"] = group
+    given["data"]["graph"]["node"]["1"] = {"element": "e"}
+    given["data"]["tree"]["root"]["children"].append({"element": "e"})
+    path.write_text(json.dumps(given))
+    assert [block.name for block in read_compas(path, 2e3)] == ["block-0", "block-3"]
+
+
+def test_an_analysis_has_its_model(path: Path) -> None:
+    data = {"model": model(), "problems": []}
+    path.write_text(json.dumps({"dtype": "compas_dem.models/Analysis", "data": data}))
+    assert [block.name for block in read_compas(path, 2e3)] == ["block-0", "block-3"]
+    path.write_text(json.dumps({"dtype": "compas_dem.models/Analysis", "data": {"model": 3}}))
+    with pytest.raises(ValueError, match=r"assembly.json: 3 is not allowed; it must be a mapping"):
+        read_compas(path, 2e3)
+
+
+def test_messages_name_blocks_as_answers_do(path: Path) -> None:
+    given = assembly()
+    given["data"]["graph"]["data"]["node"]["3"]["block"]["data"]["face"]["0"] = [1, 2, 3]
+    path.write_text(json.dumps(given))
+    described = {"blocks": {"vault": {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
+    with pytest.raises(ValueError, match=r"blocks\.vault\.vault-3: a vertex or face is not"):
+        structure_of(described, folder=path.parent)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("large", [math.inf, -math.inf, math.nan, 1e308, 1e200, 2e9])
+def test_coordinates_that_are_too_large_are_refused_without_a_warning(
+    path: Path, large: float
+) -> None:
+    keys = ("data", "graph", "data", "node", "3", "block", "data", "vertex", "13", "z")
+    words = "block-3: all coordinates must be finite, and at most 1e\\+09 m"
+    refuses(path, assembly(), keys, large, words)
+    given = model()
+    matrix = given["data"]["elements"]["c"]["data"]["transformation"]["data"]["matrix"]
+    matrix[2][2] = large
+    keys = ("data", "elements", "c", "data", "transformation", "data", "matrix")
+    refuses(path, given, keys, matrix, "block-3: transformation: must be a matrix of 4 x 4 numbers")
+    edge = {"dtype": "compas_assembly.datastructures/Interface"}
+    edge["data"] = {"points": [[0, 0, 0], [0.4, 0, 0], [0.4, large, 0]]}  # type: ignore[assignment]
+    given = assembly()
+    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [edge]}}}
+    path.write_text(json.dumps(given))
+    with pytest.raises(ValueError, match="edge 3-0: is not understood"):
+        read_compas_interfaces(path, read_compas(path, 2e3))
+
+
 def test_a_model_with_groups_is_refused(path: Path) -> None:
     given = model()
     given["data"]["tree"]["root"]["children"].append({"children": [{"element": "c"}]})
@@ -180,16 +230,16 @@ def test_an_interface_without_an_area_is_refused(path: Path) -> None:
         (("dtype",), "compas_fea2.model/Model", "assembly.json: dtype 'compas_fea2"),
         (("data", "graph"), 3, "assembly.json: graph: 3 is not allowed; it must be a mapping"),
         (("data", "graph", "data"), {}, "assembly.json: lacks the key node"),
-        (("data", "graph", "data", "node", "3"), {}, "block3: lacks the key block"),
+        (("data", "graph", "data", "node", "3"), {}, "block-3: lacks the key block"),
         (
             ("data", "graph", "data", "node", "3", "block", "dtype"),
             "compas.datastructures/Mesh",
-            "block3: block: dtype 'compas.datastructures/Mesh' is not allowed; it must be",
+            "block-3: block: dtype 'compas.datastructures/Mesh' is not allowed; it must be",
         ),
         (
             ("data", "graph", "data", "node", "3", "block", "data", "face", "0"),
             [1, 2, 3],
-            "block3: a vertex or face is not understood",
+            "block-3: a vertex or face is not understood",
         ),
         (("data", "graph", "data", "node", "0", "is_support"), False, "calls no node a support"),
         (("data", "graph", "data", "node", "x"), {}, "node: 'x' is not allowed; it must be a"),
@@ -218,19 +268,19 @@ def test_a_file_that_is_no_json_is_named(path: Path) -> None:
     [
         (("tree", "root", "children"), "x", "tree: must have no groups"),
         (("graph", "node", "3", "element"), [1], "elements: lacks the key"),
-        (("elements", "c", "data", "is_support"), "false", "block3: is_support: 'false' is not"),
+        (("elements", "c", "data", "is_support"), "false", "block-3: is_support: 'false' is not"),
         (
             ("elements", "c", "data", "transformation", "data", "matrix"),
             "abc",
-            "block3: transformation: must be a matrix",
+            "block-3: transformation: must be a matrix",
         ),
         (
             ("elements", "c", "data", "transformation", "data", "matrix"),
             [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
-            "block3: transformation: must end with 0, 0, 0, 1 and not mirror",
+            "block-3: transformation: must end with 0, 0, 0, 1 and not mirror",
         ),
-        (("materials", "stone", "data", "density"), 0, "block3: density of its material: 0 is not"),
-        (("materials", "stone", "data", "density"), 1e308, "must be greater than 0 and at most"),
+        (("materials", "stone", "data", "density"), 0, "density of its material: 0 is not"),
+        (("materials", "stone", "data", "density"), 1e308, "must be from 0.001 to 1e"),
     ],
 )
 def test_what_a_model_has_wrong_is_named_in_one_line(

@@ -1,6 +1,7 @@
-"""What goes back to COMPAS: forces that balance, a mechanism, and what its own package reads."""
+"""Results for COMPAS: forces that balance, a mechanism, and files that its package reads."""
 
 import json
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,11 @@ from command_runner import run
 from test_compas import assembly, model
 
 from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.corner_forces import at_corners
+from sidmacib.structure.file import read_structure, structure_of
 
 CENTRE = np.array([0.2, 0.3, 0.5])
 
@@ -55,12 +61,42 @@ def test_results_name_the_model_and_are_the_same_bytes_again(tmp_path: Path) -> 
     assert written(tmp_path, named()) == once
 
 
-def test_an_assembly_of_another_package_has_no_such_results(tmp_path: Path) -> None:
-    path = tmp_path / "model.json"
-    path.write_text(json.dumps(assembly()))
-    found = run("assembly", str(path), "--compas", str(tmp_path / "results.json"))
-    assert found.exit_code == 1
-    assert "for a compas_dem.models/BlockModel" in found.output
+def test_limit_analysis_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = []
+
+    def counted(*problem: Any, friction: bool) -> Any:
+        asked.append(friction)
+        return limit_load(*problem, friction=friction)
+
+    monkeypatch.setattr("sidmacib.command.structures.limit_load", counted)
+    written(tmp_path, named())
+    assert asked == [True]
+
+
+def test_an_assembly_of_compas_cra_has_forces_at_its_interfaces(tmp_path: Path) -> None:
+    path, results = tmp_path / "model.json", tmp_path / "results.json"
+    given = assembly()
+    corners = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.4, 0.6, 0.0]]
+    one = {"dtype": "compas_assembly.datastructures/Interface", "data": {"points": corners}}
+    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [one], "kept": 7}}}
+    path.write_text(json.dumps(given))
+    assert run("assembly", str(path), "--compas", str(results)).exit_code == 0
+    content = json.loads(results.read_text())
+    assert content["dtype"] == given["dtype"]
+    graph = content["data"]["graph"]["data"]
+    assert graph["node"] == given["data"]["graph"]["data"]["node"]
+    assert graph["edge"]["3"] == {}  # forces are those on the second block
+    (interface,) = graph["edge"]["0"]["3"]["interfaces"]
+    data = interface["data"]
+    weight = 0.24 * 2000 * GRAVITY
+    assert sum(each["c_np"] for each in data["forces"]) == pytest.approx(weight)
+    assert (data["size"], len(data["points"]), len(data["forces"])) == (pytest.approx(0.24), 4, 4)
+    # What is written is read as it was found.
+    again = [block.name for block in read_compas(results, 2e3)]
+    assert again == ["block-0", "block-3"]
+    (region,) = read_compas_interfaces(results, read_compas(results, 2e3))
+    assert region.middle == pytest.approx((0.2, 0.3, 0.0))
+    assert region.outline.area == pytest.approx(0.24)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +107,7 @@ def test_an_assembly_of_another_package_has_no_such_results(tmp_path: Path) -> N
         (named, "load: {tilt: {axis: [0, 1, 0]}}", "results.json", "not a tilt"),
     ],
 )
-def test_results_that_cannot_be_written_are_told_under_the_table(
+def test_results_that_cannot_be_written_are_reported_under_the_table(
     tmp_path: Path, content: Callable[[], dict[str, Any]], laws: str, target: str, words: str
 ) -> None:
     path = tmp_path / "model.json"
@@ -91,6 +127,48 @@ def test_locks_that_are_cut_out_are_refused(tmp_path: Path) -> None:
     path.with_suffix(".yaml").write_text(f"locks: [{locks}]")
     found = run("assembly", str(path), "--compas", str(tmp_path / "results.json"))
     assert "must be a block of the model" in found.output
+
+
+@pytest.mark.parametrize("nodes", ["vertices", "centres", "lobatto"])
+def test_forces_at_corners_do_what_those_at_nodes_do(nodes: str) -> None:
+    hexagon = [[math.cos(k), math.sin(k), 0.0] for k in np.arange(6) * math.pi / 3]
+    l_shape = [[0, 0, 0], [2, 0, 0], [2, 1, 0], [1, 1, 0], [1, 2, 0], [0, 2, 0]]
+    for outline in (hexagon, l_shape):
+        described = {
+            "blocks": {
+                "below": {"outline": outline, "along": [0, 0, -1], "fixed": True},
+                "above": {"outline": outline, "along": [0, 0, 1]},
+            },
+            "interfaces": {"cohesion": 1e4, "tensile_strength": 1e4},
+            "load": {"acceleration": [1, 0, 0]},
+            "nodes": nodes,
+            "mesh": 0.5,
+        }
+        assembly = structure_of(described).assembly
+        (face,) = assembly.faces
+        assert isinstance(face, Polygon)
+        places = assembly.nodes.position
+        force = np.random.default_rng(1).normal(size=(len(places), 3))
+        found = at_corners(face, places, force)
+        assert found.sum(axis=0) == pytest.approx(force.sum(axis=0))
+        arms, corners = places - face.middle, face.corners - face.middle
+        turned = np.cross(corners, found @ face.axes).sum(axis=0)
+        assert turned == pytest.approx(np.cross(arms, force @ face.axes).sum(axis=0))
+        pressed = at_corners(face, places, np.abs(force))
+        assert (pressed >= 0.0).all()
+
+
+def test_a_load_is_not_raised_beyond_the_most(tmp_path: Path) -> None:
+    path = tmp_path / "model.json"
+    path.write_text(json.dumps(named()))
+    problem = read_structure(path)
+    limit = limit_load(*problem, friction=True)
+    part = limit_load(*problem, friction=True, most=0.4 * limit.load)
+    assert part.load == pytest.approx(0.4 * limit.load)
+    assert not part.mechanism.any() and limit.mechanism.any()
+    beyond = limit_load(*problem, friction=True, most=2.0 * limit.load)
+    assert beyond.load == pytest.approx(limit.load)
+    assert beyond.mechanism == pytest.approx(limit.mechanism, abs=1e-6)
 
 
 def test_compas_dem_reads_what_is_written(tmp_path: Path) -> None:

@@ -70,20 +70,22 @@ def test_one_cell_of_lobatto_points_is_enough() -> None:
 def test_every_corner_of_a_face_has_a_node(layout: NodeLayout) -> None:
     model = assemble(Joint(3), 0.02, layout)
     for number, face in enumerate(model.faces):
-        own = model.nodes.position[model.nodes.face == number]
+        corners = model.nodes.position[model.nodes.face == number]
         for corner in (face.low, face.high):
-            assert np.abs(own - corner).sum(axis=1).min() < 1e-12
+            assert np.abs(corners - corner).sum(axis=1).min() < 1e-12
 
 
 @given(st.sampled_from(LAYOUTS), st.floats(0.004, 0.045))
 def test_the_nodes_of_a_face_have_its_area_and_its_middle(layout: NodeLayout, mesh: float) -> None:
     model = assemble(Joint(2), mesh, layout)
     for number, face in enumerate(model.faces):
-        own = model.nodes.face == number
-        assert model.nodes.area[own].sum() == pytest.approx(face.area)
-        middle = np.average(model.nodes.position[own], axis=0, weights=model.nodes.area[own])
+        on_face = model.nodes.face == number
+        assert model.nodes.area[on_face].sum() == pytest.approx(face.area)
+        middle = np.average(
+            model.nodes.position[on_face], axis=0, weights=model.nodes.area[on_face]
+        )
         assert middle == pytest.approx((np.array(face.low) + face.high) / 2)
-        assert np.ptp(model.nodes.position[own], axis=0)[face.axis] == 0.0
+        assert np.ptp(model.nodes.position[on_face], axis=0)[face.axis] == 0.0
 
 
 def test_no_cell_is_longer_than_the_mesh() -> None:

@@ -1,7 +1,7 @@
 """The container: built from its recipe without a registry, and a study in it with both engines.
 
 What its recipe starts from is made by debootstrap where it is not there. CONTAINER_OPTIONS may have
-options of `buildah build`, such as for mirrors of your own.
+options of `buildah build`, such as for local mirrors.
 """
 
 import os

@@ -129,8 +129,10 @@ def corner_forces(text: str) -> list[tuple[str, float, float, float]]:
 
 
 def test_a_given_force_is_on_the_corners_of_the_top_before_the_load_is_raised(case: Case) -> None:
-    own = {2: OwnLock(width=0.06, density=2000.0)}
-    joint = replace(case.joint, hold_down=HoldDown.force(800.0), different=own, first=Block.LOWER)
+    changes = {2: OwnLock(width=0.06, density=2000.0)}
+    joint = replace(
+        case.joint, hold_down=HoldDown.force(800.0), different=changes, first=Block.LOWER
+    )
     text = deck(replace(case, joint=joint))
     found = corner_forces(text)
     assert len(found) == 4 * 3
@@ -173,15 +175,19 @@ def test_what_comes_back_reads_like_any_other_model(case: Case) -> None:
 
 def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
     text = returned(case, 100.0)
-    with pytest.raises(ResultError, match=r"results of other-.*; they must be of n3-mesh0.03"):
+    with pytest.raises(
+        ResultError, match=r"results of other-.*; they must be results of n3-mesh0.03"
+    ):
         read_returned(text.replace(case.name, "other"), case)
-    with pytest.raises(ResultError, match=r"not whole; run the deck again"):
+    with pytest.raises(ResultError, match=r"incomplete; run the deck again"):
         read_returned(text.removesuffix("MULTILOCK|END"), case)
 
 
 def test_results_of_the_same_case_on_another_joint_are_refused(case: Case) -> None:
     taller = replace(case, joint=replace(case.joint, h=0.02))
-    with pytest.raises(ResultError, match=r"results of n3-mesh0.03-.*; they must be of n3-mesh0.0"):
+    with pytest.raises(
+        ResultError, match=r"results of n3-mesh0.03-.*; they must be results of n3-mesh0.0"
+    ):
         read_returned(returned(case, 100.0), taller)
 
 
@@ -197,7 +203,7 @@ def test_a_face_that_is_not_covered_is_named(case: Case) -> None:
 def test_a_number_that_is_none_is_named_with_its_line(case: Case, value: str) -> None:
     lines = returned(case, 100.0).splitlines()
     lines[3] = "|".join([*lines[3].split("|")[:8], value, *lines[3].split("|")[9:]])
-    with pytest.raises(ResultError, match=r"results.txt, line 4: not 9 finite numbers"):
+    with pytest.raises(ResultError, match=r"results.txt, line 4: must have 9 finite numbers"):
         read_returned("\n".join(lines), case)
 
 

@@ -239,8 +239,10 @@ def results() -> set[str]:
         *plan.jobs.values(),
         *(
             job
-            for own in ("locks", "arch")
-            for job in plan_of(read_study_file(ROOT / f"studies/{own}/config.yaml")).jobs.values()
+            for campaign in ("locks", "arch")
+            for job in plan_of(
+                read_study_file(ROOT / f"studies/{campaign}/config.yaml")
+            ).jobs.values()
         ),
     ]
     paths = {f"results/{name}" for job in jobs for name in job.made}

@@ -144,8 +144,8 @@ def test_the_work_of_the_load_is_stored_while_all_nodes_hold(
 
 def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tuple[float, float]:
     """Displacement of the load at 10 N, and twice the energy in the springs."""
-    own = replace(joint, elastic=Elastic(young))
-    model, loads = posed(own, 0.03, NodeLayout.LOBATTO, eccentricity)
+    elastic_joint = replace(joint, elastic=Elastic(young))
+    model, loads = posed(elastic_joint, 0.03, NodeLayout.LOBATTO, eccentricity)
     everything = tuple(replace(face, kind=Kind.INNER) for face in model.faces)
     solver = ElasticSolver(replace(model, faces=everything), loads)
     found = solver.solve(10.0, solver.start().unknowns, solver.start().state)
@@ -233,7 +233,7 @@ def solved_first(joint: Joint, mesh: float, layout: NodeLayout) -> float:
 
 
 @pytest.mark.parametrize(
-    ("locks", "body", "told"),
+    ("locks", "body", "expected"),
     [
         (3, UpperBody.MONOLITHIC, 234.0),
         (5, UpperBody.MONOLITHIC, 445.0),
@@ -242,11 +242,11 @@ def solved_first(joint: Joint, mesh: float, layout: NodeLayout) -> float:
     ],
 )
 def test_means_over_cells_fail_where_another_program_found_it(
-    locks: int, body: UpperBody, told: float
+    locks: int, body: UpperBody, expected: float
 ) -> None:
     """Loads (N) in pure shear at mesh 0.02 m, of hexahedra of another make."""
     found = solved(elastic(locks, body=body), 0.02, NodeLayout.CENTRES)
-    assert found.first_failure_load == pytest.approx(told, rel=0.03)
+    assert found.first_failure_load == pytest.approx(expected, rel=0.03)
 
 
 def test_joined_columns_are_as_stiff_as_one_piece() -> None:

@@ -133,8 +133,8 @@ def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
 
 
 def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
-    own = assemble(joint, 0.03, NodeLayout.LOBATTO)
-    three = as_read(own, lateral_load(joint, own, Loading(Direction(0.0))), tmp_path)
+    built = assemble(joint, 0.03, NodeLayout.LOBATTO)
+    three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)
     found = patches(three)
     assert sorted(n for patch in found for n in patch.nodes) == [*range(len(three.nodes))]
     for patch in found:
@@ -227,7 +227,7 @@ def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None
     many = as_read(*tilted_stack(15), tmp_path)
     heavier = replace(many.pieces[-1], mass_kg=2 * many.pieces[-1].mass_kg)
     many = replace(many, pieces=[*many.pieces[:-1], heavier])  # which is accelerated by half
-    with pytest.raises(SystemExit, match="30 places to put the loads; it can have 28"):
+    with pytest.raises(SystemExit, match="30 points of load application; at most 28"):
         list(Deck(many, SEARCH, 0.4).input_script())
 
 
@@ -235,7 +235,7 @@ def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None
 def test_the_version_is_in_the_greeting() -> None:
     greeting = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled 2022-01-26-19:42:32 by buildd)"
     assert version_in(["", greeting]) == "3.8.0"
-    with pytest.raises(SystemExit, match="does not tell its version"):
+    with pytest.raises(SystemExit, match="states no version"):
         version_in(["ERROR: no such thing"])
 
 
@@ -285,7 +285,7 @@ def pressed(assembly: scripts.Assembly) -> list[NodeForce]:
     return [NodeForce(1.0, (0.0, 0.0, 0.0), False) for _ in assembly.nodes]
 
 
-def test_slip_parts_two_spheres_as_geometry_tells(stack: scripts.Assembly) -> None:
+def test_slip_parts_two_spheres_as_geometry_requires(stack: scripts.Assembly) -> None:
     # The exact distance of two spheres' centres, against what is taken of it to second order.
     radius, slip, area, stiffness = 0.4, 1e-4, 0.04, 1e10
     moved = [STILL, Motion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
@@ -294,7 +294,7 @@ def test_slip_parts_two_spheres_as_geometry_tells(stack: scripts.Assembly) -> No
     assert found == pytest.approx(2 * gap * stiffness * area, rel=1e-3)  # two faces slip
 
 
-def test_a_turn_moves_the_point_of_contact_of_two_spheres_as_geometry_tells(
+def test_a_turn_moves_the_point_of_contact_of_two_spheres_as_geometry_requires(
     stack: scripts.Assembly,
 ) -> None:
     # The middle of two spheres' centres, of which one turns about the node by a small angle.
@@ -377,9 +377,9 @@ def test_results_are_written_with_stresses_mode_and_engine(
         row = next(csv.DictReader(stream))
     inner = [f for f in three.faces if f.cohesive]
     for face in inner:
-        own = [n for n, node in enumerate(three.nodes) if three.faces[node.face] is face]
-        assert float(row[f"{face.name}_shear_x_N"]) == pytest.approx(0.5 * len(own))
-        whole = sum(n % 2 == 0 for n in own) / len(own)
+        numbers = [n for n, node in enumerate(three.nodes) if three.faces[node.face] is face]
+        assert float(row[f"{face.name}_shear_x_N"]) == pytest.approx(0.5 * len(numbers))
+        whole = sum(n % 2 == 0 for n in numbers) / len(numbers)
         assert float(row[f"{face.name}_broken_share"]) == pytest.approx(1.0 - whole)
 
 

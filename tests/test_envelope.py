@@ -178,7 +178,7 @@ def test_strengths_beyond_what_numbers_hold_give_an_answer_or_an_error(cohesion:
     try:
         found = envelope(model).vertices
     except SolverError as error:
-        assert re.match(r"outward normal .*: no verdict passes its check", str(error))
+        assert re.match(r"outward normal .*: no solver's verdict passes its check", str(error))
     else:
         assert np.abs(found[:, 1]).max() == pytest.approx(torque, rel=1e-4)
 
@@ -196,7 +196,7 @@ def test_answers_that_are_a_little_off_give_the_same_vertices() -> None:
 
 
 def test_answers_that_contradict_each_other_are_an_error() -> None:
-    with pytest.raises(SolverError, match="no end after 1000 programmes"):
+    with pytest.raises(SolverError, match="incomplete after 1000 programmes"):
         polygon(around_a_circle(1e-3))
 
 

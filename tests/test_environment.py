@@ -8,17 +8,17 @@ from pathlib import Path
 import pytest
 from conftest import ROOT
 
-PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> told\n'
+PYTHON = '#!/bin/sh\nmkdir -p .venv/bin && cp pip .venv/bin/pip && echo "$@" >> calls\n'
 PIP = """#!/bin/sh
-echo "$@" >> told
+echo "$@" >> calls
 case "$*" in *installer.txt) [ ! -f uv ] || cp uv .venv/bin/uv;; esac
 {fails}
 """
-UV = '#!/bin/sh\necho uv "$@" >> told\nexit {status}\n'
+UV = '#!/bin/sh\necho uv "$@" >> calls\nexit {status}\n'
 
 
 def made(folder: Path, fails: str, **more: str) -> subprocess.CompletedProcess[str]:
-    """What the script does with programs that only say what they are told; ``more`` of these."""
+    """The script, run with programs that only log their arguments, and ``more`` programs."""
     (folder / "workflow").mkdir()
     shutil.copy(ROOT / "workflow/install.sh", folder / "workflow")
     for path, text in (("bin/python3", PYTHON), ("pip", PIP.format(fails=fails)), *more.items()):
@@ -64,8 +64,8 @@ def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> Non
     assert made(tmp_path, "").returncode == 0
     assert {path.name for path in (tmp_path / ".venv").iterdir()} == {"bin", "study.ready"}
     assert not (tmp_path / ".venv.old").exists()
-    told = (tmp_path / "told").read_text().splitlines()
-    assert told[-1] == "install --quiet --no-deps --no-build-isolation --editable ."
+    calls = (tmp_path / "calls").read_text().splitlines()
+    assert calls[-1] == "install --quiet --no-deps --no-build-isolation --editable ."
 
 
 @pytest.mark.parametrize(("status", "pip_too"), [(0, False), (1, True)])
@@ -73,8 +73,8 @@ def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
     tmp_path: Path, status: int, pip_too: bool
 ) -> None:
     assert made(tmp_path, "", uv=UV.format(status=status)).returncode == 0
-    told = (tmp_path / "told").read_text().splitlines()
-    (by_uv,) = (line for line in told if line.startswith("uv "))
+    calls = (tmp_path / "calls").read_text().splitlines()
+    (by_uv,) = (line for line in calls if line.startswith("uv "))
     assert "--require-hashes --requirement requirements.txt" in by_uv
     by_pip = "install --quiet --require-hashes --requirement requirements.txt"
-    assert (by_pip in told) == pip_too
+    assert (by_pip in calls) == pip_too

@@ -76,7 +76,9 @@ def test_a_run_that_ends_badly_leaves_no_result(tmp_path: Path, text: str, messa
     assert not list(folder.glob("running-*"))
 
 
-def test_a_script_that_gives_a_reason_is_told_from_one_that_breaks_down(tmp_path: Path) -> None:
+def test_a_script_that_gives_a_reason_is_distinguished_from_one_that_crashes(
+    tmp_path: Path,
+) -> None:
     text = "from engines.scripts.records import NoAnswerError\nraise NoAnswerError('it drifts off')"
     folder = folder_with(tmp_path, text)
     shutil.copytree(MODULES / "scripts", folder / MODULES.name / "scripts")
@@ -155,7 +157,9 @@ def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
     assert "ductile" in str(refusal(ENGINES["liggghts"], ductile))
     assert refusal(ENGINES["yade"], ductile) is None
     softening = replace(assembly, failure=Failure.SOFTENING)
-    assert "no engine has bonds that fade" in str(refusal(ENGINES["yade"], softening))
+    assert "no engine models softening bonds; use the static model" in str(
+        refusal(ENGINES["yade"], softening)
+    )
     material = replace(assembly.faces[0].material, shear_stiffness=1e9)
     soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
     assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))
@@ -170,5 +174,5 @@ def test_an_engine_that_is_not_there_has_no_version() -> None:
 def test_a_version_is_the_programs_own_words() -> None:
     engine = replace(python_engine(), version_text=lambda: "name='x'\nversion='2023.02a'\n")
     assert engine.version() == "2023.02a"
-    with pytest.raises(RuntimeError, match="does not tell its version"):
+    with pytest.raises(RuntimeError, match="states no version"):
         replace(engine, version_text=lambda: "").version()

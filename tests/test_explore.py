@@ -38,7 +38,7 @@ def test_whatever_a_link_says_there_is_a_joint(query: str) -> None:
     assert from_query(query).state.joint
 
 
-def test_what_is_not_possible_in_a_link_is_told_and_brought_to_the_sliders() -> None:
+def test_values_of_a_link_that_are_not_allowed_are_noted_and_limited_to_the_sliders() -> None:
     found = from_query("?a=-5&b=inf&locks=zero&magic=1&h=8.2")
     assert found.state == Settings(a=15.0, b=100.0)
     assert found.notes == (
@@ -63,11 +63,11 @@ def test_whatever_is_posted_lies_on_the_sliders(values: dict[str, float]) -> Non
 @pytest.mark.parametrize("state", STATES)
 def test_the_configuration_is_a_study_of_the_same_joint(state: Settings) -> None:
     study = read_study(yaml.safe_load(as_configuration(state).replace("e+", "e")))
-    joint, own = study.joint("mine"), state.joint
+    joint, expected = study.joint("mine"), state.joint
     for name in ("locks", "a", "b", "h", "H", "upper_body", "hold_down", "elastic"):
-        assert getattr(joint, name) == getattr(own, name), name
-    assert joint.inner.cohesion == own.inner.cohesion
-    assert joint.dry.friction == own.dry.friction
+        assert getattr(joint, name) == getattr(expected, name), name
+    assert joint.inner.cohesion == expected.inner.cohesion
+    assert joint.dry.friction == expected.dry.friction
 
 
 @pytest.mark.parametrize("state", STATES)
@@ -79,23 +79,23 @@ def test_the_python_prints_the_law_of_the_same_joint(
     assert f"{expected:.6g}"[:6] in capsys.readouterr().out
 
 
-def test_a_joint_beyond_the_rule_is_told_and_drawn() -> None:
+def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:
     state = Settings(a=150.0, b=20.0)
-    told = answers(state)
-    assert told.rules == {}
-    assert "No safe rule: a / b: 7.5" in told.words
-    assert told.peak is not None
-    assert pictures(state, told)["pieces"]
+    answer = answers(state)
+    assert answer.rules == {}
+    assert "No safe rule: a / b: 7.5" in answer.words
+    assert answer.peak is not None
+    assert pictures(state, answer)["pieces"]
 
 
 def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
     state = Settings(locks=9, young=10.0, b=20.0, h=40.0)
-    told = answers(state)
-    assert told.peak is None
-    assert told.words.startswith(
+    answer = answers(state)
+    assert answer.peak is None
+    assert answer.words.startswith(
         "9 locks, e = 0.3 a: no first failure is known. No safe rule: h / b"
     )
-    assert pictures(state, told)["curve"]["shear"] == []
+    assert pictures(state, answer)["curve"]["shear"] == []
     assert answers(Settings(locks=9, young=10.0)).peak is not None
 
 
@@ -109,11 +109,11 @@ def test_the_drawing_has_every_piece() -> None:
 
 def test_what_is_shown_is_of_one_joint() -> None:
     state = Settings(locks=7, eccentricity=0.5)
-    told = answers(state)
-    shown = pictures(state, told)
-    assert told.words.startswith("7 locks, e = 0.5 a: peak at V = ")
+    answer = answers(state)
+    shown = pictures(state, answer)
+    assert answer.words.startswith("7 locks, e = 0.5 a: peak at V = ")
     assert len(shown["shares"]) == 7
-    assert shown["curve"]["shear"] == [told.peak.shear]
+    assert shown["curve"]["shear"] == [answer.peak.shear]
     assert {mark["name"] for mark in shown["marks"]} == {"first failure, law", "safe rule"}
     assert 0.5 in ratios(state)
 
@@ -123,7 +123,7 @@ def test_peaks_fall_with_the_eccentricity() -> None:
     assert shears == sorted(shears, reverse=True)
 
 
-def test_the_curve_tells_how_far_the_peak_spreads_and_what_counts_where_it_is_too_far() -> None:
+def test_the_curve_states_the_spread_of_the_peak_and_the_load_used_where_it_is_too_large() -> None:
     def legend(state: Settings) -> str:
         return spread_words(state.joint, state.eccentricity)
 

@@ -111,9 +111,9 @@ def require_true(frames: list[dict[str, Any]]) -> None:
     assert frames
     for frame in frames:
         assert frame["label"] == frame["slider"], frame
-        own = {frame[name] for name in ("words", "drawn", "weights", "yaml")}
-        assert len(own) == 1, frame
-        if own != {frame["slider"]}:
+        shown = {frame[name] for name in ("words", "drawn", "weights", "yaml")}
+        assert len(shown) == 1, frame
+        if shown != {frame["slider"]}:
             assert frame["busy"] == frame["curve"] == "true", frame
             assert frame["opacity"] < 0.5, frame
 
@@ -203,9 +203,9 @@ def test_a_joint_that_cannot_be_computed_is_not_shown_as_if_it_were(
     require_true(opened.frames())
 
 
-def test_a_server_that_was_stopped_is_told(browser: Browser) -> None:
-    with explorer() as own:
-        opened = Opened(browser, own)
+def test_a_server_that_was_stopped_is_reported(browser: Browser) -> None:
+    with explorer() as server:
+        opened = Opened(browser, server)
     opened.page.focus("#locks")
     opened.page.keyboard.press("ArrowRight")
     expect(opened.page.locator("#problem")).to_contain_text("The server does not answer.")
@@ -322,8 +322,8 @@ def test_another_page_cannot_frame_it_or_make_it_work(
         headers = f"{{'Content-Type': '{kind}'}}"
         options = f"{{method: 'POST', body: '{asked}', headers: {headers}}}"
         for mode in ("", "mode: 'no-cors', "):
-            own = options.replace("{method", f"{{{mode}method", 1)
-            page.evaluate(f"fetch('{served.url}/answer', {own}).catch(() => null)")
+            changed_options = options.replace("{method", f"{{{mode}method", 1)
+            page.evaluate(f"fetch('{served.url}/answer', {changed_options}).catch(() => null)")
     page.wait_for_timeout(500)
     frames = [frame for frame in page.frames if frame != page.main_frame]
     assert all(frame.locator("#sliders").count() == 0 for frame in frames)

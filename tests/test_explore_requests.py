@@ -47,7 +47,7 @@ def test_a_link_has_no_more_locks_than_the_slider(served: Served, locks: str) ->
     assert f"is outside 2 to 31; {most} is shown." in found.text
 
 
-def test_what_a_link_says_is_told_as_text(served: Served) -> None:
+def test_text_from_a_link_is_shown_as_text(served: Served) -> None:
     found = served.get("/?%3Cscript%3E=1&a=%3Cb%3E&b=nan&h=")
     assert "<script>&#39;" not in found.text and "<b>" not in found.text
     assert "&#39;&lt;script&gt;&#39; is no parameter." in found.text
@@ -86,9 +86,9 @@ def test_a_post_has_only_values_of_the_sliders(
 ) -> None:
     found = served.ask(values)
     assert found.status == 200, found.text
-    assert found.told["values"] == FIRST | shown
-    assert len(found.told["notes"]) == len(values)
-    for name, value in found.told["values"].items():
+    assert found.content["values"] == FIRST | shown
+    assert len(found.content["notes"]) == len(values)
+    for name, value in found.content["values"].items():
         assert SLIDERS[name].least <= value <= SLIDERS[name].most
 
 
@@ -118,14 +118,14 @@ def test_a_post_that_the_page_would_not_send_is_refused(
 
 
 def test_a_long_post_is_refused_before_it_is_read(served: Served) -> None:
-    own = f"Host: 127.0.0.1:{served.port}\r\nContent-Type: application/json"
+    headers = f"Host: 127.0.0.1:{served.port}\r\nContent-Type: application/json"
     for length, status in (
         ("Content-Length: 4097", 413),
         ("Content-Length: 999999999999", 413),
         ("Transfer-Encoding: chunked", 411),
     ):
         with socket.create_connection(("127.0.0.1", served.port), timeout=30) as connection:
-            connection.sendall(f"POST /answer HTTP/1.1\r\n{own}\r\n{length}\r\n\r\n".encode())
+            connection.sendall(f"POST /answer HTTP/1.1\r\n{headers}\r\n{length}\r\n\r\n".encode())
             assert f" {status} " in connection.recv(100).decode().splitlines()[0]
 
 
@@ -141,13 +141,13 @@ def test_requests_that_never_end_are_ended_and_keep_nobody_waiting(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(app._Quiet, "timeout", 0.5)
-    with explorer() as own:
-        idle = [socket.create_connection(("127.0.0.1", own.port), timeout=30) for _ in range(40)]
+    with explorer() as server:
+        idle = [socket.create_connection(("127.0.0.1", server.port), timeout=30) for _ in range(40)]
         for connection in idle:
-            head = f"POST /answer HTTP/1.1\r\nHost: 127.0.0.1:{own.port}\r\n"
+            head = f"POST /answer HTTP/1.1\r\nHost: 127.0.0.1:{server.port}\r\n"
             kind = "Content-Type: application/json\r\nContent-Length: 4000\r\n\r\n{"
             connection.sendall((head + kind).encode())
-        assert own.get("/").status == 200
+        assert server.get("/").status == 200
         for connection in idle:
             while connection.recv(1000):  # until the server ends it
                 pass
@@ -155,7 +155,7 @@ def test_requests_that_never_end_are_ended_and_keep_nobody_waiting(
 
 
 @pytest.mark.parametrize("port", ["65536", "-1", "999999999999"])
-def test_a_port_that_there_is_not_is_told_in_a_line(
+def test_a_port_that_does_not_exist_is_reported_in_one_line(
     port: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.argv", ["explore", f"--port={port}"])
@@ -198,10 +198,10 @@ def test_a_foreign_address_in_the_request_line_is_refused(served: Served) -> Non
 )
 def test_a_foreign_origin_is_refused(served: Served, origin: str, computed: list[int]) -> None:
     asked = {"page": "x", "number": 1, "values": {}}
-    told = origin.format(served.port)
-    assert served.post("/answer", asked, Origin=told).status == 403
-    assert served.get("/", Origin=told).status == 403
-    preflight = served.send("OPTIONS", "/answer", {"Origin": told})
+    url = origin.format(served.port)
+    assert served.post("/answer", asked, Origin=url).status == 403
+    assert served.get("/", Origin=url).status == 403
+    preflight = served.send("OPTIONS", "/answer", {"Origin": url})
     assert preflight.status == 403
     assert not [name for name in preflight.headers if name.startswith("Access-Control")]
     assert computed == []

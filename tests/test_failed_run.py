@@ -38,7 +38,7 @@ def test_a_run_that_fails_shows_no_summary_of_an_earlier_one_and_its_reason_last
     assert found.stdout == ""
     said, reason = found.stderr.splitlines()[-2:]
     log = solved.results / "logs/yade/n3-mesh0.03-e0a.log"
-    assert said.endswith("the study is incomplete (summary.txt is of an earlier run):")
-    words = "killed by SIGKILL, as the system does where memory is short"
+    assert said.endswith("the study is incomplete (summary.txt is from an earlier run):")
+    words = "killed by SIGKILL, probably because memory ran out"
     assert reason == f"  Failed: yade: n3-mesh0.03-e0a: {words}; log: {log}"
     assert words in log.read_text()

@@ -78,8 +78,10 @@ def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
 @pytest.fixture(params=NodeLayout)
 def face_and_nodes(request: pytest.FixtureRequest):
     model = assemble(Joint(3), 0.005, request.param)
-    own = lock_faces(Joint(3))
-    number, face = next((i, f) for i, f in enumerate(model.faces) if own.get(f.name) == 1)
+    locks_of_faces = lock_faces(Joint(3))
+    number, face = next(
+        (i, f) for i, f in enumerate(model.faces) if locks_of_faces.get(f.name) == 1
+    )
     positions = model.nodes.position[model.nodes.face == number]
     return face, pd.DataFrame(positions, columns=["x_m", "y_m", "z_m"])
 

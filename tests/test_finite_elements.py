@@ -120,11 +120,11 @@ def cantilever(cells: int, quadratic: bool) -> float:
     cuboid = Cuboid(grid(size, cells, 1, 1), 0.0, quadratic=quadratic)
     held, free = ends(cuboid, 0)
     fixed = np.concatenate([3 * held + k for k in range(3)])
-    own = np.setdiff1d(np.arange(cuboid.stiffness.shape[0]), fixed)
+    unknowns = np.setdiff1d(np.arange(cuboid.stiffness.shape[0]), fixed)
     # The force acts at the end: the moment about the centroid is that of its lever.
     force = cuboid.load(Spread((0.0, 0.0, 1.0, 0.0, -0.25, 0.0), 0, True))
     moved = np.zeros(len(force))
-    moved[own] = sp.linalg.spsolve(cuboid.stiffness[own][:, own], force[own])
+    moved[unknowns] = sp.linalg.spsolve(cuboid.stiffness[unknowns][:, unknowns], force[unknowns])
     inertia = 0.02**4 / 12
     shear = 0.5 * 0.02**2 * 5 / 6
     return float(moved[3 * free + 2].mean() / (0.5**3 / (3 * inertia) + 0.5 / shear))

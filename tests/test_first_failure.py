@@ -1,4 +1,4 @@
-"""The first failure of a joint, which the law tells: statics, symmetry, scaling, history."""
+"""The first failure of a joint by the law: statics, symmetry, scaling, history."""
 
 import math
 from dataclasses import replace

@@ -35,7 +35,7 @@ ROUGH = Joint(
     dry=FaceMaterial(1.504817e11, 1.504817e11, 0.61608, 0.0, 0.0),
     upper_body=UpperBody.MONOLITHIC,
 )
-# Its own weight opens and closes nodes in turn.
+# Its weight opens and closes nodes in turn.
 SOUND = Joint(
     12,
     a=0.31102,
@@ -140,32 +140,40 @@ def problem(model: Assembly, loads: Loads, load: float) -> tuple[EquilibriumSear
     state = NodeState.initial(solver.contact_law)
     target = solver.weight + load * solver.load
     limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.largest_step
-    own = target, state.slip, state.whole, solver.stiffness, *limits
-    return EquilibriumSearch(solver.structure, solver.matrix, *own), solver.rest
+    system = target, state.slip, state.whole, solver.stiffness, *limits
+    return EquilibriumSearch(solver.structure, solver.matrix, *system), solver.rest
 
 
 def test_rounds_find_what_newtons_method_does_not() -> None:
-    own, guess = problem(*loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO), 0.0)
-    limits = own.floor, own.allowed, own.farthest
-    system = own.structure, own.matrix, own.target, guess, own.slip, own.whole, limits
+    search, guess = problem(*loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO), 0.0)
+    limits = search.floor, search.allowed, search.farthest
+    system = (
+        search.structure,
+        search.matrix,
+        search.target,
+        guess,
+        search.slip,
+        search.whole,
+        limits,
+    )
     assert not newton(*system, PATIENT)[0]
-    assert by_rounds(own, guess) is not None
+    assert by_rounds(search, guess) is not None
 
 
 def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
-    own, rest = problem(*loaded(ROUGH, math.inf, 0.033), 2.0 * ROUGH.T0)
-    limits = own.never_reached()
+    search, rest = problem(*loaded(ROUGH, math.inf, 0.033), 2.0 * ROUGH.T0)
+    limits = search.never_reached()
     limits[np.isinf(limits)] = 3.0  # N
-    nodes = own.structure.nodes.copy()
+    nodes = search.structure.nodes.copy()
     nodes[:, 2], nodes[:, 3] = 0.0, limits
-    structure = own.structure._replace(nodes=nodes)
+    structure = search.structure._replace(nodes=nodes)
     random, size = np.random.default_rng(1), np.abs(rest).max()
     forces = []
     for far in (0.0, 1.0, 1e3):
         guess = rest + far * size * random.normal(size=len(rest))
-        found, holds = friction_rounds._given_limits(own, guess, limits)
+        found, holds = friction_rounds._given_limits(search, guess, limits)
         assert holds
-        forces.append(node_forces(structure, own.slip, own.whole, found)[0])
+        forces.append(node_forces(structure, search.slip, search.whole, found)[0])
     largest = np.abs(forces[0]).max()
     for force in forces[1:]:
         assert force == pytest.approx(forces[0], abs=1e-6 * largest)

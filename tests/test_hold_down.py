@@ -50,18 +50,18 @@ def test_what_is_given_acts_evenly_on_the_top(
     different = {2: OwnLock(width=width)}
     joint = Joint(3, different=different, upper_body=body, hold_down=HoldDown.weight())
     given = HoldDown.pressure(amount) if is_pressure else HoldDown.force(amount)
-    (model, own), (_, loads) = (
+    (model, weight_only), (_, loads) = (
         loaded(replace(joint, hold_down=hold), mesh=0.009) for hold in (joint.hold_down, given)
     )
     area = joint.a * (2 * joint.b + width)
-    more = loads.permanent - own.permanent
+    more = loads.permanent - weight_only.permanent
     top = max(piece.high[2] for piece in model.pieces)
     for piece, load in zip(model.pieces, more, strict=True):
         share = piece.size[0] * piece.size[1] / area if piece.high[2] == top else 0.0
         whole = amount * area if is_pressure else amount
         assert -load[2] == pytest.approx(share * whole, abs=1e-9 * (1 + amount))
     assert (np.delete(more, 2, axis=1) == 0.0).all()
-    assert (loads.variable == own.variable).all()
+    assert (loads.variable == weight_only.variable).all()
 
 
 def test_under_a_plate_only_self_weight_always_acts(joint: Joint) -> None:
@@ -159,9 +159,9 @@ def test_more_friction_under_a_given_force_carries_more(eccentricity: float) -> 
 # --- SiDMACIB ------------------------------------------------------------------------------------
 def test_sidmacib_takes_the_given_force_for_its_overload(joint: Joint) -> None:
     torsion, option = Direction(math.inf), OPTIONS["option4"]
-    own = capacity(Sidmacib(joint, option, overload=700.0), torsion)
+    expected = capacity(Sidmacib(joint, option, overload=700.0), torsion)
     held = replace(joint, hold_down=HoldDown.force(700.0))
-    assert capacity(Sidmacib(held, option), torsion).load == pytest.approx(own.load)
+    assert capacity(Sidmacib(held, option), torsion).load == pytest.approx(expected.load)
     alone = replace(joint, hold_down=HoldDown.weight())
     none = capacity(Sidmacib(joint, option, overload=0.0), torsion)
     assert capacity(Sidmacib(alone, option), torsion).load == pytest.approx(none.load)

@@ -33,9 +33,9 @@ def found() -> dict[str, dict]:
 def test_all_models_give_the_same_numbers_under(kernel: str, found: dict[str, dict]) -> None:
     if kernel not in found:
         pytest.skip(f"this processor lacks {NEEDS[kernel]}")
-    own, other = found[kernel]["numbers"], found["Nehalem"]["numbers"]
-    assert own.keys() == other.keys()
-    for name, values in own.items():
+    numbers, other = found[kernel]["numbers"], found["Nehalem"]["numbers"]
+    assert numbers.keys() == other.keys()
+    for name, values in numbers.items():
         if any(part in name for part in EXACT):
             assert values == other[name], name
         else:

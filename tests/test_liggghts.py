@@ -84,7 +84,8 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(
     assert right in text
     deck.write_text(text.replace(right, wrong))
     with pytest.raises(
-        EngineError, match=r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS has ended)"
+        EngineError,
+        match=r"(?s)ended with exit code 1.*(ERROR|LIGGGHTS ended before its commands were done)",
     ):
         execute(LIGGGHTS, tmp_path, 60)
     assert not (tmp_path / "result.json").exists()

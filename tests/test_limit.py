@@ -121,7 +121,7 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
     loads = lateral_load(joint, model, Loading(Direction(0.0)))
     smooth, rough = (limit_load(model, loads, friction=friction).load for friction in (False, True))
     assert smooth == pytest.approx(joint.T0, rel=1e-7)
-    # What presses the two upper locks adds; what presses the lower one loads its own root.
+    # What presses the two upper locks adds; what presses the lower one loads its root.
     pressure = -loads.permanent[:, 2].sum()
     assert 2 / 3 * 0.3 * 1000.0 < rough - smooth < 0.3 * pressure
 
@@ -167,7 +167,7 @@ def test_the_limit_scales_with_lengths_and_stresses_over_twelve_orders_of_magnit
         ),
     )
     one, other = limit_of(joint, loading), limit_of(scaled, loading, 0.03 * length)
-    # To the nine digits that are told, of which the last may be rounded either way.
+    # To the nine digits that are reported, of which the last may be rounded either way.
     assert other / factor == pytest.approx(one, rel=3e-8, abs=1e-8 * joint.T0)
 
 

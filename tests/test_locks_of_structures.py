@@ -137,7 +137,7 @@ def test_a_block_across_a_joint_of_two_others_can_have_locks_to_both() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"row": None}, "must have either row or run"),
+        ({"row": None}, "row: must be given, or else run, and not both"),
         ({"row": (0.0, 0.0, 1.0)}, "row: .* a direction not across the interface"),
         ({"count": 0}, "count: 0 is not allowed"),
         ({"height": 0.2}, "height of locks: 0.2 is not allowed; it must be less than"),

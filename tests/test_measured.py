@@ -59,7 +59,7 @@ def test_a_load_is_given_by_its_shear_or_its_torque(
         ({"sample": "n9", "eccentricity": 0, "shear": 1.0}, "must be one of samples: n3"),
     ],
 )
-def test_faults_in_a_load_are_told(load: dict[str, Any], words: str) -> None:
+def test_faults_in_a_load_are_reported(load: dict[str, Any], words: str) -> None:
     with pytest.raises(ConfigError, match=words):
         study_with({"sample": "n3", **load})
 

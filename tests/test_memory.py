@@ -21,9 +21,9 @@ def joint(locks: int, body: UpperBody = UpperBody.COLUMNS) -> Joint:
 
 
 def test_elastic_pieces_that_no_machine_holds_are_refused_before_anything_is_allocated() -> None:
-    own = joint(9)
-    assembly = assemble(own, 0.002)
-    loads = lateral_load(own, assembly, Loading(Direction(0.0)))
+    nine_locks = joint(9)
+    assembly = assemble(nine_locks, 0.002)
+    loads = lateral_load(nine_locks, assembly, Loading(Direction(0.0)))
     tracemalloc.start()
     words = r"[\d,]+ components .* need [\d.]+ GiB of memory or more, and this machine has [\d.]+ "
     with pytest.raises(CapacityError, match=f"^elastic pieces with {words}GiB; .* coarser mesh$"):
@@ -34,9 +34,9 @@ def test_elastic_pieces_that_no_machine_holds_are_refused_before_anything_is_all
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
 def test_the_memory_that_is_asked_for_is_a_close_bound(body: UpperBody) -> None:
-    own = joint(3, body)
-    assembly = assemble(own, 0.02)
-    loads = lateral_load(own, assembly, Loading(Direction(0.0)))
+    three_locks = joint(3, body)
+    assembly = assemble(three_locks, 0.02)
+    loads = lateral_load(three_locks, assembly, Loading(Direction(0.0)))
     tracemalloc.start()
     solver = ElasticSolver(assembly, loads)
     _, most = tracemalloc.get_traced_memory()

@@ -68,10 +68,10 @@ def test_the_error_of_loads_that_converge_faster_is_on_the_safe_side(
 
 
 def test_one_mesh_or_close_ones_tell_nothing() -> None:
-    told = partial(mesh_errors, layout=NodeLayout.LOBATTO, kind=LoadKind.PEAK)
-    assert told({3.0: 1.0}) == {}
-    assert told({3.0: 1.0, 4.0: 1.0}) == {}
-    assert set(told({3.0: 1.0, 5.0: 1.0})) == {3.0, 5.0}
+    estimates = partial(mesh_errors, layout=NodeLayout.LOBATTO, kind=LoadKind.PEAK)
+    assert estimates({3.0: 1.0}) == {}
+    assert estimates({3.0: 1.0, 4.0: 1.0}) == {}
+    assert set(estimates({3.0: 1.0, 5.0: 1.0})) == {3.0, 5.0}
 
 
 def test_loads_that_happen_to_be_the_same_still_have_the_error_that_two_meshes_cannot_see() -> None:
@@ -122,8 +122,8 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     ]
     found = errors_of(records)
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
-    told = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
-    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(told))
+    expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
+    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(expected))
     assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
 
 

@@ -1,4 +1,4 @@
-"""The registry: a model tells what it can, gives what it says, and refuses the rest in one line."""
+"""The registry: models have the abilities that they state, and refuse the rest in one line."""
 
 from dataclasses import fields, replace
 
@@ -45,10 +45,10 @@ def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_sever
     assert model.refusal([]) is None
     assert model.refusal([Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")]) is None
     assert model.refusal([DUCTILE, STIFF]) == (
-        "assembly.failure: ductile is not possible with rule; it must be brittle"
+        "assembly.failure: ductile is not allowed with rule; it must be brittle"
     )
     assert model.refusal([STIFF]) == (
-        "shear_stiffness: 5 Pa/m is not possible with rule; it must be 10 Pa/m"
+        "shear_stiffness: 5 Pa/m is not allowed with rule; it must be 10 Pa/m"
     )
 
 
@@ -64,7 +64,7 @@ def test_engines_can_what_each_of_them_must() -> None:
 
 
 @pytest.mark.parametrize("name", SOLVED)
-def test_a_solved_model_tells_what_its_abilities_promise(name: str) -> None:
+def test_a_solved_model_returns_what_its_abilities_promise(name: str) -> None:
     model = MODELS[name]
     outcome = model.run(loaded(Joint(3)))
     peak = outcome.path[-1]

@@ -60,7 +60,9 @@ def test_a_solver_that_calls_a_wrong_point_optimal_is_not_believed(
         return _Answer("optimal", **moved)
 
     monkeypatch.setattr(optimisation, "_answer", off)
-    with pytest.raises(SolverError, match=r"^here: no verdict passes its check \(\w+: optimal"):
+    with pytest.raises(
+        SolverError, match=r"^here: no solver's verdict passes its check \(\w+: optimal"
+    ):
         solve(made()[0], "here")
 
 

@@ -50,7 +50,9 @@ def weights(joint: Joint, loading: Loading) -> tuple[LockWeight, ...]:
 def mirrored(joint: Joint) -> Joint:
     """The same joint seen from behind: its last lock is the first."""
     last = Block.UPPER if joint.is_upper(joint.locks) else Block.LOWER
-    different = {joint.locks + 1 - number: own for number, own in dict(joint.different).items()}
+    different = {
+        joint.locks + 1 - number: changes for number, changes in dict(joint.different).items()
+    }
     return replace(joint, first=last, different=different)
 
 
@@ -75,9 +77,9 @@ def test_locks_lie_side_by_side_at_their_widths(joint: Joint) -> None:
         for name in (f"lock{number}", f"column{number}"):
             (piece,) = (piece for piece in model.pieces if piece.name == name)
             assert (piece.low[1], piece.high[1]) == pytest.approx(ends[number - 1 : number + 1])
-        own = joint.own(number).density
+        density_of_lock = joint.own(number).density
         (lock,) = (piece for piece in model.pieces if piece.name == f"lock{number}")
-        density = joint.density if own is None else own
+        density = joint.density if density_of_lock is None else density_of_lock
         assert lock.mass == pytest.approx(density * float(np.prod(lock.size)))
 
 
@@ -143,7 +145,7 @@ def test_from_the_lower_side_only_the_body_is_loaded() -> None:
     joint = Joint(3, first=Block.LOWER)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     force = lateral_load(joint, model, Loading(Direction(0.0))).variable[:, 1]
-    names = [piece.name for piece, own in zip(model.pieces, force, strict=True) if own]
+    names = [piece.name for piece, size in zip(model.pieces, force, strict=True) if size]
     assert names == ["column1"]
 
 
@@ -185,5 +187,5 @@ def test_contact_points_lie_on_the_centrelines_of_locks_that_differ() -> None:
 
 
 def test_sidmacib_refuses_a_lock_that_no_other_bears_against() -> None:
-    with pytest.raises(ValueError, match=r"^locks: 1 is not possible with SiDMACIB, .* at least 2"):
+    with pytest.raises(ValueError, match=r"^locks: 1 is not allowed with SiDMACIB, .* at least 2"):
         Sidmacib(Joint(1), OPTIONS["option1"])

@@ -40,7 +40,7 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 
 
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(PageError, match="nothing: unknown numbers; they must be one of"):
+    with pytest.raises(PageError, match="nothing: unknown block of numbers; it must be one of"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
 
 
@@ -67,21 +67,21 @@ def test_numbers_of_a_study_are_those_of_its_tables(solved_study: tuple[Study, P
     cases = read_table(CASES, results / "tables" / "cases.csv")
     finest = cases[cases["model"].eq("static") & cases["mesh_m"].eq(0.01)]
     loads = finest.set_index(["sample", "eccentricity_over_a"])["load_N"]
-    told = published.curves(results).splitlines()
-    assert told[0] == "| e / a | n3 (N) | n5 (N) |"
-    assert told[2] == f"| 0 | {loads['n3', 0.0]:.1f} | {loads['n5', 0.0]:.1f} |"
+    lines = published.curves(results).splitlines()
+    assert lines[0] == "| e / a | n3 (N) | n5 (N) |"
+    assert lines[2] == f"| 0 | {loads['n3', 0.0]:.1f} | {loads['n5', 0.0]:.1f} |"
     torsion = (loads["n3", np.inf], loads["n5", np.inf])
-    assert told[4] == f"| torsion | {torsion[0]:.1f} | {torsion[1]:.1f} |"
+    assert lines[4] == f"| torsion | {torsion[0]:.1f} | {torsion[1]:.1f} |"
 
 
 @pytest.mark.study
 def test_slopes_are_those_of_the_curve(solved_study: tuple[Study, Path]) -> None:
     _, results = solved_study
     capacity = read_table(CAPACITY, results / "tables" / "capacity.csv")
-    own = capacity[
+    curve = capacity[
         capacity["model"].eq("static") & capacity["mesh_m"].eq(0.01) & capacity["sample"].eq("n3")
     ].sort_values("eccentricity_m", ascending=False)
-    slopes = -np.diff(own["torque_Nm"] / 0.06) / np.diff(own["shear_N"])
+    slopes = -np.diff(curve["torque_Nm"] / 0.06) / np.diff(curve["shear_N"])
     row = next(row for row in published.slopes(results).splitlines() if row.startswith("| n3 "))
     assert row == f"| n3 | {', '.join(f'{slope:.2f}' for slope in slopes)} |"
 
@@ -123,15 +123,15 @@ def test_growth_has_a_row_for_each_number_of_cases(tmp_path: Path) -> None:
     columns = [column for column, _ in scaling.COLUMNS.values()]
     rows = [dict.fromkeys(columns, number) for number in (1000.4, 20_000.0)]
     pd.DataFrame(rows).to_csv(tmp_path / "tables/scaling.csv", index=False)
-    told = BLOCKS["scaling"](tmp_path).splitlines()
-    assert told[0].startswith("| cases | jobs | first run (s) |")
-    assert [line.split(" | ")[:2] for line in told[2:]] == [
+    lines = BLOCKS["scaling"](tmp_path).splitlines()
+    assert lines[0].startswith("| cases | jobs | first run (s) |")
+    assert [line.split(" | ")[:2] for line in lines[2:]] == [
         ["| 1,000", "1000"],
         ["| 20,000", "20000"],
     ]
 
 
-def test_blocks_that_bend_are_told_from_stiff_to_soft(tmp_path: Path) -> None:
+def test_elastic_blocks_are_listed_from_stiff_to_soft(tmp_path: Path) -> None:
     (tmp_path / "tables").mkdir()
     columns = dict.fromkeys(VARIANTS.columns)
     rows = [

@@ -100,7 +100,7 @@ def test_copies_differ_by_the_change_and_are_the_same_each_time() -> None:
     assert not np.array_equal(changed(assembly, 1).nodes.area, changed(assembly, 2).nodes.area)
 
 
-# --- what is told for it -------------------------------------------------------------------------
+# --- reported peaks ------------------------------------------------------------------------------
 def test_the_capacity_is_the_first_failure_where_the_peak_spreads(far: StaticCapacity) -> None:
     assert far.spread > SPREAD_LIMIT and not far.is_peak
     assert far.load == far.solution.first_failure_load < far.solution.peak.load
@@ -109,7 +109,7 @@ def test_the_capacity_is_the_first_failure_where_the_peak_spreads(far: StaticCap
     assert near.path == far.solution.path
 
 
-def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_load_that_is_told() -> None:
+def test_a_record_has_the_spread_and_all_of_it_belongs_to_the_reported_load() -> None:
     found = record(13, 1.0, FINE)
     assert found.peak_spread is not None and found.peak_spread > SPREAD_LIMIT and not found.is_peak
     assert found.load_N == found.first_failure_load_N == found.path[-1][0]

@@ -83,9 +83,9 @@ def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint)
 
 def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None:
     model = assemble(joint, 0.02, NodeLayout.CENTRES)
-    own = model.nodes.position[model.nodes.face == 0]
-    assert len(own) == 3 * 3  # 0.06 / 0.02 by 0.05 / 0.02, rounded up
-    assert np.diff(np.unique(own[:, 1])).max() <= 0.02
+    positions = model.nodes.position[model.nodes.face == 0]
+    assert len(positions) == 3 * 3  # 0.06 / 0.02 by 0.05 / 0.02, rounded up
+    assert np.diff(np.unique(positions[:, 1])).max() <= 0.02
 
 
 @pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])

@@ -94,10 +94,14 @@ def test_a_receipt_that_names_too_few_or_too_many_files_does_not_count(
     done: Job, tmp_path: Path, number: int
 ) -> None:
     path = tmp_path / done.receipt
-    told = json.loads(path.read_text())
-    some = dict([*told["outputs"].items()][:number])
-    for outputs in (some, told["outputs"] | {"\0": "x"}, told["outputs"] | {"/dev/zero": "x"}):
-        path.write_text(json.dumps({**told, "outputs": outputs}))
+    receipt = json.loads(path.read_text())
+    some = dict([*receipt["outputs"].items()][:number])
+    for outputs in (
+        some,
+        receipt["outputs"] | {"\0": "x"},
+        receipt["outputs"] | {"/dev/zero": "x"},
+    ):
+        path.write_text(json.dumps({**receipt, "outputs": outputs}))
         (tmp_path / done.written[2]).write_text("forged")
         assert reason(done, tmp_path) == "a receipt of other files"
     path.write_text("[" * 100_000)
@@ -242,8 +246,8 @@ def test_cases_that_take_long_are_in_small_batches() -> None:
 def test_a_case_that_is_added_stays_out_of_the_other_batches() -> None:
     ratios = [round(0.001 * n, 3) for n in range(500)]
     one, two = (
-        batches(list(cases_of(read_study({**SMALL, "eccentricities": own})).values()))
-        for own in (ratios, [*ratios, 7.0])
+        batches(list(cases_of(read_study({**SMALL, "eccentricities": values})).values()))
+        for values in (ratios, [*ratios, 7.0])
     )
     changed = [name for name in two if two[name] != one.get(name)]
     assert len(changed) <= 2  # of the case, and of the one at half its mesh
@@ -272,7 +276,7 @@ def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(
     tmp_path: Path,
 ) -> None:
     first = lock(tmp_path)
-    with pytest.raises(LockedError, match=r"another run is at work here \(process \d+\)"):
+    with pytest.raises(LockedError, match=r"another run is using this folder \(process \d+\)"):
         lock(tmp_path)
     first.close()
     lock(tmp_path).close()
@@ -305,8 +309,8 @@ def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineErr
     monkeypatch.setattr("workflow.steps.engine.run_engine", ends)
     monkeypatch.setattr("workflow.run.job.edited", lambda _: False)
     monkeypatch.setattr("workflow.engines.engine.Engine.version", lambda _: "1")
-    own = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
-    job = plan_of(read_study(own)).jobs["yade/n3-mesh0.03-e0a"]
+    config = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
+    job = plan_of(read_study(config)).jobs["yade/n3-mesh0.03-e0a"]
     run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
     return job
 

@@ -34,7 +34,7 @@ def descendants(pid: int) -> set[int]:
 
 
 def listeners(pid: int) -> set[str]:
-    """Addresses that a process of this machine's own network listens at."""
+    """Addresses at which processes of this machine listen."""
     sockets = set()
     with contextlib.suppress(OSError):
         if Path(f"/proc/{pid}/ns/net").readlink() != Path("/proc/self/ns/net").readlink():
@@ -61,8 +61,8 @@ def test_the_watcher_sees_a_listener_of_the_run_and_no_other(tmp_path: Path) -> 
     listen = "import socket, time; s = socket.socket(); s.bind(('127.0.0.1', 0)); s.listen(); "
     other = subprocess.Popen(["python3", "-c", listen + "time.sleep(60)"])
     try:
-        own = subprocess.Popen(["sh", "-c", f'python3 -c "{listen}time.sleep(1)"; true'])
-        assert len(seen_while(own)) == 1
+        process = subprocess.Popen(["sh", "-c", f'python3 -c "{listen}time.sleep(1)"; true'])
+        assert len(seen_while(process)) == 1
         quiet = subprocess.Popen(["sleep", "0.5"])
         assert not seen_while(quiet)
     finally:

@@ -1,4 +1,4 @@
-"""Progress of a run: what is counted, what is told, and how long it takes."""
+"""Progress of a run: counts, messages and the remaining time."""
 
 import io
 import json
@@ -15,15 +15,15 @@ from workflow.run import waiting
 from workflow.run.progress import LogHandler, Run, when_planned
 
 
-def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **own: Any) -> Any:
+def record(event: LogEvent | None, level: int = logging.INFO, text: str = "", **fields: Any) -> Any:
     made = logging.LogRecord("snakemake", level, __file__, 1, text, None, None)
-    vars(made).update(own, **({"event": event} if event else {}))
+    vars(made).update(fields, **({"event": event} if event else {}))
     return made
 
 
 def begin(job: int, name: str, output: str = "x", log: str = "x.log") -> Any:
-    own = {"jobid": job, "rule_msg": name, "rule_name": "rule", "output": [output], "log": [log]}
-    return record(LogEvent.JOB_INFO, **own)
+    fields = {"jobid": job, "rule_msg": name, "rule_name": "rule", "output": [output], "log": [log]}
+    return record(LogEvent.JOB_INFO, **fields)
 
 
 def end(job: int) -> Any:
@@ -41,7 +41,7 @@ def test_jobs_are_counted_and_what_runs_is_named() -> None:
     run.heard(begin(1, "one"), 0.0)
     run.heard(begin(2, "two"), 0.0)
     run.heard(end(1), 30.0)
-    assert run.words(30.0) == "1 of 4 jobs done; running: two; some 90 s left"
+    assert run.words(30.0) == "1 of 4 jobs done; running: two; about 90 s left"
 
 
 @pytest.mark.parametrize(
@@ -104,7 +104,7 @@ def test_a_file_gets_few_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     handler.close()
 
 
-def test_a_job_that_was_told_to_stop_is_no_fault(tmp_path: Path) -> None:
+def test_a_job_that_was_stopped_is_not_a_failure(tmp_path: Path) -> None:
     run, log = started(), tmp_path / "job.log"
     log.write_text("at work\nstopped\n")
     run.heard(begin(1, "one", log=str(log)), 0.0)
@@ -128,7 +128,7 @@ def test_a_job_that_did_better_when_it_was_tried_again_did_not_fail(tmp_path: Pa
     assert run.failed == []
 
 
-def test_what_a_signal_ended_is_told_with_the_signal_and_stands_in_its_log(tmp_path: Path) -> None:
+def test_a_job_ended_by_a_signal_is_reported_and_logged_with_the_signal(tmp_path: Path) -> None:
     """As where memory is short: the job itself says nothing."""
     run, log = started(), tmp_path / "job.log"
     log.touch()
@@ -136,7 +136,7 @@ def test_what_a_signal_ended_is_told_with_the_signal_and_stands_in_its_log(tmp_p
     run.heard(begin(1, "one", log=str(log)), 0.0)
     assert run.heard(record(LogEvent.ERROR, logging.ERROR, text), 1.0) == []
     found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
-    words = "killed by SIGKILL, as the system does where memory is short"
+    words = "killed by SIGKILL, probably because memory ran out"
     assert found == [f"Failed: one: {words}; log: {log}"]
     assert log.read_text() == f"{words}\n"
 
@@ -146,7 +146,7 @@ def test_a_job_that_ends_without_a_word_is_a_reason(tmp_path: Path) -> None:
     log.touch()
     run.heard(begin(1, "one", log=str(log)), 0.0)
     run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
-    assert run.reasons == [f"Failed: one: ended without a word; log: {log}"]
+    assert run.reasons == [f"Failed: one: no message; log: {log}"]
 
 
 def test_that_cases_lack_results_is_a_reason_only_where_no_case_gave_one(tmp_path: Path) -> None:

@@ -57,13 +57,13 @@ NASTY: list[tuple[str | bytes, str]] = [
     ("# caf\xe9\nsamples: {}".encode("latin-1"), "line 1: not UTF-8 text; save the file as UTF-8"),
     (STUDY.encode("utf-16"), "line 1: not UTF-8 text"),
     (bytes(range(256)), "line [12]: not UTF-8 text"),
-    (STUDY.encode() + b"\0", "line 2: not text; it holds a control character"),
+    (STUDY.encode() + b"\0", "line 2: not text; it contains a control character"),
     ("samples:\n\tn3: {locks: 3}", "line 2: a tab where spaces are needed; indent with spaces"),
-    ("meshes: " + "[" * 100_000, "line 1: nested too deeply; there must be 20 levels or fewer"),
+    ("meshes: " + "[" * 100_000, "line 1: nested too deeply; at most 20 levels are allowed"),
     ("meshes: " + "{a: " * 100_000, "line 1: nested too deeply"),
     ("- " * 100_000, "line 1: nested too deeply"),
-    (bomb(12), "line [78]: too many values; there must be 200,000 or fewer"),
-    ("a: &a [*a]", r"line 1: \*a is an alias of nothing before it"),
+    (bomb(12), "line [78]: too many values; at most 200,000 are allowed"),
+    ("a: &a [*a]", r"line 1: \*a is an alias of an undefined anchor"),
     (f"{STUDY}geometry: {{a: 0.06}}\ngeometry: {{a: 0.07}}", "line 3: 'geometry' appears twice"),
     ("samples: {n3: {locks: 3, locks: 5}}", "line 1: 'locks' appears twice; each key must appear"),
     ("samples: !!python/object/apply:os.system [ls]", "line 1: the tag tag:yaml.org.* not allowed"),
@@ -73,13 +73,13 @@ NASTY: list[tuple[str | bytes, str]] = [
     ("- samples", "a list is not a study; it must be a mapping of keys to values"),
     ("samples", "'samples' is not a study"),
     ("42", "42 is not a study"),
-    ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; keys must be words"),
-    (f"{STUDY}---\n{STUDY}", "line 2: a second document; there must be only one"),
+    ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; keys must be plain words"),
+    (f"{STUDY}---\n{STUDY}", "line 2: a second document; a file must hold only one"),
     ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
     ("samples: @n3", "line 1: not YAML: "),
-    ("x" * 5_000_000, "too long; it must have 4,000,000 bytes or fewer"),
-    ("", "samples: missing; it must be given"),
-    ("# nothing", "samples: missing; it must be given"),
+    ("x" * 5_000_000, "too long; at most 4,000,000 bytes are allowed"),
+    ("", "samples: missing; this key is required"),
+    ("# nothing", "samples: missing; this key is required"),
     ("---\n...\n", "samples: missing"),
 ]
 
@@ -120,7 +120,7 @@ VALUES = [
     ("eccentricities: [true]", "eccentricities.0: true is not allowed; it must be .* at least 0"),
     ("eccentricities: [.nan]", "eccentricities.0: nan is not allowed"),
     (f"eccentricities: [{'9' * 5000}]", "eccentricities.0: '999.* is not allowed"),
-    (f"{'x' * 500}: 1", "'xxxx.*...': unknown key; the keys here are results, samples, "),
+    (f"{'x' * 500}: 1", "'xxxx.*...': unknown key; allowed keys: results, samples, "),
     ('"a\\nb": 1', r"'a\\nb': unknown key"),
     ('"\\0": 1', r"'\\x00': unknown key"),
     (
@@ -136,12 +136,12 @@ VALUES = [
     ('results: "a\\0b"', r"results: 'a\\x00b' is not allowed; .* must be made of letters"),
     ('results: "a\\nb"', r"results: 'a\\nb' is not allowed"),
     ("results: ~/x", "results: '~/x' is not allowed"),
-    ("results: /", "results: '/' is not allowed; it must be a folder of its own"),
-    ("results: ..", r"results: '\.\.' is not allowed; it must be a folder of its own"),
-    ("results: out/..", "results: .* is not allowed; it must be a folder of its own"),
+    ("results: /", "results: '/' is not allowed; it must name a folder, not /, . or .."),
+    ("results: ..", r"results: '\.\.' is not allowed; it must name a folder, not /, . or .."),
+    ("results: out/..", "results: .* is not allowed; it must name a folder, not /, . or .."),
     (
         "results: %s" % ("r" * 300),
-        "results: 'rrr.*' is too long; each part must have 200",
+        "results: 'rrr.*' is too long; each part must have at most 200 bytes",
     ),
     ("results: ' '", "results: ' ' is not allowed; it must be the name of a folder"),
     ("results:", "results: null is not allowed; it must be the name of a folder"),
@@ -159,7 +159,7 @@ VALUES = [
 
 
 @pytest.mark.parametrize(("text", "message"), VALUES, ids=range(len(VALUES)))
-def test_a_value_that_is_not_allowed_is_told_with_its_key_and_what_is(
+def test_a_value_that_is_not_allowed_is_reported_with_its_key_and_what_is(
     tmp_path: Path, text: str, message: str
 ) -> None:
     path = written(tmp_path, (text if text.startswith("samples") else STUDY + text))

@@ -96,8 +96,8 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
         (RESULT, "{", "", "result.json: unreadable"),
         (RESULT, '"peak_load_N"', '"peak"', "result.json: unreadable"),
         (NODES, "shear_y_Pa", "shear_w_Pa", "nodes.csv, line 1: no column shear_y_Pa"),
-        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: not node 1"),
-        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: not 3 columns"),
+        (NODES, "dry-lower-lock1,dry", "dry-lower-lock3,dry", "nodes.csv, line 2: must be node 1"),
+        (HISTORY, "equilibrium", "equilibrium,7", "history.csv, line 2: must have 3 columns"),
         (HISTORY, "load_N", "load", "history.csv, line 1: no column load_N"),
     ],
 )
@@ -155,14 +155,14 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"path": (State(0.0),)}, "peak load 0 N is not possible"),
-        ({"path": (State(math.inf),)}, "peak load inf N is not possible"),
-        ({"failed_load": 99.999}, "failed load 99.999 N is not possible"),
-        ({"failed_load": math.nan}, "failed load nan N is not possible"),
-        ({"first_failure_load": -0.001}, "first failure at -0.001 N is not possible"),
-        ({"first_failure_load": 110.001}, "first failure at 110.001 N is not possible"),
-        ({"path": (State(100.001), State(100.0))}, "load 100.001 N is not possible on the path"),
-        ({"path": (State(math.nan), State(100.0))}, "load nan N is not possible on the path"),
+        ({"path": (State(0.0),)}, "peak load 0 N is not allowed"),
+        ({"path": (State(math.inf),)}, "peak load inf N is not allowed"),
+        ({"failed_load": 99.999}, "failed load 99.999 N is not allowed"),
+        ({"failed_load": math.nan}, "failed load nan N is not allowed"),
+        ({"first_failure_load": -0.001}, "first failure at -0.001 N is not allowed"),
+        ({"first_failure_load": 110.001}, "first failure at 110.001 N is not allowed"),
+        ({"path": (State(100.001), State(100.0))}, "load 100.001 N is not allowed on the path"),
+        ({"path": (State(math.nan), State(100.0))}, "load nan N is not allowed on the path"),
         ({"path": (State(50.0, math.inf), State(100.0))}, "displacement inf m at 50 N"),
         ({"path": (State(100.0, 0.0, np.zeros((1, 3))),)}, "1 nodes have stresses, but the case"),
         ({"path": (State(100.0, 0.0, np.full((44, 3), np.nan)),)}, "a stress is not a finite"),
@@ -184,13 +184,15 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     force = found.path[-1].force
     assert force is not None
     strength = case.joint.T0
-    for told, lock in zip(record.weights, lock_weights(case.joint, assembly, force), strict=True):
-        assert (told.lock, told.block) == (lock.lock, lock.block)
+    for recorded, lock in zip(
+        record.weights, lock_weights(case.joint, assembly, force), strict=True
+    ):
+        assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
-            assert getattr(told, name) == pytest.approx(getattr(lock, name), abs=1e-9)
+            assert getattr(recorded, name) == pytest.approx(getattr(lock, name), abs=1e-9)
         for name in ("shear_x_N", "shear_y_N"):
-            own = getattr(lock, name)
-            assert getattr(told, name) == pytest.approx(own, rel=1e-9, abs=1e-9 * strength)
+            expected = getattr(lock, name)
+            assert getattr(recorded, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * strength)
     most = max(abs(lock.shear_x_N) for lock in record.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
 
@@ -204,17 +206,17 @@ def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> No
 
 
 @pytest.mark.parametrize(
-    ("told", "words"),
+    ("changes", "words"),
     [
-        ({"mode": "magic"}, "result.json: unreadable: mode is none of bonds, mechanism, first"),
+        ({"mode": "magic"}, "result.json: unreadable: mode must be one of bonds, mechanism, first"),
         ({"peak_load_N": None}, "result.json: unreadable"),
         ({"failed_load_N": "x"}, "result.json: unreadable"),
     ],
 )
-def test_a_result_that_is_none_is_refused(tmp_path: Path, told: dict, words: str) -> None:
+def test_a_result_that_is_none_is_refused(tmp_path: Path, changes: dict, words: str) -> None:
     assembly = write_engine_files(tmp_path, case_of())
     whole = json.loads((tmp_path / RESULT).read_text())
-    (tmp_path / RESULT).write_text(json.dumps(whole | told))
+    (tmp_path / RESULT).write_text(json.dumps(whole | changes))
     with pytest.raises(ResultError, match=words):
         read_outcome(tmp_path, assembly)
 
@@ -224,7 +226,7 @@ def test_a_peak_that_is_no_equilibrium_of_the_history_is_refused(tmp_path: Path)
     whole = json.loads((tmp_path / RESULT).read_text())
     loads = {key: 1.04 * whole[key] for key in ("peak_load_N", "failed_load_N")}
     (tmp_path / RESULT).write_text(json.dumps(whole | loads))
-    words = r"peak load .* N is not possible; .* a load at equilibrium of history\.csv"
+    words = r"peak load .* N is not allowed; .* a load at equilibrium of history\.csv"
     with pytest.raises(ResultError, match=words):
         read_outcome(tmp_path, assembly)
 
@@ -234,7 +236,7 @@ def test_a_history_of_what_cannot_be_is_refused(tmp_path: Path, row: str) -> Non
     assembly = write_engine_files(tmp_path, case_of())
     text = (tmp_path / HISTORY).read_text()
     (tmp_path / HISTORY).write_text(f"{text}{row},equilibrium\n")
-    with pytest.raises(ResultError, match=r"history.csv: .* m at .* N is not possible"):
+    with pytest.raises(ResultError, match=r"history.csv: .* m at .* N is not allowed"):
         read_outcome(tmp_path, assembly)
 
 
@@ -315,11 +317,11 @@ def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
     for each in lock_weights(case.joint, assembly, force):
         name = next(f.name for f in assembly.faces if _is_inner_of(f.name, each.lock))
-        own = [assembly.faces[n].name == name for n in assembly.nodes.face]
-        resultant = float(np.sum(stress[own, 2] * area[own]))
+        on_face = [assembly.faces[n].name == name for n in assembly.nodes.face]
+        resultant = float(np.sum(stress[on_face, 2] * area[on_face]))
         assert each.shear_y_N == pytest.approx(resultant)
         assert each.weight == pytest.approx(abs(resultant) / case.joint.T0)
-        mean = float(np.sum(np.abs(stress[own, 2]) * area[own]))
+        mean = float(np.sum(np.abs(stress[on_face, 2]) * area[on_face]))
         assert each.mean_shear_ratio == pytest.approx(mean / case.joint.T0)
 
 
@@ -360,7 +362,7 @@ def test_lower_locks_of_the_limit_model_are_used_up_whatever_their_number() -> N
     )
 
 
-def test_the_first_failure_is_told_where_a_model_knows_failure() -> None:
+def test_the_first_failure_is_reported_where_a_model_knows_failure() -> None:
     of_static = solved(case_of(), static.solve)[0]
     assert 0 < of_static.first_failure_load_N <= of_static.load_N <= of_static.failed_load_N
     assert solved(case_of(), limit.solve)[0].first_failure_load_N is None

@@ -31,19 +31,19 @@ def test_upper_locks_count_only_when_all_lower_ones_do() -> None:
 
 
 def test_half_of_an_even_number_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^locks: 4 is not possible .*; it must be odd$"):
+    with pytest.raises(ValueError, match=r"^locks: 4 is not allowed .*; it must be odd$"):
         half_rule(Joint(4), ())
 
 
 def test_half_of_one_lock_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^locks: 1 is not possible .*; it must be at least 3$"):
+    with pytest.raises(ValueError, match=r"^locks: 1 is not allowed .*; it must be at least 3$"):
         half_rule(Joint(1), ())
 
 
 @pytest.mark.parametrize("rule", ["half", "floor_of_sum"])
 def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) -> None:
     wide = Joint(3, different={2: OwnLock(width=0.06)})
-    message = r"^different: a strength from 240 to 288 N is not possible with .* the same for all$"
+    message = r"^different: a strength from 240 to 288 N is not allowed with .* the same for all$"
     with pytest.raises(ValueError, match=message):
         REDUCTIONS[rule](wide, (1.0, 1.0, 1.0))
     heavy = Joint(3, different={2: OwnLock(density=2000.0)})

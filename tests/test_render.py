@@ -123,7 +123,7 @@ def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) ->
     )
     materials = ast.literal_eval(call.keywords[0].value)
     read = read_assembly(str(tmp_path / DATA_FILE), materials)
-    # Two faces of one kind keep each its own material.
+    # Two faces of one kind keep different materials.
     assert [face.material.friction for face in read.faces] == [0.1, 0.5]
     assert [face.material.friction for face in assembly.faces] == [0.1, 0.5]
     assert np.array([n.position_m for n in read.nodes]) == pytest.approx(assembly.nodes.position)
@@ -189,11 +189,9 @@ def test_data_are_plain_json(case) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])
-def test_the_static_model_tells_where_to_look_first(
-    name: str, case: tuple[Assembly, Loads]
-) -> None:
-    told = guide_of(*case)
-    assert told is not None
-    text = script(ENGINES[name], *case, Numerics(), "guided", told)
-    assert f"first_failure_N={told.first_failure_N}," in text and f"peak_N={told.peak_N}," in text
+def test_the_static_model_guides_the_search(name: str, case: tuple[Assembly, Loads]) -> None:
+    guide = guide_of(*case)
+    assert guide is not None
+    text = script(ENGINES[name], *case, Numerics(), "guided", guide)
+    assert f"first_failure_N={guide.first_failure_N}," in text and f"peak_N={guide.peak_N}," in text
     assert "Guide" not in script(ENGINES[name], *case, Numerics(), "not guided")

@@ -46,9 +46,9 @@ def report(solved_study: tuple[Study, Path]) -> Path:
 def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> None:
     text = report.read_text()
     assert len(text.encode()) < MOST_BYTES
-    own = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
-    assert not re.search(r"""(src|href)=["'](https?:)?//""", own)
-    assert "@import" not in own
+    rest = text.replace(re.findall(r"<script>(.*?)</script>", text, re.DOTALL)[0], "")
+    assert not re.search(r"""(src|href)=["'](https?:)?//""", rest)
+    assert "@import" not in rest
 
 
 def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
@@ -57,9 +57,9 @@ def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
 
 def test_data_cannot_end_their_script() -> None:
     evil = "</script><script>alert(1)</script>"
-    made_from = provenance(None, {})
-    told = {"names": [], "verdict": [], "tables": {}, "provenance": made_from, "evil": evil}
-    text = page(told, "", "summary & <b>more</b>")
+    source = provenance(None, {})
+    content = {"names": [], "verdict": [], "tables": {}, "provenance": source, "evil": evil}
+    text = page(content, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
 
@@ -70,12 +70,12 @@ def test_files_of_the_page_are_part_of_its_job(study: Study) -> None:
     assert all((ROOT / name).is_file() for name in FILES)
 
 
-def test_the_law_is_told_for_more_and_fewer_locks() -> None:
-    told = law_of(Joint(5))
-    assert told["locks"][0] == 3
-    law = dict(zip(told["locks"], told["law"], strict=True))
+def test_the_law_is_reported_for_more_and_fewer_locks() -> None:
+    content = law_of(Joint(5))
+    assert content["locks"][0] == 3
+    law = dict(zip(content["locks"], content["law"], strict=True))
     assert law[3] < law[5] < law[15] < 2.2
-    half = dict(zip(told["locks"], told["half"], strict=True))
+    half = dict(zip(content["locks"], content["half"], strict=True))
     assert half[15] == 7
     assert half[4] is None
 

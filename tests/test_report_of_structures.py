@@ -1,4 +1,4 @@
-"""Structures in the report: what is drawn of them, how they move, what is told beside it."""
+"""Structures in the report: their drawings, motions and texts."""
 
 import json
 from collections.abc import Iterator
@@ -117,11 +117,11 @@ def shoelace(corners: Any) -> float:
     return float(np.linalg.norm(around)) / 2
 
 
-def test_equal_shapes_are_told_once() -> None:
-    told = structures_content(shown_cases(), pd.DataFrame({"model": [], "case": []}))
-    shapes = {(each["structure"], each["variant"]): each["shape"] for each in told["cases"]}
+def test_equal_shapes_are_listed_once() -> None:
+    content = structures_content(shown_cases(), pd.DataFrame({"model": [], "case": []}))
+    shapes = {(each["structure"], each["variant"]): each["shape"] for each in content["cases"]}
     assert shapes["trilith", "reference"] == shapes["trilith", "dry"]
-    assert len(told["shapes"]) == 3
+    assert len(content["shapes"]) == 3
 
 
 def test_what_the_page_has_no_room_for_is_left_out(
@@ -133,11 +133,11 @@ def test_what_the_page_has_no_room_for_is_left_out(
     fewer = with_room(tables)
     assert 0 < len(fewer["blocks"]) + len(fewer["interfaces"]) <= 20
     monkeypatch.setattr(structures, "MOST_POINTS", 60)
-    told = structures_content(shown_cases(), fewer["blocks"])
-    assert {each["shape"] for each in told["cases"]} >= {0, None}
+    content = structures_content(shown_cases(), fewer["blocks"])
+    assert {each["shape"] for each in content["cases"]} >= {0, None}
 
 
-def test_the_verdict_tells_loads_tilts_and_what_is_refused(results: Path) -> None:
+def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     table = tables_in(results)["structures"]
     found = {each["title"]: each["text"] for each in structures_verdict(table)}
     assert found["trilith"].startswith(
@@ -152,15 +152,15 @@ def test_the_verdict_tells_loads_tilts_and_what_is_refused(results: Path) -> Non
     assert kinds["Structures without a result"] == "bad"
 
 
-def test_engines_that_differ_from_the_static_model_are_told(results: Path) -> None:
+def test_engines_that_differ_from_the_static_model_are_reported(results: Path) -> None:
     table = tables_in(results)["structures"]
     row = table[table["model"].eq("limit")].iloc[[0]]
     for apart, kind in ((-0.004, "good"), (0.03, "bad")):
         more = pd.concat([table, row.assign(model="yade", difference_to_static=apart)])
         found = {each["title"]: each for each in structures_verdict(more)}
-        told = found["Engines against the static model, structures"]
-        assert told["kind"] == kind
-        assert f"{100 * abs(apart):.2f} %" in told["text"]
+        entry = found["Engines against the static model, structures"]
+        assert entry["kind"] == kind
+        assert f"{100 * abs(apart):.2f} %" in entry["text"]
 
 
 @pytest.mark.parametrize("name", [REPORT, "alone.html"])
@@ -242,15 +242,17 @@ def test_the_factor_is_what_displacements_are_multiplied_by(opened: Opened, resu
     at_rest = points(opened, OF_FREE)
     opened.page.focus("#structure-motion")
     opened.page.keyboard.press("End")
-    told = opened.page.text_content("#structure-factor") or ""
-    assert told.endswith("(mechanism)")
+    text = opened.page.text_content("#structure-factor") or ""
+    assert text.endswith("(mechanism)")
     rows = tables_in(results)["blocks"]
-    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "limit") & ~rows["fixed"]]
-    turn = own[["turn_x", "turn_y", "turn_z"]].to_numpy().repeat(8, axis=0)
-    centre = own[["x_m", "y_m", "z_m"]].to_numpy().repeat(8, axis=0)
-    move = own[["move_x_m", "move_y_m", "move_z_m"]].to_numpy().repeat(8, axis=0)
+    blocks = rows[
+        (rows["case"] == "trilith-load-dry") & (rows["model"] == "limit") & ~rows["fixed"]
+    ]
+    turn = blocks[["turn_x", "turn_y", "turn_z"]].to_numpy().repeat(8, axis=0)
+    centre = blocks[["x_m", "y_m", "z_m"]].to_numpy().repeat(8, axis=0)
+    move = blocks[["move_x_m", "move_y_m", "move_z_m"]].to_numpy().repeat(8, axis=0)
     whole = move + np.cross(turn, at_rest - centre)
-    factor = float(told.split()[1])
+    factor = float(text.split()[1])
     assert points(opened, OF_FREE) - at_rest == pytest.approx(factor * whole, rel=0.06, abs=2e-3)
 
 
@@ -281,13 +283,13 @@ def test_lines_of_forces_go_through_their_points_and_are_as_long(
 ) -> None:
     choose(opened, variant="dry")
     rows = tables_in(results)["interfaces"]
-    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
+    interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
     ends = points(opened, OF_LINES).reshape(-1, 2, 3)
-    acting = own[["at_x_m", "at_y_m", "at_z_m"]].to_numpy()
+    acting = interfaces[["at_x_m", "at_y_m", "at_z_m"]].to_numpy()
     assert ends.mean(axis=1) == pytest.approx(acting, abs=1e-4)
     assert points(opened, OF_DOTS) == pytest.approx(acting, abs=1e-4)
     along = ends[:, 1] - ends[:, 0]
-    force = own[["force_x_N", "force_y_N", "force_z_N"]].to_numpy()
+    force = interfaces[["force_x_N", "force_y_N", "force_z_N"]].to_numpy()
     scale = np.linalg.norm(along, axis=1).max() / np.linalg.norm(force, axis=1).max()
     assert along == pytest.approx(scale * force, abs=1e-4)
     opened.page.uncheck("#structure-forces")
@@ -297,16 +299,16 @@ def test_lines_of_forces_go_through_their_points_and_are_as_long(
 @needs_browser
 def test_interfaces_have_the_colour_of_their_utilisation(opened: Opened, results: Path) -> None:
     rows = tables_in(results)["interfaces"]
-    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")]
+    interfaces = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")]
     read = "[...document.getElementById('structure-plot').data[3].intensity]"
     shown = opened.page.evaluate(read)  # two triangles for each
-    assert shown[::2] == pytest.approx(own["utilisation"].tolist(), rel=1e-5)
+    assert shown[::2] == pytest.approx(interfaces["utilisation"].tolist(), rel=1e-5)
 
 
 @needs_browser
 def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
-    told = opened.page.text_content("#structure-order") or ""
-    assert told.startswith(
+    text = opened.page.text_content("#structure-order") or ""
+    assert text.startswith(
         "The first bond to fail is that of left-lintel, outlined in red, at 1600"
     )
     regions = {
@@ -321,7 +323,7 @@ def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
 
 
 @needs_browser
-def test_models_stand_side_by_side_and_a_refusal_is_told(opened: Opened) -> None:
+def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> None:
     page = opened.page
     head = page.locator("#structure-models th").all_text_contents()
     assert head[:4] == ["model", "load (N)", "load / weight", "to static (%)"]

@@ -1,4 +1,4 @@
-"""Law, safe rule and SiDMACIB in a study: asked by default, and told case by case."""
+"""Law, safe rule and SiDMACIB in a study: included by default, and printed for single cases."""
 
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from analysis.summary.one_case import describe_rule
 from analysis.tables.capacity import law_rows
 from sidmacib.joint import Direction
 from sidmacib.rule.law import law, safe
-from workflow.__main__ import case
+from workflow.__main__ import run_case
 from workflow.cases import cases_of, find_place
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
@@ -39,11 +39,11 @@ def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
         ({"samples": {"n3": {"locks": 40}}}, "locks: 40 is not allowed; it must be from 2 to 31"),
         (
             {"assembly": {"upper_body": "joined"}},
-            "assembly.upper_body: joined is not possible with law; it must be columns or",
+            "assembly.upper_body: joined is not allowed with law; it must be columns or",
         ),
         (
             {"assembly": {"load_share": "body"}},
-            "assembly.load_share: body is not possible with law; it must be face",
+            "assembly.load_share: body is not allowed with law; it must be face",
         ),
     ],
 )
@@ -53,38 +53,38 @@ def test_a_joint_that_the_law_refuses_has_the_reason_in_the_table(
     study = study_of(**change, sidmacib={"reductions": ["none"]})
     results = [record_with(each, 0.5) for each in cases_of(study).values()]
     table = capacity_of(study, results)
-    (own,) = table[table["model"] == "law"]["error"].unique()
-    assert own.startswith(reason)
+    (message,) = table[table["model"] == "law"]["error"].unique()
+    assert message.startswith(reason)
     assert table[table["model"] == "law"]["load_N"].isna().all()
 
 
-def test_a_case_of_a_rule_is_told_without_running_anything(
+def test_a_case_of_a_rule_is_printed_without_running_anything(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     config = tmp_path / "study.yaml"
     config.write_text("samples: {n3: {locks: 3}}\nvariants: {one: {upper_body: monolithic}}\n")
     study = read_study({"samples": {"n3": {"locks": 3}}, "variants": {"one": {}}})
     expected = safe(study.joint("n3"), Direction(0.1))
-    assert case(config, str(tmp_path / "results"), "n3-mesh0.02-e0.1a", "safe") is None
-    told = capsys.readouterr().out
-    assert f"V = {expected.shear:.2f} N, M = {expected.torque:.4f} N m" in told
-    assert case(config, None, "n3-mesh0.02-e0.1a-one", "safe") is None
-    assert told.partition("V")[2] != capsys.readouterr().out.partition("V")[2]
+    assert run_case(config, str(tmp_path / "results"), "n3-mesh0.02-e0.1a", "safe") is None
+    output = capsys.readouterr().out
+    assert f"V = {expected.shear:.2f} N, M = {expected.torque:.4f} N m" in output
+    assert run_case(config, None, "n3-mesh0.02-e0.1a-one", "safe") is None
+    assert output.partition("V")[2] != capsys.readouterr().out.partition("V")[2]
     assert not (tmp_path / "results").exists()
 
 
-def test_sidmacib_is_told_by_the_rules_that_need_no_weights() -> None:
+def test_sidmacib_is_printed_by_the_rules_that_need_no_weights() -> None:
     study = study_of()
-    told = describe_rule(study, "sidmacib", find_place(study, "n3-mesh0.02-e0a")).splitlines()
-    assert len(told) == 1 + 2 * 4 * 2
-    assert "  Option 4, no friction, every lock counts: V = 720.00 N, M = 0.0000 N m" in told
-    assert "  Option 4, no friction, (n - 1) / 2 locks count: V = 240.00 N, M = 0.0000 N m" in told
+    lines = describe_rule(study, "sidmacib", find_place(study, "n3-mesh0.02-e0a")).splitlines()
+    assert len(lines) == 1 + 2 * 4 * 2
+    assert "  Option 4, no friction, every lock counts: V = 720.00 N, M = 0.0000 N m" in lines
+    assert "  Option 4, no friction, (n - 1) / 2 locks count: V = 240.00 N, M = 0.0000 N m" in lines
 
 
 def test_a_rule_that_refuses_a_case_says_why(tmp_path: Path) -> None:
     config = tmp_path / "study.yaml"
     config.write_text("samples: {n3: {locks: 3, dry: {friction: 0.9}}}\n")
-    found = case(config, None, "n3-mesh0.02-e0a", "law")
+    found = run_case(config, None, "n3-mesh0.02-e0a", "law")
     assert found is not None
     assert "n3-mesh0.02-e0a (law): no result: friction: 0.9 is not allowed" in found
 

@@ -1,4 +1,4 @@
-"""Samples with faces and models of their own, in tables, figures and words."""
+"""Samples with other faces and models than the study, in tables, figures and words."""
 
 import math
 from collections.abc import Callable
@@ -70,7 +70,9 @@ def material(study: Study, tables: dict[str, pd.DataFrame]) -> Callable[[FigureS
 
 
 # --- what is compared with what ------------------------------------------------------------------
-def test_the_papers_numbers_belong_to_a_sample_of_any_friction_which_is_told(study: Study) -> None:
+def test_the_papers_numbers_belong_to_a_sample_of_any_friction_which_is_stated(
+    study: Study,
+) -> None:
     assert PUBLISHED.samples(study) == {"n3": 3, "n3_fits": 3}
     assert PUBLISHED.as_printed(study, "n3")
     assert not PUBLISHED.as_printed(study, "n3_fits")
@@ -92,9 +94,9 @@ def test_sidmacib_is_not_fitted_to_a_model_that_runs_a_part_of_a_sample(
 ) -> None:
     part = {"yade": PartSection(eccentricities=(0.0,))}
     sample = study.samples["n3"].model_copy(update={"only": part})
-    own = study.model_copy(update={"samples": {**study.samples, "n3": sample}})
+    changed = study.model_copy(update={"samples": {**study.samples, "n3": sample}})
     weights = weights_table(results)
-    rows = pd.DataFrame(sidmacib_rows(own, weights))
+    rows = pd.DataFrame(sidmacib_rows(changed, weights))
     assert set(rows[rows["sample"] == "n3"]["weights_from"]) == {"static"}
 
 
@@ -111,22 +113,22 @@ def test_decks_are_written_for_the_studys_meshes_and_for_every_sample(study: Stu
     assert {case.sample for case in found} == {"n3", "n3_fits"}
 
 
-def test_validation_tells_friction_and_mesh_error(tables: dict[str, pd.DataFrame]) -> None:
+def test_validation_states_friction_and_mesh_error(tables: dict[str, pd.DataFrame]) -> None:
     rows = tables["validation"].query("quantity == 'dem_pure_shear_N' and model == 'static'")
     rows = rows.set_index("sample")
     assert rows.loc["n3", ["friction", "setting"]].tolist() == [0.3, "as printed"]
     assert rows.loc["n3_fits", ["friction", "setting"]].tolist() == [0.005236, "not as printed"]
     change, cells = 5.0 * 0.01 / (1 + 5 * 0.01), math.sqrt(30.0)  # along a side; 3 at 0.02 m
-    told = change + change / (cells / 3 - 1) + 0.02 / cells
-    assert rows.loc["n3", "mesh_error"] == pytest.approx(told)
+    expected = change + change / (cells / 3 - 1) + 0.02 / cells
+    assert rows.loc["n3", "mesh_error"] == pytest.approx(expected)
 
 
 def test_published_numbers_have_no_mesh_error_and_sidmacibs_neither(
     tables: dict[str, pd.DataFrame],
 ) -> None:
     capacity = tables["capacity"]
-    told = capacity.groupby("model")["mesh_error"].apply(lambda errors: errors.notna().all())
-    assert told.to_dict() == {
+    known = capacity.groupby("model")["mesh_error"].apply(lambda errors: errors.notna().all())
+    assert known.to_dict() == {
         **{"published": False, "sidmacib": False, "static": True, "yade": True}
     }
 
@@ -209,24 +211,24 @@ def test_stress_maps_of_a_sample_are_those_of_the_models_that_run_on_it(study: S
 
 def test_a_figure_leads_with_a_model_that_runs_on_its_sample(material) -> None:
     assert material(FigureSpec("revised-n3", "revised", "n3")).leading == "yade"
-    own = material(FigureSpec("revised-n3_fits", "revised", "n3_fits"))
-    assert (own.leading, own.models) == ("static", ("static",))
+    drawn = material(FigureSpec("revised-n3_fits", "revised", "n3_fits"))
+    assert (drawn.leading, drawn.models) == ("static", ("static",))
 
 
 def test_a_caption_says_what_friction_is_not_the_printed_one(material) -> None:
-    own = material(FigureSpec("models-n3_fits", "models", "n3_fits"))
+    drawn = material(FigureSpec("models-n3_fits", "models", "n3_fits"))
     assert "n3_fits: friction 0.005236 on dry faces, to fit, not the printed 0.3" in (
-        own.assumed_geometry
+        drawn.assumed_geometry
     )
     assert "friction" not in material(FigureSpec("models-n3", "models", "n3")).assumed_geometry
 
 
-def test_the_figure_of_meshes_has_a_panel_for_each_sample_and_tells_the_error(material) -> None:
-    own = material(FigureSpec("meshes", "meshes"))
-    titles = [axes.get_title(loc="left") for axes in meshes(own).axes]
+def test_the_figure_of_meshes_has_a_panel_for_each_sample_and_states_the_error(material) -> None:
+    drawn = material(FigureSpec("meshes", "meshes"))
+    titles = [axes.get_title(loc="left") for axes in meshes(drawn).axes]
     assert titles == ["n3: 3 locks", "n3_fits: 3 locks"]
     assert (
-        mesh_error_words(own) == "Mesh error, estimated from two meshes: up to 11.3 % at 0.02 m. "
+        mesh_error_words(drawn) == "Mesh error, estimated from two meshes: up to 11.3 % at 0.02 m. "
     )
 
 

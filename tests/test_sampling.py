@@ -90,7 +90,7 @@ def test_elastic_pieces_and_softening_bonds_are_sampled_too() -> None:
     [
         ({"joints": 0}, "joints: 0 is not allowed"),
         ({"joints": 4, "locks": [1, 5]}, "locks: 1 is not allowed"),
-        ({"joints": 4, "a_over_b": [2, 1]}, "the first must not be more"),
+        ({"joints": 4, "a_over_b": [2, 1]}, "the first value must not exceed the second"),
         ({"joints": 4, "a_over_b": 2}, "a list of the least and the largest value"),
     ],
 )
@@ -142,8 +142,8 @@ def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
 
 
 def test_limit_analysis_is_above_the_brittle_peak_of_smooth_joints(points: pd.DataFrame) -> None:
-    own = points[points["limit"].notna() & points["friction"].eq(0.0)]
-    assert (own["limit"] >= own["peak"] * (1 - 1e-6)).all()
+    smooth = points[points["limit"].notna() & points["friction"].eq(0.0)]
+    assert (smooth["limit"] >= smooth["peak"] * (1 - 1e-6)).all()
 
 
 @pytest.mark.parametrize("option", list(OPTIONS))
@@ -156,7 +156,7 @@ def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) 
         assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)
 
 
-def test_rules_are_told_for_each_body_and_number_of_locks(points: pd.DataFrame) -> None:
+def test_rules_are_tabulated_for_each_body_and_number_of_locks(points: pd.DataFrame) -> None:
     table = rules_table(points)
     assert set(table["rule"]) == {"none", "half", "floor_of_sum", "lower_sum"}
     every = table[table["rule"] == "none"]

@@ -22,30 +22,32 @@ def strengths(variation: float, shape: tuple[int, ...]) -> np.ndarray:
 @pytest.mark.parametrize("share", [0.001, 0.05, 0.5, 0.99])
 @pytest.mark.parametrize("variation", [0.05, 0.3])
 def test_one_lock_has_the_quantiles_of_its_strength(variation: float, share: float) -> None:
-    own = Scatter(100.0, np.array([1.0]), variation)
+    scattered = Scatter(100.0, np.array([1.0]), variation)
     deviation = math.sqrt(math.log1p(variation**2))
     expected = 100.0 * lognorm.ppf(share, deviation, scale=math.exp(-(deviation**2) / 2.0))
-    assert own.quantile(share) == pytest.approx(expected, rel=1e-6)
+    assert scattered.quantile(share) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.5])
 def test_quantiles_are_those_of_many_joints(share: float) -> None:
-    own = scatter(Joint(7), Direction(0.2), 0.2)
-    drawn = (strengths(0.2, (40_000, 7)) / own.utilisation).min(axis=1) * own.load
-    assert own.quantile(share) == pytest.approx(np.quantile(drawn, share), rel=5e-3)
+    scattered = scatter(Joint(7), Direction(0.2), 0.2)
+    drawn = (strengths(0.2, (40_000, 7)) / scattered.utilisation).min(axis=1) * scattered.load
+    assert scattered.quantile(share) == pytest.approx(np.quantile(drawn, share), rel=5e-3)
 
 
 def test_survival_falls_from_certain_to_none() -> None:
-    own = scatter(Joint(5), PURE_SHEAR, 0.15)
-    chances = [own.survival(own.load * factor) for factor in (0.0, 0.4, 0.8, 1.0, 3.0)]
+    scattered = scatter(Joint(5), PURE_SHEAR, 0.15)
+    chances = [scattered.survival(scattered.load * factor) for factor in (0.0, 0.4, 0.8, 1.0, 3.0)]
     assert chances[0] == 1.0
     assert chances == sorted(chances, reverse=True)
     assert chances[-1] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_small_scatter_leaves_the_law() -> None:
-    own = scatter(Joint(5), PURE_SHEAR, 1e-6)
-    assert own.quantile(0.5) == pytest.approx(own.load, rel=3e-4)  # of the search for it
+    scattered = scatter(Joint(5), PURE_SHEAR, 1e-6)
+    assert scattered.quantile(0.5) == pytest.approx(
+        scattered.load, rel=3e-4
+    )  # of the search for it
 
 
 def test_more_locks_that_share_the_load_lose_more_to_the_weakest() -> None:

@@ -185,7 +185,7 @@ def test_equilibria_that_contacts_cannot_represent_end_the_search() -> None:
 
 
 def test_what_does_not_stand_alone_or_carries_nothing_or_anything_has_no_peak() -> None:
-    with pytest.raises(SystemExit, match="does not stand under its permanent loads"):
+    with pytest.raises(SystemExit, match="fails under its permanent loads"):
         peak_by_increments(Breaking([-1.0], 1), search())
     with pytest.raises(SystemExit, match="carries no load in this direction"):
         peak_by_increments(Breaking([0.0], 1), search())
@@ -319,7 +319,7 @@ def test_the_next_load_of_a_linear_model_is_never_past_its_failure(
     assert used * strength < load <= strength * (1 - tolerance / 2) * (1 + 1e-9)
 
 
-def test_the_next_load_goes_by_the_increment_where_nothing_can_be_told() -> None:
+def test_the_next_load_goes_by_the_increment_where_nothing_can_be_predicted() -> None:
     assert next_load([(0.0, 0.0)], 12.0, 1e-3) == 12.0
     assert next_load([(0.0, 0.0), (12.0, math.inf)], 12.0, 1e-3) == 24.0
 

@@ -61,7 +61,7 @@ pytestmark = [
 ]
 
 
-def told_by(*command: str) -> list[str]:
+def lines_of(*command: str) -> list[str]:
     """Words that a command prints, whether it ends well or not."""
     return subprocess.run(command, capture_output=True, text=True, check=False).stdout.split()
 
@@ -90,14 +90,14 @@ class Cluster:
 
     def wait_until_idle(self) -> None:
         for _ in range(60):
-            told = told_by("sinfo", "-h", "-o", "%T")
-            if told and told[0] in ("idle", "mixed", "allocated"):
+            states = lines_of("sinfo", "-h", "-o", "%T")
+            if states and states[0] in ("idle", "mixed", "allocated"):
                 return
             time.sleep(0.5)
-        pytest.fail(f"SLURM has no node: {told}")
+        pytest.fail(f"SLURM has no node: {states}")
 
     def jobs(self) -> list[str]:
-        return told_by("squeue", "-h", "-o", "%T")
+        return lines_of("squeue", "-h", "-o", "%T")
 
     def pid(self, daemon: str) -> int:
         return int((self.folder / f"{daemon}.pid").read_text())
@@ -133,7 +133,7 @@ def cluster(tmp_path: Path) -> Iterator[Cluster]:
 
 
 def study(folder: Path, name: str, *options: str, **environment: str) -> subprocess.Popen[str]:
-    """A study that is begun, in a folder of its own."""
+    """A running study, in a separate folder."""
     path = folder / f"{name}.yaml"
     path.write_text(yaml.safe_dump(STUDY))
     command = [sys.executable, "-m", "workflow", "study", str(path)]
@@ -151,8 +151,8 @@ def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     cluster: Cluster, tmp_path: Path
 ) -> None:
     local = study(tmp_path, "local")
-    told, _ = local.communicate(timeout=300)
-    assert local.returncode == 0, told
+    output, _ = local.communicate(timeout=300)
+    assert local.returncode == 0, output
     remote = study(tmp_path, "remote", "--profile=slurm")
     deadline = time.monotonic() + 120.0
     while "RUNNING" not in cluster.jobs():
@@ -162,8 +162,8 @@ def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     cluster.kill_node()
     time.sleep(3.0)
     subprocess.run(cluster.node, check=True)
-    told, _ = remote.communicate(timeout=540)
-    assert remote.returncode == 0, told
+    output, _ = remote.communicate(timeout=540)
+    assert remote.returncode == 0, output
     assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
     assert cluster.jobs() == []
     # What a job that was killed leaves behind is gone.
@@ -175,9 +175,9 @@ def test_a_case_that_fails_among_others_in_a_job_leaves_a_hole_that_is_named(
 ) -> None:
     local = study(tmp_path, "local", YADE_PYTHON=str(broken_python))
     remote = study(tmp_path, "remote", "--profile=slurm", YADE_PYTHON=str(broken_python))
-    told = [each.communicate(timeout=540)[0] for each in (local, remote)]
+    outputs = [each.communicate(timeout=540)[0] for each in (local, remote)]
     reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
-    assert all(reason in each for each in told)
+    assert all(reason in each for each in outputs)
     assert local.returncode != 0
     assert remote.returncode != 0
     assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")

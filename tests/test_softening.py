@@ -1,4 +1,4 @@
-"""Bonds that fade: between brittle and ductile."""
+"""Bonds that soften: between brittle and ductile."""
 
 import math
 from dataclasses import replace

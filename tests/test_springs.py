@@ -34,7 +34,7 @@ def solver(model: Assembly) -> RigidSolver:
 
 
 def dense(solver: RigidSolver) -> np.ndarray:
-    """The solver's matrix, with rows and columns in its own order."""
+    """The solver's matrix, with rows and columns in the order of the solver."""
     inner, outer, band = solver.structure.inner, solver.structure.outer, solver.structure.band
     full = np.zeros((inner + outer, inner + outer))
     for i in range(inner):
@@ -67,31 +67,38 @@ def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> Non
 
 
 def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
-    own = solver(model)
+    rigid_solver = solver(model)
     unknowns, state = some_state(model)
     tangent_stiffness(
-        own.structure, state.slip, np.ones_like(state.whole), unknowns, 0.0, own.matrix
+        rigid_solver.structure,
+        state.slip,
+        np.ones_like(state.whole),
+        unknowns,
+        0.0,
+        rigid_solver.matrix,
     )
     expected = Springs.of(model).elastic_stiffness()
-    assert dense(own)[np.ix_(own.place, own.place)] == pytest.approx(expected, rel=1e-9, abs=1e-5)
+    assert dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)] == pytest.approx(
+        expected, rel=1e-9, abs=1e-5
+    )
 
 
 def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
-    own = solver(model)
+    rigid_solver = solver(model)
     unknowns, state = some_state(model)
     residual = np.empty_like(unknowns)
-    unbalanced(own.structure, state.slip, state.whole, unknowns, 0.0 * unknowns, residual)
-    force, _ = node_forces(own.structure, state.slip, state.whole, unknowns)
-    inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / own.units
-    assert -residual[own.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
+    unbalanced(rigid_solver.structure, state.slip, state.whole, unknowns, 0.0 * unknowns, residual)
+    force, _ = node_forces(rigid_solver.structure, state.slip, state.whole, unknowns)
+    inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / rigid_solver.units
+    assert -residual[rigid_solver.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
 
 
 def test_nodes_move_with_their_pieces(model: Assembly) -> None:
-    own = solver(model)
+    rigid_solver = solver(model)
     unknowns, state = some_state(model)
     bonded = np.ones_like(state.whole)
-    force, _ = node_forces(own.structure, 0.0 * state.slip, bonded, unknowns)
-    displacement = unknowns[own.place] / own.units
+    force, _ = node_forces(rigid_solver.structure, 0.0 * state.slip, bonded, unknowns)
+    displacement = unknowns[rigid_solver.place] / rigid_solver.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
     contact_law = ContactLaw.of(model)
     assert force[:, 0] == pytest.approx(
@@ -102,24 +109,26 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
 
 
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
-    own = solver(model)
+    rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(own.structure, state.slip, state.whole, unknowns, 0.0, own.matrix)
+    tangent_stiffness(
+        rigid_solver.structure, state.slip, state.whole, unknowns, 0.0, rigid_solver.matrix
+    )
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     after, before = np.empty_like(unknowns), np.empty_like(unknowns)
     for sign, residual in ((1, after), (-1, before)):
         moved = unknowns + sign * 1e-12 * direction
-        unbalanced(own.structure, state.slip, state.whole, moved, 0.0 * moved, residual)
-    expected = dense(own) @ direction
+        unbalanced(rigid_solver.structure, state.slip, state.whole, moved, 0.0 * moved, residual)
+    expected = dense(rigid_solver) @ direction
     found = (before - after) / 2e-12
     assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
 
 
 def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
-    own = solver(model)
+    rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    force, slip = node_forces(own.structure, state.slip, state.whole, unknowns)
-    again, same = node_forces(own.structure, slip, state.whole, unknowns)
+    force, slip = node_forces(rigid_solver.structure, state.slip, state.whole, unknowns)
+    again, same = node_forces(rigid_solver.structure, slip, state.whole, unknowns)
     assert again == pytest.approx(force, rel=1e-9, abs=1e-9)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
     assert (slip[state.bonded] == state.slip[state.bonded]).all()
@@ -127,26 +136,34 @@ def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
 
 @pytest.mark.parametrize("seed", range(5))
 def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
-    own, random = solver(model), np.random.default_rng(seed)
-    own.matrix.band[:] = random.normal(size=own.matrix.band.shape)
-    own.matrix.band[:, 2 * own.structure.band + 1 :] = 0.0  # filled by elimination
-    own.matrix.right[:] = random.normal(size=own.matrix.right.shape)
-    own.matrix.below[:] = random.normal(size=own.matrix.below.shape)
-    own.matrix.band[::3, own.structure.band] = 0.0  # small pivots, unless rows are exchanged
-    full, right = dense(own), random.normal(size=len(own.place))
+    rigid_solver, random = solver(model), np.random.default_rng(seed)
+    rigid_solver.matrix.band[:] = random.normal(size=rigid_solver.matrix.band.shape)
+    rigid_solver.matrix.band[:, 2 * rigid_solver.structure.band + 1 :] = (
+        0.0  # filled by elimination
+    )
+    rigid_solver.matrix.right[:] = random.normal(size=rigid_solver.matrix.right.shape)
+    rigid_solver.matrix.below[:] = random.normal(size=rigid_solver.matrix.below.shape)
+    rigid_solver.matrix.band[::3, rigid_solver.structure.band] = (
+        0.0  # small pivots, unless rows are exchanged
+    )
+    full, right = dense(rigid_solver), random.normal(size=len(rigid_solver.place))
     solution = right.copy()
-    assert solve_linear(own.structure, own.matrix, solution)
+    assert solve_linear(rigid_solver.structure, rigid_solver.matrix, solution)
     assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
 
 
-def test_equations_without_a_solution_are_told(model: Assembly) -> None:
-    own = solver(model)
-    for part in (own.matrix.band, own.matrix.right, own.matrix.below):
+def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
+    rigid_solver = solver(model)
+    for part in (rigid_solver.matrix.band, rigid_solver.matrix.right, rigid_solver.matrix.below):
         part[:] = 0.0
-    assert not solve_linear(own.structure, own.matrix, np.ones(len(own.place)))
-    own.matrix.band[:, own.structure.band] = 1.0
-    solved = solve_linear(own.structure, own.matrix, np.ones(len(own.place)))
-    assert solved is (own.structure.outer == 0)
+    assert not solve_linear(
+        rigid_solver.structure, rigid_solver.matrix, np.ones(len(rigid_solver.place))
+    )
+    rigid_solver.matrix.band[:, rigid_solver.structure.band] = 1.0
+    solved = solve_linear(
+        rigid_solver.structure, rigid_solver.matrix, np.ones(len(rigid_solver.place))
+    )
+    assert solved is (rigid_solver.structure.outer == 0)
 
 
 @pytest.mark.parametrize("locks", [7, 31])
@@ -166,5 +183,7 @@ def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
 
 def test_the_direction_of_forces_is_that_of_the_loads(joint: Joint) -> None:
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    own = RigidSolver(model, lateral_load(joint, model, Loading(Direction(0.0))))
-    assert own.load[own.place].reshape(-1, 6).sum(axis=0) == pytest.approx([0, 1, 0, 0, 0, 0])
+    rigid_solver = RigidSolver(model, lateral_load(joint, model, Loading(Direction(0.0))))
+    assert rigid_solver.load[rigid_solver.place].reshape(-1, 6).sum(axis=0) == pytest.approx(
+        [0, 1, 0, 0, 0, 0]
+    )

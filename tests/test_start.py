@@ -51,18 +51,18 @@ def started(*command: str, **environment: str) -> subprocess.CompletedProcess[st
 
 
 @pytest.mark.parametrize("late", PROGRAMS)
-def test_an_interrupt_while_a_program_loads_is_told_in_a_line(late: str) -> None:
+def test_an_interrupt_while_a_program_loads_is_reported_in_one_line(late: str) -> None:
     found = started("-c", INTERRUPTED + PROGRAMS[late], late, "study", "config.yaml")
     assert found.returncode == 1
-    assert re.fullmatch(r"(Aborted!|Stopped\. The next run goes on from here\.)\n", found.stderr)
+    assert re.fullmatch(r"(Aborted!|Stopped\. The next run continues from here\.)\n", found.stderr)
 
 
 def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text(SMALL + "# \u00b5\n", encoding="utf-8")
-    told = ["study.yaml", "--results", "results", "--case", "n3-mesh0.02-e0a"]
-    told[0], told[2] = str(tmp_path / told[0]), str(tmp_path / told[2])
+    words = ["study.yaml", "--results", "results", "--case", "n3-mesh0.02-e0a"]
+    words[0], words[2] = str(tmp_path / words[0]), str(tmp_path / words[2])
     posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    found = started("-m", "workflow", "case", *told, **posix)
+    found = started("-m", "workflow", "case", *words, **posix)
     assert found.returncode == 0, found.stderr
     assert "V = 24" in found.stdout
 
@@ -70,7 +70,7 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; the keys here are results, sam"),
+        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; allowed keys: results, sam"),
         (SMALL + "meshes: [0.01]\n", "line 7: 'meshes' appears twice; each key must"),
         ("samples: [\n", "line 2: not YAML"),
         ("\u00b5".encode("latin-1"), "not UTF-8 text; save the file as UTF-8"),
@@ -81,9 +81,9 @@ def test_a_faulty_configuration_is_seen_before_anything_is_installed(
 ) -> None:
     path = tmp_path / "study.yaml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    told = before_install.fault(path)
-    assert told is not None
-    assert told.startswith(f"{path}: {words}")
+    message = before_install.fault(path)
+    assert message is not None
+    assert message.startswith(f"{path}: {words}")
 
 
 @pytest.mark.parametrize(
@@ -102,14 +102,16 @@ def test_every_study_of_this_checkout_passes_the_first_look() -> None:
 
 def test_make_looks_at_the_configuration_first() -> None:
     command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
-    told = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    printed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
     lines = [
-        line for line in told.splitlines() if re.search(r"before_install\.py|environment\.sh", line)
+        line
+        for line in printed.splitlines()
+        if re.search(r"before_install\.py|environment\.sh", line)
     ]
     assert "before_install.py" in lines[0] and "environment.sh" in lines[1]
 
 
-def test_a_fault_is_told_with_the_files_name_once() -> None:
+def test_a_fault_is_reported_with_the_files_name_once() -> None:
     error = ConfigError("overrides: no case", "my.yaml: line 1: not YAML").of(Path("my.yaml"))
     assert str(error) == "my.yaml: overrides: no case\nmy.yaml: line 1: not YAML"
 

@@ -211,7 +211,7 @@ def test_the_first_failure_alone_is_that_of_the_path_to_the_peak(failure: Failur
     assert found.point.state.bonded[found.failing].all()
 
 
-def test_where_no_bond_fails_the_first_failure_is_the_last_point_and_tells_why(
+def test_where_no_bond_fails_the_first_failure_is_the_last_point_with_a_reason(
     joint: Joint,
 ) -> None:
     model = block_on_ground(joint, Kind.DRY, 0.02)
@@ -239,9 +239,9 @@ def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> N
     ]
     changes = np.diff(found)
     assert (changes < 0.0).all() and (np.abs(changes[1:]) < 0.8 * np.abs(changes[:-1])).all()
-    own = static_first_failure(model, loads).point.load  # as small as friction asks for
-    assert own == pytest.approx(2 * found[-1] - found[-2], rel=5e-3)
-    assert found[0] > 1.04 * own and static_peak(model, loads).first_failure_load == own
+    default = static_first_failure(model, loads).point.load  # as small as friction asks for
+    assert default == pytest.approx(2 * found[-1] - found[-2], rel=5e-3)
+    assert found[0] > 1.04 * default and static_peak(model, loads).first_failure_load == default
     with pytest.raises(ValueError, match=r"increment: 0\.0 is not allowed"):
         static_first_failure(model, loads, increment=0.0)
 
@@ -305,7 +305,7 @@ def test_the_length_that_measures_rotations_is_a_matter_of_taste(exponent: float
     joint = Joint(4)
     model, one = solved(joint, 0.35)
     loads = lateral_load(joint, model, Loading(Direction(0.35)))
-    # The other lengths are within four orders of magnitude of the assembly's own.
+    # The other lengths are within four orders of magnitude of the assembly's.
     other = static_peak(replace(model, length=model.length * 10.0 ** (exponent / 3)), loads)
     assert other.peak.load == pytest.approx(one.peak.load, rel=1e-6)
 

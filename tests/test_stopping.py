@@ -1,4 +1,4 @@
-"""Runs that are told to end: nothing of them is left, and one line says so."""
+"""Runs that are asked to end: they leave nothing behind and print one line."""
 
 import os
 import signal
@@ -26,7 +26,7 @@ LONG = {  # a case of an engine that takes minutes
 
 
 def make_study(folder: Path) -> subprocess.Popen[str]:
-    """`make study` of a long study, begun in a session of its own."""
+    """`make study` of a long study, started in a separate session."""
     config = folder / "study.yaml"
     config.write_text(yaml.safe_dump(LONG))
     # As it is installed: nothing is installed here.
@@ -63,9 +63,9 @@ def test_a_study_ends_with_make_and_its_engines_with_it(
         (os.killpg if to_all else os.kill)(run.pid, number)
         time.sleep(0.1)
     assert becomes_true(lambda: not processes_in(tmp_path), 15.0), processes_in(tmp_path)
-    told, _ = run.communicate(timeout=10.0)
-    assert STOPPED in told
-    assert "Traceback" not in told
+    output, _ = run.communicate(timeout=10.0)
+    assert STOPPED in output
+    assert "Traceback" not in output
 
 
 @pytest.mark.parametrize("delay", [0.02, 0.1, 0.25, 0.5, 1.0])
@@ -75,7 +75,7 @@ def test_a_study_that_is_interrupted_at_once_ends_with_a_line(tmp_path: Path, de
     for _ in range(2):
         os.killpg(run.pid, signal.SIGINT)
         time.sleep(0.05)
-    told, _ = run.communicate(timeout=30.0)
+    output, _ = run.communicate(timeout=30.0)
     assert run.returncode != 0
-    assert "Traceback" not in told
+    assert "Traceback" not in output
     assert not processes_in(tmp_path)

@@ -173,4 +173,4 @@ def test_what_an_engine_cannot_do_is_refused_by_name(engine: str, tmp_path: Path
 
 def test_blocks_of_any_shape_are_refused_by_an_engine_of_cuboids() -> None:
     reason = refusal(ENGINES["calculix"], leaning(MORTAR, 10.0))
-    assert reason == "pieces are polyhedra; it knows only cuboids along the axes"
+    assert reason == "pieces are polyhedra; this engine models only cuboids along the axes"

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,9 @@ from conftest import ROOT
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.file import read_structure
+from sidmacib.structure.file import read_structure, structure_of
 from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.structure import refined
 from sidmacib.yaml_text import read_yaml
 from workflow.structures.case import changed
 
@@ -34,7 +36,7 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "structure.yaml"
 
 
-def test_the_command_tells_what_a_structure_carries(path: Path) -> None:
+def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     path.write_text(json.dumps(ON_GROUND))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     assert rows["limit"]["load / weight"] == pytest.approx(0.2, rel=1e-6)
@@ -54,7 +56,7 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
     assert fine["limit"]["mesh error / load"] is None
 
 
-def test_the_command_tells_the_angle_at_which_a_structure_slides(path: Path) -> None:
+def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) -> None:
     path.write_text(json.dumps({**ON_GROUND, "load": {"tilt": {"axis": [0, 1, 0]}}}))
     rows = {str(row["model"]): row for row in answers("assembly", str(path))}
     slides = math.degrees(math.atan(0.2))
@@ -195,7 +197,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"locks": [LOCKS | {"count": 0}]}, r"locks\[0\].count: 0 is not allowed"),
         (
             {"locks": [LOCKS | {"run": [1, 0, 0]}]},
-            r"locks\[0\]: locks: must have either row or run",
+            r"locks\[0\].row: must be given, or else run, and not both",
         ),
         ({"locks": [LOCKS | {"row": [0, 0, 1]}]}, "ground: row: .* not across the interface"),
         ({"locks": [LOCKS | {"condensed": {"option": "x"}}]}, "condensed.option: 'x' is not"),
@@ -212,7 +214,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ({"loads": 1}, "the file: unknown key 'loads'; valid keys: blocks, load"),
     ],
 )
-def test_a_fault_is_told_in_a_line_that_names_the_key(
+def test_a_fault_is_reported_in_one_line_with_its_key(
     path: Path, change: dict[str, Any], words: str
 ) -> None:
     path.write_text(json.dumps({**ON_GROUND, **change}))
@@ -227,16 +229,19 @@ def test_a_fault_is_told_in_a_line_that_names_the_key(
 BAD = [
     (
         {"blocks": {"block": {"density": 1e300}}},
-        "blocks.block.density: .* is not allowed; it must be greater than 0 and at most",
+        "blocks.block.density: .* is not allowed; it must be from 0.001 to",
     ),
-    ({"blocks": {"block": {"low": [0, 0, math.inf]}}}, "it must be a finite number"),
+    (
+        {"blocks": {"block": {"low": [0, 0, math.inf]}}},
+        r"low: inf is not allowed; it must be from -1e\+09 to 1e\+09",
+    ),
     ({"nodes": "corners"}, "nodes: 'corners' is not allowed; it must be centres, vertices or"),
     ({"load": {"acceleration": [0, 0, 0]}}, "load.acceleration: .* must be three numbers"),
 ]
 
 
 @pytest.mark.parametrize(("changes", "words"), BAD)
-def test_a_bad_number_is_told_with_its_key_and_what_is_allowed(
+def test_a_bad_number_is_reported_with_its_key_and_what_is_allowed(
     path: Path, changes: dict[str, Any], words: str
 ) -> None:
     path.write_text(yaml.safe_dump(changed(ON_GROUND, changes)))
@@ -250,7 +255,7 @@ def test_a_box_without_volume_is_refused(path: Path) -> None:
         read_structure(path)
 
 
-def test_numbers_that_look_like_another_unit_are_told(path: Path) -> None:
+def test_numbers_that_look_like_another_unit_are_noted(path: Path) -> None:
     path.write_text(yaml.safe_dump(changed(ON_GROUND, {"interfaces": {"friction": 30.0}})))
     result = run("assembly", str(path))
     assert "friction: 30 is very large; is it an angle in degrees?" in result.stderr
@@ -271,3 +276,66 @@ def test_a_material_for_a_pair_with_locks_is_refused(path: Path) -> None:
     path.write_text(yaml.safe_dump(keyed))
     with pytest.raises(ValueError, match="it must be two blocks without locks"):
         read_structure(path)
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("size", [1e308, 1e160, 5e-324])
+@pytest.mark.parametrize(
+    ("change", "key"),
+    [
+        (lambda x: {"load": {"tilt": {"axis": [x, x, 0.0]}}}, "load.tilt.axis"),
+        (lambda x: {"load": {"acceleration": [x, x, 0.0]}}, "acceleration|direction"),
+        (
+            lambda x: {
+                "load": {"force": {"block": "block", "at": [0, 0, 0], "direction": [x, x, 0.0]}}
+            },
+            "load.force.direction",
+        ),
+        (
+            lambda x: {
+                "locks": [
+                    {"between": ["block", "ground"], "count": 2, "height": 0.1, "row": [x, x, 0.0]}
+                ]
+            },
+            r"locks\[0\].row",
+        ),
+    ],
+)
+def test_directions_too_large_or_too_small_are_refused_without_a_warning(
+    change: Callable[[float], dict[str, Any]], key: str, size: float
+) -> None:
+    with pytest.raises(ValueError, match=key):
+        structure_of({**ON_GROUND, **change(size)})
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(
+    "shape",
+    [
+        {"low": [0.0, 0.0, 0.0], "high": [1e-320, 0.4, 0.4]},
+        {"outline": [[0, 0, 0], [1e-320, 0, 0], [0, 0, 1e-320]], "along": [0, 0.4, 0]},
+        {"outline": [[0, 0, 0], [0.4, 0, 0], [0.4, 0, 1e8]], "along": [0, 1e9, 0]},
+    ],
+)
+def test_shapes_that_are_hardly_any_are_refused_without_a_warning(shape: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match="block"):
+        structure_of({**ON_GROUND, "blocks": {"ground": GROUND, "block": shape}})
+
+
+@pytest.mark.parametrize("mesh", [5e-324, 1e-300])
+def test_a_mesh_of_no_size_is_refused(mesh: float) -> None:
+    with pytest.raises(ValueError, match=r"mesh: .* more than 200,000 cells"):
+        structure_of({**ON_GROUND, "mesh": mesh})
+
+
+def test_interfaces_are_told_on_the_mesh_of_the_loads(path: Path) -> None:
+    given = {**ON_GROUND, "interfaces": {"cohesion": 2e4, "tensile_strength": 1e4}}
+    path.write_text(yaml.safe_dump(given))
+    (shown,) = answers("assembly", str(path), "--interfaces")
+    peak = next(row for row in answers("assembly", str(path)) if row["model"] == "static, peak")
+    problem = read_structure(path)
+    fine = refined(problem.assembly)
+    found = static_peak(fine, problem.loads).peak
+    assert peak["load (N)"] == found.load
+    (expected,) = interface_forces(fine, found.force, found.state)
+    assert shown["utilisation"] == expected.utilisation

@@ -50,12 +50,12 @@ def test_a_study_may_have_joints_and_structures() -> None:
 
 def test_loads_and_variants_multiply_and_change_the_description() -> None:
     push = {"acceleration": [0, 1, 0]}
-    own = study_of(
+    config = study_of(
         models=["static"],
         loads={"x": {"acceleration": [1, 0, 0]}, "y": push},
         variants={"smooth": {"interfaces": {"friction": 0.1}, "special": None}},
     )
-    cases = {case.name: case for case in structure_cases(read_study(own))}
+    cases = {case.name: case for case in structure_cases(read_study(config))}
     assert [*cases] == ["trilith-x", "trilith-y", "trilith-x-smooth", "trilith-y-smooth"]
     last = cases["trilith-y-smooth"].description
     assert last["load"] == push
@@ -72,11 +72,11 @@ def test_changes_reach_below_a_key_and_take_keys_away() -> None:
 
 
 def test_a_case_reads_back_what_it_wrote_and_its_digest_knows_no_names() -> None:
-    own = {**study_of(models=["yade", "static"]), "dem": {"engines": ["yade"]}}
-    for case in structure_cases(read_study(own)):
+    config = {**study_of(models=["yade", "static"]), "dem": {"engines": ["yade"]}}
+    for case in structure_cases(read_study(config)):
         again = StructureCase.from_json(case.to_json())
         assert again == case
-        other = read_study({**own, "structures": {"another": own["structures"]["trilith"]}})
+        other = read_study({**config, "structures": {"another": config["structures"]["trilith"]}})
         digests = {each.model: each.digest() for each in structure_cases(other)}
         assert digests[case.model] == case.digest()
     with pytest.raises(ValueError, match=r"^not a case of a structure: "):
@@ -105,7 +105,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; the keys here are file, "),
+        ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; allowed keys: file, "),
         ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be the name of a file"),
         ({"description": []}, r"trilith\.description: .* must be a mapping with blocks and load"),
         (
@@ -127,17 +127,17 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
         ({"loads": {"up": 1}}, r"trilith\.loads\.up: 1 is not allowed; it must be a mapping"),
         ({"models": ["law"]}, r"trilith\.models: 'law' is not allowed; it must be yade or "),
         ({"models": ["static", "static"]}, r"trilith\.models: static appears twice"),
-        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is taken"),
+        ({"variants": {"reference": {}}}, r"trilith\.variants: the name reference is reserved"),
     ],
 )
-def test_a_fault_is_told_in_a_line_that_names_the_key(keys: dict[str, Any], words: str) -> None:
+def test_a_fault_is_reported_in_one_line_with_its_key(keys: dict[str, Any], words: str) -> None:
     with pytest.raises(ConfigError, match=words) as error:
         read_study(study_of(**keys))
     assert len(str(error.value).splitlines()) == 1
 
 
 def test_a_structure_without_a_description_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"structures\.t: lacks the key description, or file"):
+    with pytest.raises(ConfigError, match=r"structures\.t: missing; give description or file"):
         read_study({"structures": {"t": {}}})
 
 
@@ -211,13 +211,13 @@ def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
     rows = read_table(INTERFACES, results / "tables/interfaces.csv")
     table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
     whole = table.loc[("trilith-load-dry", "static")]
-    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
-    feet = own[own["interface"].isin(["ground-left", "ground-right"])]
+    interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
+    feet = interfaces[interfaces["interface"].isin(["ground-left", "ground-right"])]
     assert feet["normal_N"].sum() == pytest.approx(whole["weight_N"], rel=1e-5)
     assert feet["shear_N"].sum() == pytest.approx(whole["load_N"], rel=1e-5)
-    assert own["utilisation"].max() <= 1.0 + 1e-6
-    assert (own["kind"] == "dry").all()
-    assert own["fails_at"].isna().all()
+    assert interfaces["utilisation"].max() <= 1.0 + 1e-6
+    assert (interfaces["kind"] == "dry").all()
+    assert interfaces["fails_at"].isna().all()
 
 
 @pytest.mark.study
@@ -225,10 +225,10 @@ def test_interfaces_tell_the_order_in_which_their_bonds_fail(results: Path) -> N
     rows = read_table(INTERFACES, results / "tables/interfaces.csv")
     table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
     whole = table.loc[("trilith-load", "static")]
-    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")].dropna(
+    interfaces = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")].dropna(
         subset="fails_at"
     )
-    order = own.sort_values("fails_at", kind="stable")
+    order = interfaces.sort_values("fails_at", kind="stable")
     assert order["interface"].iloc[0] == whole["first_interface"]
     first = whole["first_failure_load_N"] / whole["load_N"]
     assert order["fails_at"].iloc[0] == pytest.approx(first, rel=2e-3)
@@ -238,19 +238,19 @@ def test_interfaces_tell_the_order_in_which_their_bonds_fail(results: Path) -> N
 @pytest.mark.study
 def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) -> None:
     rows = read_table(BLOCKS, results / "tables/blocks.csv")
-    own = rows[(rows["case"] == "trilith-load") & (rows["model"] == "limit")].set_index("block")
-    free = own[~own["fixed"]]
-    assert (own.loc["ground", ["move_x_m", "turn_y"]] == 0.0).all()
+    blocks = rows[(rows["case"] == "trilith-load") & (rows["model"] == "limit")].set_index("block")
+    free = blocks[~blocks["fixed"]]
+    assert (blocks.loc["ground", ["move_x_m", "turn_y"]] == 0.0).all()
     share = free["weight_N"] / free["weight_N"].sum()
     assert float(share @ free["move_x_m"]) == pytest.approx(1.0, rel=1e-5)  # m along the load
-    assert set(own["motion"]) == {"mechanism"}
+    assert set(blocks["motion"]) == {"mechanism"}
 
 
 @pytest.mark.study
 @pytest.mark.parametrize("model", ["static", "limit"])
 def test_resultants_through_their_points_hold_each_block(results: Path, model: str) -> None:
     rows = read_table(INTERFACES, results / "tables/interfaces.csv")
-    own = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == model)]
+    interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == model)]
     blocks = read_table(BLOCKS, results / "tables/blocks.csv")
     blocks = blocks[(blocks["case"] == "trilith-load-dry") & (blocks["model"] == model)]
     table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
@@ -258,7 +258,7 @@ def test_resultants_through_their_points_hold_each_block(results: Path, model: s
     for block in blocks[~blocks["fixed"]].itertuples():
         push = load * block.weight_N / weight  # along x, in proportion to the mass
         left = np.array([push, 0.0, -block.weight_N, 0.0, 0.0, 0.0])
-        for row in own.itertuples():
+        for row in interfaces.itertuples():
             below, above = row.interface.split("-")
             sign = (block.block == above) - (block.block == below)
             force = np.array([row.force_x_N, row.force_y_N, row.force_z_N])
@@ -266,8 +266,8 @@ def test_resultants_through_their_points_hold_each_block(results: Path, model: s
             left += sign * np.concatenate([force, np.cross(arm, force)])
         left[5] = 0.0  # torsion, which no force in the plane's normal has
         assert np.abs(left).max() < 1e-4 * weight
-    size = np.hypot(own["normal_N"], own["shear_N"])
-    total = np.sqrt(np.square(own[["force_x_N", "force_y_N", "force_z_N"]]).sum(axis=1))
+    size = np.hypot(interfaces["normal_N"], interfaces["shear_N"])
+    total = np.sqrt(np.square(interfaces[["force_x_N", "force_y_N", "force_z_N"]]).sum(axis=1))
     assert total.to_numpy() == pytest.approx(size.to_numpy(), rel=1e-6)
 
 

@@ -68,8 +68,8 @@ def test_sections_have_the_keys_of_what_they_describe_and_changes_have_them_too(
     numerics = [field.name for field in fields(Numerics)]
     assert [*NumericsSection.model_fields] == [*NumericsChanges.model_fields] == numerics
     assert NumericsSection().numerics() == Numerics()
-    own = {"locks", "first", "different", "inner", "dry", "models", "only"}
-    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *own}
+    extra = {"locks", "first", "different", "inner", "dry", "models", "only"}
+    assert {*SampleSection.model_fields} == {*GeometrySection.model_fields, *extra}
     assert [*LockSection.model_fields] == [field.name for field in fields(OwnLock)]
     for changes, section in ((InnerChanges, InnerFaceSection), (DryChanges, DryFaceSection)):
         assert [*changes.model_fields] == [*section.model_fields]
@@ -124,10 +124,10 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("config", "message"),
     [
-        ({}, "samples: missing; it must be given"),
-        ({"samples": {"n": {}}}, r"samples\.n\.locks: missing; it must be given"),
-        (merged(geomtry={}), "geomtry: unknown key; the keys here are results, samples, .*"),
-        (merged(geometry={"A": 1}), "geometry.A: unknown key; the keys here are a, b, h, H"),
+        ({}, "samples: missing; this key is required"),
+        ({"samples": {"n": {}}}, r"samples\.n\.locks: missing; this key is required"),
+        (merged(geomtry={}), "geomtry: unknown key; allowed keys: results, samples, .*"),
+        (merged(geometry={"A": 1}), "geometry.A: unknown key; allowed keys: a, b, h, H"),
         (
             merged(geometry={"a": -1}),
             r"geometry.a: -1 is not allowed; it must be greater than 0 \(m\)",
@@ -168,11 +168,11 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         (merged(eccentricities=[-0.1]), r"eccentricities.0: -0.1 is not allowed; .*"),
         (
             {"samples": {"n4": {"locks": 4}}},
-            r"samples.n4.locks: 4 is not possible while sidmacib.reductions has half \(.*\)",
+            r"samples.n4.locks: 4 is not allowed while sidmacib.reductions has half \(.*\)",
         ),
         (
             {"samples": {"n1": {"locks": 1}}, "models": ["static", "limit"]},
-            "samples.n1.locks: 1 is not possible with limit; it must be at least 2",
+            "samples.n1.locks: 1 is not allowed with limit; it must be at least 2",
         ),
         (
             {"samples": {"n0": {"locks": 0}}},
@@ -192,7 +192,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             differing({2: {"b": 0.06}}),
-            "samples.n.different.2.b: unknown key; the keys here are width, density, inner",
+            "samples.n.different.2.b: unknown key; allowed keys: width, density, inner",
         ),
         (
             differing({2: {"inner": {"cohesion": 0}}}),
@@ -204,12 +204,12 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             {**differing({2: {"width": 0.06}}), "sidmacib": {"reductions": ["half"]}},
-            "samples.n.different: a strength from 240 to 288 N is not possible while "
+            "samples.n.different: a strength from 240 to 288 N is not allowed while "
             r"sidmacib.reductions has half \(.* it must be the same for all\)",
         ),
         (
             {**differing({2: {"inner": {"shear_stiffness": 5e9}}}), **BOTH},
-            r"samples.n.different.2.inner.shear_stiffness: 5e\+09 Pa/m is not possible with "
+            r"samples.n.different.2.inner.shear_stiffness: 5e\+09 Pa/m is not allowed with "
             r"liggghts; it must be the same as normal_stiffness, 1e\+10 Pa/m",
         ),
         (
@@ -227,7 +227,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(sidmacib={"options": ["option9"]}),
-            "sidmacib.options: 'option9' is not ready; without positions and portions it must be "
+            "sidmacib.options: 'option9' needs positions and portions; without them it must be "
             "one of option1, option2, option3, option4, bilinear",
         ),
         (
@@ -264,20 +264,21 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(variants={"v": {"failur": "ductile"}}),
-            "variants.v.failur: unknown key; the keys here are pieces, failure, .*",
+            "variants.v.failur: unknown key; allowed keys: pieces, failure, .*",
         ),
         (
             merged(dem={"engines": []}, models=["limit"]),
-            "models: limit is not enough while dem.engines is empty; it must have static",
+            "models: limit has no model that follows failure while dem.engines is empty; it "
+            "must have static",
         ),
         (
             merged(materials={"inner": {"shear_stiffness": 5e9}}, **BOTH),
-            r"materials.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; it must "
+            r"materials.inner.shear_stiffness: 5e\+09 Pa/m is not allowed with liggghts; it must "
             r"be the same as normal_stiffness, 1e\+10 Pa/m",
         ),
         (
             {"samples": {"n": {"locks": 3, "inner": {"shear_stiffness": 5e9}}}, **BOTH},
-            r"samples.n.inner.shear_stiffness: 5e\+09 Pa/m is not possible with liggghts; .*",
+            r"samples.n.inner.shear_stiffness: 5e\+09 Pa/m is not allowed with liggghts; .*",
         ),
         (
             {"samples": {"n": {"locks": 3, "dry": {"cohesion": 1}}}},
@@ -308,27 +309,28 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
                 "samples": {"n": {"locks": 3, "only": {"static": {"eccentricities": [0]}}}},
                 "dem": {"engines": []},
             },
-            "samples.n.only: static run a part only; one of them must run at all meshes and .*",
+            "samples.n.only: static run only parts of the study; one of them must run at all "
+            "meshes and .*",
         ),
         (
             merged(
                 assembly={"failure": "softening"}, dem={"engines": []}, models=["static", "limit"]
             ),
-            "assembly.failure: softening is not possible with limit; it must be brittle or ductile",
+            "assembly.failure: softening is not allowed with limit; it must be brittle or ductile",
         ),
         (
             merged(**DUCTILE, models=["limit"], **BOTH),
-            "assembly.failure: ductile is not possible with liggghts; it must be brittle",
+            "assembly.failure: ductile is not allowed with liggghts; it must be brittle",
         ),
         (merged(sidmacib={"options": {}}), "sidmacib.options: an empty mapping is not allowed; .*"),
-        (merged(variants={"reference": {}}), "variants: the name reference is taken; .*"),
+        (merged(variants={"reference": {}}), "variants: the name reference is reserved; .*"),
         (
             merged(figures={"mesh": 0.03}),
             "figures.mesh: 0.03 m is not allowed; it must be one of meshes: 0.02, 0.005",
         ),
         (
             merged(overrides={"x": {}}),
-            "overrides: 'x' is not a case; it must be one of the study's, such as n3-mesh.*",
+            "overrides: 'x' is not a case; it must be a case of the study, such as n3-mesh.*",
         ),
         (
             merged(overrides={"n3-mesh0.02-torson": {}}),
@@ -349,11 +351,11 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(calibration={"a": [0.01 + 1e-6 * i for i in range(1000)]}),
-            "calibration: 630,000 joints, .* must be 100,000 or fewer",
+            "calibration: 630,000 joints .* are too many; at most 100,000 are allowed",
         ),
     ],
 )
-def test_a_fault_is_told_in_one_line_with_key_value_and_what_is_allowed(
+def test_a_fault_is_reported_in_one_line_with_key_value_and_what_is_allowed(
     config: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ConfigError, match=f"^{message}$") as error:
@@ -361,7 +363,7 @@ def test_a_fault_is_told_in_one_line_with_key_value_and_what_is_allowed(
     assert len(str(error.value).splitlines()) == 1
 
 
-def test_all_faults_are_told_at_once() -> None:
+def test_all_faults_are_reported_at_once() -> None:
     with pytest.raises(ConfigError) as error:
         read_study(merged(meshes=[0.06], models=["magic"], figures={"mesh": 0.03}))
     keys = [line.split(":")[0] for line in error.value.args]

@@ -83,26 +83,26 @@ def tables_of_capacity(
 def test_the_first_ten_lines_tell_what_to_design_for(lines: list[str]) -> None:
     joint = study_of().joint("weak")
     shear, torque = safe(joint, Direction(0)).shear, safe(joint, Direction(np.inf)).torque
-    told = f"weak V {shear:.4g}, M {torque:.4g}; strong V {shear:.4g}, M {torque:.4g}"
-    assert f"  {told}" in lines[:10]
+    answer = f"weak V {shear:.4g}, M {torque:.4g}; strong V {shear:.4g}, M {torque:.4g}"
+    assert f"  {answer}" in lines[:10]
     assert "" in lines[:10]  # the rest is below
 
 
-def test_loads_are_told_as_shear_and_torque_for_each_ratio_of_eccentricity(
+def test_loads_are_printed_as_shear_and_torque_for_each_ratio_of_eccentricity(
     lines: list[str], tables: dict[str, pd.DataFrame]
 ) -> None:
     start = lines.index("Static model, mesh 0.01 m: V (N) and M (N m)")
     head, *rows = (line.split() for line in lines[start + 1 : start + 5])
     assert head == ["e/a", "weak", "strong"]
     assert [row[0] for row in rows] == ["0", "0.5", "torsion"]
-    own = tables["capacity"].query("model == 'static' and mesh_m == 0.01 and sample == 'weak'")
+    expected = tables["capacity"].query("model == 'static' and mesh_m == 0.01 and sample == 'weak'")
     for row, (shear, torque) in zip(
-        rows, own[["shear_N", "torque_Nm"]].itertuples(index=False), strict=True
+        rows, expected[["shear_N", "torque_Nm"]].itertuples(index=False), strict=True
     ):
         assert row[1:3] == [f"{shear:.5g}", f"{torque:.5g}"]
 
 
-def test_no_eccentricity_is_told_in_metres(lines: list[str]) -> None:
+def test_no_eccentricity_is_printed_in_metres(lines: list[str]) -> None:
     assert not any(re.search(r"\binf\b|e = [\d.]+ m\b|at e = ", line) for line in lines)
 
 

@@ -114,7 +114,7 @@ def test_a_block_that_is_glued_on_hangs_upside_down() -> None:
         static_tilt(model, Y)
 
 
-def test_a_block_that_falls_over_upright_is_told() -> None:
+def test_a_block_that_falls_over_upright_is_reported() -> None:
     leaning = prism(
         "leaning",
         [(0.0, 0.0, 0.0), (0.4, 0.0, 0.0), (1.4, 0.0, 1.0), (1.0, 0.0, 1.0)],

@@ -67,7 +67,7 @@ def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     assert cases["static", "n3-mesh0.02-e0a"].joint.inner.fracture_energy == 0.0
 
 
-def test_a_fracture_energy_without_softening_is_told_of() -> None:
+def test_a_fracture_energy_without_softening_is_noted() -> None:
     study = study_of({"brittle": {"fracture_energy": 3}})
     assert list(notes(study)) == [
         "variants.brittle.fracture_energy: no effect while its failure is not softening"
@@ -79,14 +79,14 @@ def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> No
     study = elastic_study()
     _, table = tables_of(study, lambda case: 100.0 if case.variant == "soft" else 200.0)
     assert len(table) == 3 * 2 * 3
-    own = table[table["case"] == "n3-mesh0.02-e0a"].set_index("variant")
-    assert own["stiffness_ratio"].to_dict() == pytest.approx(
+    rows = table[table["case"] == "n3-mesh0.02-e0a"].set_index("variant")
+    assert rows["stiffness_ratio"].to_dict() == pytest.approx(
         {"reference": 20.0, "soft": 2.0, "rigid": math.nan}, nan_ok=True
     )
-    assert own["load_over_T0"].to_dict() == pytest.approx(
+    assert rows["load_over_T0"].to_dict() == pytest.approx(
         {"reference": 200 / 240, "soft": 100 / 240, "rigid": 200 / 240}
     )
-    assert (own["lower_weight_sum"] == 0.5).all()
+    assert (rows["lower_weight_sum"] == 0.5).all()
 
 
 @pytest.mark.parametrize("option", ["option1", "option2", "option3", "option4"])
@@ -105,9 +105,9 @@ def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
 
 def test_no_option_is_the_best_of_fewer_than_three_directions() -> None:
     _, table = tables_of(study_of(FADES), lambda case: 200.0)
-    told = table.groupby("variant")["option"].count()
-    assert told["tougher"] == 0
-    assert told["tough"] == 6
+    counts = table.groupby("variant")["option"].count()
+    assert counts["tougher"] == 0
+    assert counts["tough"] == 6
 
 
 @pytest.mark.parametrize(

@@ -409,7 +409,7 @@ def test_a_run_that_is_killed_leaves_nothing_alive_and_the_next_one_goes_on(
     assert children
     refused = workspace.snakemake()
     assert refused.returncode != 0
-    assert re.search(r"another run is at work here \(process \d+\)", refused.stderr)
+    assert re.search(r"another run is using this folder \(process \d+\)", refused.stderr)
     run.send_signal(signal.SIGKILL)
     run.wait()
     deadline = time.monotonic() + 20

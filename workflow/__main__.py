@@ -1,16 +1,16 @@
-"""What `make` calls: a whole study, one case, the decks or the calibration."""
+"""The commands behind `make`: a whole study, one case, the decks or the calibration."""
 
 from workflow.run.process import (
     STOPPED,
-    end_when_told,
+    end_on_signals,
     end_with_make,
     read_utf8,
     stop,
-    told_to_stop,
+    stopping,
 )
 
 if __name__ == "__main__":  # before the other imports, which take half a second
-    end_when_told()
+    end_on_signals()
     read_utf8()
 
 import argparse
@@ -35,9 +35,9 @@ CHECKOUT = Path(__file__).parents[1]
 PROFILES = CHECKOUT / "profiles"
 # Of joints, and of structures: the job of that name, and its rule, by the file that it writes.
 SUMMARIES = {"summary.txt": "summary", "structures.txt": "structure_summary"}
-PATIENCE = 10.0  # s, for Snakemake to clean up when it is told to end
+PATIENCE = 10.0  # s, for Snakemake to clean up when it is asked to end
 MANY = 5000  # cases, which take a while to plan
-TOLD = 3  # reasons at the end of a run that is incomplete
+MOST_REASONS = 3  # shown at the end of an incomplete run
 
 
 def snakemake(
@@ -61,7 +61,7 @@ def snakemake(
     from snakemake.exceptions import print_exception
     from snakemake.scheduling.job_scheduler import JobScheduler
 
-    # Told to end, it would wait for the jobs that are running.
+    # Snakemake would wait for the running jobs when it is asked to end.
     JobScheduler.exit_gracefully = staticmethod(stop)
 
     options = [
@@ -78,122 +78,126 @@ def snakemake(
     if profile is not None:
         options += ["--profile", str(profile)]
     parser, arguments = parse_args([*targets, *options])
-    # With a limit to the rate of jobs the scheduler looks around once a second for each job that
-    # has ended: a tenth of a core after a hundred of them. A cluster is glad of one.
+    # With a limit to the rate of jobs, the scheduler polls once a second for each job that has
+    # ended, which takes a tenth of a core after a hundred jobs. On a cluster, the limit is useful.
     if profile is None:
         arguments.max_jobs_per_timespan = None
-    end_when_told(PATIENCE)
+    end_on_signals(PATIENCE)
     done = False
     try:
-        with waiting("Planning what has to be done") as plans:
+        with waiting("Planning the jobs") as plans:
             progress.when_planned(plans.end)
             done = bool(args_to_api(arguments, parser))
-    except Exception as error:  # whatever it is, as Snakemake's own command tells it
+    except Exception as error:  # whatever it is, as Snakemake's command reports it
         print_exception(error)
-    if told_to_stop():
+    if stopping():
         sys.exit(STOPPED)
     return done
 
 
 def profile_named(name: str | None) -> Path | None:
-    """The folder of a profile; None if there is no ``name``. `ConfigError` if there is no such."""
+    """The folder of the profile ``name``; None without a name. `ConfigError` if it is unknown."""
     if not name:
         return None
     known = sorted(path.parent.name for path in PROFILES.glob("*/config.yaml"))
     if name not in known:
-        raise CallError(f"PROFILE: {name!r} is not known; it must be one of {', '.join(known)}")
+        raise CallError(f"PROFILE: {name!r} is not allowed; it must be one of {', '.join(known)}")
     return PROFILES / name
 
 
-def study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
+def run_study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
     from workflow.run import progress
 
     with waiting(f"Reading {config}"):
-        own = read_study_file(config, results)
-        count = case_count(own)
-    for line in notes(own):
+        study = read_study_file(config, results)
+        count = case_count(study)
+    for line in notes(study):
         print(f"Note: {line}", file=sys.stderr)
     if count > MANY:
         print(f"{count:,} cases", file=sys.stderr)
-    engines = installed_engines(own)
-    if profile is None:  # a cluster's front end is not for computing
-        _first_report(config, own, engines)
-    whole = snakemake(config, own.results, (), engines, profile)
+    engines = installed_engines(study)
+    if profile is None:  # nothing is computed on a cluster's front end
+        _first_report(config, study, engines)
+    whole = snakemake(config, study.results, (), engines, profile)
     old = ""
     for name, rule in SUMMARIES.items():
-        if not (own.samples if rule == "summary" else own.structures):
+        if not (study.samples if rule == "summary" else study.structures):
             continue
-        path = Path(own.results, name)
+        path = Path(study.results, name)
         ours = whole or progress.last_run().is_made(rule)
         if ours and path.is_file():
             print(path.read_text(), end="")
         elif path.is_file():
-            old += f" ({name} is of an earlier run)"
-    if whole and own.structures and not own.samples:  # whose summary names it
-        print(f"Report: {own.results}/{REPORT}")
-    return None if whole else f"{own.results}: the study is incomplete{old}{_because()}"
+            old += f" ({name} is from an earlier run)"
+    if whole and study.structures and not study.samples:  # the summary of joints names it
+        print(f"Report: {study.results}/{REPORT}")
+    return None if whole else f"{study.results}: the study is incomplete{old}{_because()}"
 
 
 def _because() -> str:
-    """Why the last run of Snakemake did not end well, for the end of a line."""
+    """The reasons why the last run of Snakemake failed, to end an error message."""
     from workflow.run import progress
 
     reasons = progress.last_run().reasons
     if not reasons:
         return ", see above"
-    more = f"\n  and {len(reasons) - TOLD} more, see above" if len(reasons) > TOLD else ""
-    return ":\n  " + "\n  ".join(reasons[:TOLD]) + more
+    more = (
+        f"\n  and {len(reasons) - MOST_REASONS} more, see above"
+        if len(reasons) > MOST_REASONS
+        else ""
+    )
+    return ":\n  " + "\n  ".join(reasons[:MOST_REASONS]) + more
 
 
-def _first_report(config: Path, own: Study, engines: Sequence[str]) -> None:
-    """Where engines take their time, write a report of what needs none of them first.
+def _first_report(config: Path, study: Study, engines: Sequence[str]) -> None:
+    """Write a first report without the engines, which may take long.
 
-    Only if there is none yet: what it shows is made again when the engines have ended.
+    Only if there is no report yet; it is written again when the engines have ended.
     """
-    path = Path(own.results, REPORT)
-    if own.samples and engines and REFERENCE_MODEL in own.models and not path.exists():
-        print("First, a report without the engines", file=sys.stderr)
-        # In a process of its own, whose lock of the results folder ends with it.
-        told = ["report", str(config), f"--results={own.results}"]
-        told += ["--without-engines", "--end-with-parent"]
-        subprocess.run([sys.executable, "-m", "workflow", *told], check=False)
+    path = Path(study.results, REPORT)
+    if study.samples and engines and REFERENCE_MODEL in study.models and not path.exists():
+        print("Writing a first report without the engines", file=sys.stderr)
+        # In a separate process, whose lock of the results folder ends with it.
+        words = ["report", str(config), f"--results={study.results}"]
+        words += ["--without-engines", "--end-with-parent"]
+        subprocess.run([sys.executable, "-m", "workflow", *words], check=False)
 
 
-def case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
-    """Run one case if need be and print its result; returns why there is none."""
+def run_case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
+    """Run one case if necessary and print its result; returns an error message, or None."""
     from workflow.results.files import read_records
 
-    own = _with_joints(config, results)
-    use_writable_caches(Path(own.results))  # before anything is imported that compiles
+    study = _with_joints(config, results)
+    use_writable_caches(Path(study.results))  # before importing modules that compile code
     from analysis.summary.one_case import describe_record
 
     if model in CLOSED_FORM:
-        return _rule(own, name, model)
-    chosen = find_case(own, name, model)
-    folder = Path(own.results, chosen.id.folder)
-    engines = list(own.dem.engines)
-    if not snakemake(config, own.results, (str(folder / "result.json"),), engines):
+        return _rule(study, name, model)
+    chosen = find_case(study, name, model)
+    folder = Path(study.results, chosen.id.folder)
+    engines = list(study.dem.engines)
+    if not snakemake(config, study.results, (str(folder / "result.json"),), engines):
         return f"{name}: no result{_because()}"
     (record,) = read_records([folder / RECORD])
     print(f"{describe_record(record)}\n  files: {folder}")
     if record.error is not None:
         return f"{name}: no result"
     if chosen.model == REFERENCE_MODEL:
-        from analysis.vtk import write_path  # compiles what it caches
+        from analysis.vtk import write_path  # compiles code and caches it
 
         pieces, _ = write_path(chosen, folder / "vtk")
         print(f"  for ParaView: {pieces.parent}/*.pvd")
     return None
 
 
-def _rule(own: Study, name: str, model: str) -> str | None:
-    """Print what a rule in closed form says of a case; returns why it says nothing."""
+def _rule(study: Study, name: str, model: str) -> str | None:
+    """Print the result of a closed-form rule for a case; returns an error message, or None."""
     from analysis.summary.one_case import describe_rule
     from analysis.tables.capacity import NO_ANSWER
 
     try:
-        print(f"{name}, {describe_rule(own, model, find_place(own, name))}")
+        print(f"{name}, {describe_rule(study, model, find_place(study, name))}")
     except ConfigError:
         raise
     except NO_ANSWER as error:
@@ -203,47 +207,53 @@ def _rule(own: Study, name: str, model: str) -> str | None:
 
 def _with_joints(config: Path, results: str | None) -> Study:
     """The study in ``config``; `ConfigError` if it has no joints."""
-    own = read_study_file(config, results)
-    if not own.samples:
-        raise ConfigError("samples: missing; this is made of joints, and the study has structures")
-    return own
+    study = read_study_file(config, results)
+    if not study.samples:
+        raise ConfigError(
+            "samples: missing; this command works on joints, and the study has only structures"
+        )
+    return study
 
 
-def report(config: Path, results: str | None, engines: bool = True) -> str | None:
-    """Write the report, without engines of what needs none; returns why there is no report."""
-    own = read_study_file(config, results)
-    if not own.samples and not own.structures:
-        raise ConfigError("samples: missing; a report is of joints or structures")
-    path = str(Path(own.results, REPORT))
-    if not snakemake(config, own.results, (path,), installed_engines(own) if engines else ()):
+def write_report(config: Path, results: str | None, engines: bool = True) -> str | None:
+    """Write the report, on request without engines; returns an error message, or None."""
+    study = read_study_file(config, results)
+    if not study.samples and not study.structures:
+        raise ConfigError("samples: missing; a report needs joints or structures")
+    path = str(Path(study.results, REPORT))
+    if not snakemake(config, study.results, (path,), installed_engines(study) if engines else ()):
         return f"no report{_because()}"
     print(f"Report: {path}")
     return None
 
 
-def decks(config: Path, results: str | None) -> str | None:
-    """Write the decks for 3DEC; returns why there are none."""
-    own = _with_joints(config, results)
-    if not snakemake(config, own.results, ("decks",), list(own.dem.engines)):
+def write_decks(config: Path, results: str | None) -> str | None:
+    """Write the decks for 3DEC; returns an error message, or None."""
+    study = _with_joints(config, results)
+    if not snakemake(config, study.results, ("decks",), list(study.dem.engines)):
         return f"no decks{_because()}"
-    print(f"Decks: {own.results}/decks/3dec")
+    print(f"Decks: {study.results}/decks/3dec")
     return None
 
 
 def main() -> None:
-    """Command line: what to do, with which configuration, in which results folder."""
+    """Command line: a command, a configuration and a results folder."""
     parser = argparse.ArgumentParser(prog="python -m workflow", description=__doc__)
     parser.add_argument("what", choices=["study", "case", "report", "decks", "calibrate"])
     parser.add_argument("config", type=Path)
-    parser.add_argument("--results", help="results folder, in place of the configuration's")
+    parser.add_argument("--results", help="results folder; overrides the configuration")
     parser.add_argument("--case", help="name of a case, such as n3-mesh0.02-e0.1a")
-    parser.add_argument("--model", help="its model; by default the first one installed")
-    parser.add_argument("--profile", help="of a cluster: a folder in profiles, such as slurm")
+    parser.add_argument("--model", help="model of the case; default: the first one installed")
     parser.add_argument(
-        "--without-engines", action="store_true", help="a report of what needs no engine"
+        "--profile", help="profile of a cluster: a folder in profiles, such as slurm"
     )
     parser.add_argument(
-        "--end-with-parent", action="store_true", help="end when the process that started it ends"
+        "--without-engines", action="store_true", help="write the report without results of engines"
+    )
+    parser.add_argument(
+        "--end-with-parent",
+        action="store_true",
+        help="end together with the process that started this one",
     )
     arguments = parser.parse_args()
     if arguments.end_with_parent:
@@ -257,18 +267,18 @@ def main() -> None:
                     "CASE: missing; it must be the name of a case, as in "
                     "make case CASE=n3-mesh0.02-e0.1a"
                 )
-            fault = case(arguments.config, results, arguments.case, arguments.model or None)
+            fault = run_case(arguments.config, results, arguments.case, arguments.model or None)
         elif arguments.what == "report":
-            fault = report(arguments.config, results, not arguments.without_engines)
+            fault = write_report(arguments.config, results, not arguments.without_engines)
         elif arguments.what == "calibrate":
             from analysis.calibration.calibrate import calibrate
 
             _with_joints(arguments.config, results)
             fault = calibrate(arguments.config, results, snakemake)
         elif arguments.what == "decks":
-            fault = decks(arguments.config, results)
+            fault = write_decks(arguments.config, results)
         else:
-            fault = study(arguments.config, results, profile_named(arguments.profile))
+            fault = run_study(arguments.config, results, profile_named(arguments.profile))
     except CallError as error:
         sys.exit(str(error))
     except ConfigError as error:

@@ -16,14 +16,14 @@ REFERENCE = "reference"  # the variant without changes; compared with the publis
 
 
 class CaseId(NamedTuple):
-    """What tells a case from all others of its study: the model and the case's name."""
+    """The identity of a case in its study: the model and the case's name."""
 
     model: str
     name: str
 
     @property
     def folder(self) -> str:
-        """Where the files of the case are, below the results folder."""
+        """The folder of the case's files, below the results folder."""
         return f"cases/{self.model}/{self.name}"
 
 
@@ -65,11 +65,11 @@ class Case:
         return case_name(self.sample, self.mesh, self.direction.eccentricity)
 
     def digest(self) -> str:
-        """SHA-256 of all that the results depend on: everything except the names."""
-        told = _plain(self)
+        """SHA-256 of everything that the results depend on, which excludes the names."""
+        data = _plain(self)
         for key in ("name", "variant", "sample"):
-            del told[key]
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()
+            del data[key]
+        return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()
 
     def physics(self) -> str:
         """SHA-256 of joint, nodes and loads: the same for all models of a case."""
@@ -80,8 +80,8 @@ class Case:
         return self._digest("joint", "nodes", "loading")
 
     def _digest(self, *keys: str) -> str:
-        told = _plain(self)
-        shared = {key: told[key] for key in keys}
+        data = _plain(self)
+        shared = {key: data[key] for key in keys}
         return hashlib.sha256(json.dumps(shared, sort_keys=True).encode()).hexdigest()
 
     def to_json(self) -> str:
@@ -105,11 +105,11 @@ def case_name(sample: str, mesh: float, ratio: float, variant: str = REFERENCE) 
 
 
 def _plain(case: Case) -> dict[str, Any]:
-    told = asdict(case)
-    direction = told["loading"]["direction"]
+    data = asdict(case)
+    direction = data["loading"]["direction"]
     if math.isinf(direction["eccentricity"]):
         direction["eccentricity"] = "inf" if direction["eccentricity"] > 0 else "-inf"
-    return told
+    return data
 
 
 def _refused(constant: str) -> None:

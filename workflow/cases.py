@@ -25,7 +25,7 @@ from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import PartSection
 
 MAX_CASES = 1_000_000
-DEAR = 10.0  # cost of a finer mesh, over that of the finest of a study, that nobody asked for
+DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh
 BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of rigid ones 1
 WHOLE = 0.999  # of a side: a mesh must be less than it
 
@@ -37,8 +37,8 @@ def cases_of(study: Study) -> dict[CaseId, Case]:
     """
     if (count := case_count(study)) > MAX_CASES:
         raise ConfigError(
-            f"study: {count:,} cases, samples times meshes times eccentricities times models and "
-            f"variants, are too many; there must be {MAX_CASES:,} or fewer"
+            f"study: {count:,} cases (samples x meshes x eccentricities x models and "
+            f"variants) are too many; at most {MAX_CASES:,} are allowed"
         )
     cases = {case.id: case for case in _cases(study, study.model_names)}
     if study.overrides:
@@ -51,7 +51,7 @@ def cases_of(study: Study) -> dict[CaseId, Case]:
 
 
 def case_count(study: Study) -> int:
-    """How many cases ``study`` has, without building them."""
+    """The number of cases of ``study``, without building them."""
     joint = _joints(study)
     return sum(
         len(_levels(study, joint(sample, run.variant), run, sample))
@@ -93,7 +93,7 @@ def _joints(study: Study) -> Callable[[str, str], Joint]:
 
 @dataclass(frozen=True)
 class _Run:
-    """A model with a variant: what the variant changes, and the assembly and nodes it gives."""
+    """A model with a variant: the changes of the variant, and the resulting assembly and nodes."""
 
     model: Model
     variant: str
@@ -128,7 +128,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
 
 
 def _part(study: Study, run: _Run, sample: str) -> PartSection:
-    """What the model runs of a sample."""
+    """The parts of a sample that the model runs."""
     return study.samples[sample].only.get(run.model.name, PartSection())
 
 
@@ -186,16 +186,16 @@ def _changed(numerics: NumericsSection, change: NumericsChanges) -> NumericsSect
 
 
 def _near(name: str, names: set[str]) -> str:
-    """What ``name`` must be: some of ``names``, those close to it if there are any."""
+    """The allowed names for a message: some of ``names``, preferably those close to ``name``."""
     sample = name.split("-", maxsplit=1)[0]
     among = sorted(n for n in names if len(names) < 5000 or n.startswith(f"{sample}-"))
     close = difflib.get_close_matches(name[:200], among[:20_000]) or sorted(names)[:3]
-    return f"it must be one of the study's, such as {', '.join(close)}"
+    return f"it must be a case of the study, such as {', '.join(close)}"
 
 
 @dataclass(frozen=True)
 class Place:
-    """Where a case is in a study, whatever its model; ``ratio`` is e / a."""
+    """The sample, mesh, direction and variant of a case, for any model; ``ratio`` is e / a."""
 
     sample: str
     mesh: float
@@ -219,7 +219,7 @@ def find_place(study: Study, name: str) -> Place:
 
 
 def find_case(study: Study, name: str, model: str | None = None) -> Case:
-    """The case ``name``, of the first installed model that has it if none is named.
+    """The case ``name`` of ``model``, or of the first installed model that has it.
 
     Raises `ConfigError`.
     """
@@ -234,6 +234,6 @@ def find_case(study: Study, name: str, model: str | None = None) -> Case:
         raise CallError(f"MODEL: {shown(model)} is not allowed; it must be {allowed}")
     chosen = CaseId(model, name)
     if chosen not in cases:
-        names = {own for of, own in cases if of == model}
+        names = {case for case_model, case in cases if case_model == model}
         raise CallError(f"CASE: {shown(name)} is not a case of {model}; {_near(name, names)}")
     return cases[chosen]

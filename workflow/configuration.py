@@ -37,11 +37,11 @@ class ConfigError(ValueError):
 
 
 class CallError(ConfigError):
-    """What was asked for is not in the configuration, which may be right."""
+    """A wrong argument of a command; the configuration itself may be right."""
 
 
 def read_study_file(path: Path, results: str | None = None) -> Study:
-    """The study in the YAML file ``path``; ``results``: a results folder in place of its own.
+    """The study in the YAML file ``path``; ``results``: overrides its results folder.
 
     Raises `ConfigError`, whose lines begin with the file's name.
     """
@@ -78,7 +78,7 @@ def read_config_text(path: Path) -> dict[str, Any]:
 
 
 def read_study(config: Mapping[str, Any]) -> Study:
-    """The study in ``config``, with all models that can do it if it names none.
+    """The study in ``config``; if it names no models, with all that support it.
 
     Raises `ConfigError`.
     """
@@ -98,7 +98,7 @@ def installed_engines(study: Study) -> list[str]:
     """The engines of ``study`` that are installed; names those that are not on stderr."""
     missing = {name: ENGINES[name].missing() for name in study.dem.engines}
     for reason in filter(None, missing.values()):
-        print(f"{reason}. The study goes on without it.", file=sys.stderr)
+        print(f"{reason}. The study continues without it.", file=sys.stderr)
     return [name for name, reason in missing.items() if reason is None]
 
 
@@ -108,16 +108,16 @@ def _others(count: int) -> list[str]:
 
 
 def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
-    both = {
+    nested = {
         key: _merged(config[key], value)
         for key, value in changes.items()
         if isinstance(value, Mapping) and isinstance(config.get(key), Mapping)
     }
-    return {**config, **changes, **both}
+    return {**config, **changes, **nested}
 
 
 def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
-    """``config`` with what the files of its structures describe; they are beside ``path``."""
+    """``config`` with the descriptions from the files of its structures, relative to ``path``."""
     structures = config.get("structures")
     if not isinstance(structures, Mapping):
         return config
@@ -129,7 +129,10 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
         if isinstance(section, Mapping) and isinstance(file := section.get("file"), str):
             key = f"structures.{shown_key(name)}"
             if "description" in section:
-                raise ConfigError(f"{_named(path)}: {key}: has file and description; one is enough")
+                raise ConfigError(
+                    f"{_named(path)}: {key}: file and description are both given; give only "
+                    "one of them"
+                )
             beside = path.parent / file
             try:
                 description = with_bodies(read_yaml(beside), beside.parent)
@@ -149,17 +152,17 @@ def _with_all_models(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
-    """``study`` without models that it does not name in ``config`` and that cannot do it."""
+    """``study`` without those models that ``config`` does not name and that cannot model it."""
 
     def refused(name: str) -> bool:
         return any(
             MODELS[name].refusal(needs(study, study.assembly, sample))
-            for sample, own in study.samples.items()
-            if own.models is None or name in own.models
+            for sample, section in study.samples.items()
+            if section.models is None or name in section.models
         )
 
     def able(names: tuple[str, ...]) -> tuple[str, ...]:
-        # Laws say in the tables why they cannot.
+        # A law that refuses a joint gives its reason in the tables.
         return tuple(name for name in names if name in LAWS or not refused(name))
 
     if "models" not in config:
@@ -196,18 +199,18 @@ def _one_line(fault: Any) -> str:
     place = [str(part) for part in fault["loc"]]
     if place[-1:] == ["[key]"]:
         place = place[:-2]
-    kind, told = fault["type"], f"{shown(fault['input'])} is not allowed"
-    if kind == "value_error":  # one of our own
-        told = str(fault["ctx"]["error"])
+    kind, message = fault["type"], f"{shown(fault['input'])} is not allowed"
+    if kind == "value_error":  # raised by this project's readers
+        message = str(fault["ctx"]["error"])
     elif kind == "extra_forbidden":
-        told = f"unknown key; the keys here are {', '.join(_keys(place[:-1]))}"
+        message = f"unknown key; allowed keys: {', '.join(_keys(place[:-1]))}"
     elif kind == "missing":
-        told = "missing; it must be given"
+        message = "missing; this key is required"
     elif kind == "enum":
-        told += f"; it must be {fault['ctx']['expected'].replace(chr(39), '')}"
+        message += f"; it must be {fault['ctx']['expected'].replace(chr(39), '')}"
     else:
-        told += f"; {_EXPECTED.get(kind, fault['msg'])}"
-    return f"{'.'.join(map(shown_key, place)) or 'study'}: {told}"
+        message += f"; {_EXPECTED.get(kind, fault['msg'])}"
+    return f"{'.'.join(map(shown_key, place)) or 'study'}: {message}"
 
 
 _schema = cache(Study.model_json_schema)

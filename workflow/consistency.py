@@ -1,4 +1,4 @@
-"""Checks across the sections of a study, and of what it asks of the models that it names."""
+"""Checks across the sections of a study, and of the needs that its models must meet."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -60,11 +60,11 @@ def faults(study: Study) -> Iterator[str]:
         if not getattr(study, section):
             yield f"campaign: {study.campaign} needs {section}"
     if REFERENCE in study.variants:
-        yield f"variants: the name {REFERENCE} is taken; it must be another"
+        yield f"variants: the name {REFERENCE} is reserved; choose another name"
 
 
 def _measured(study: Study) -> Iterator[str]:
-    """Measured loads that no case of the study stands beside."""
+    """Measured loads that match no case of the study."""
     for number, load in enumerate(study.measured.loads if study.measured else (), start=1):
         if load.sample not in study.samples:
             yield (
@@ -79,7 +79,7 @@ def _measured(study: Study) -> Iterator[str]:
 
 
 def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
-    """What ``study`` asks of a model that runs ``sample`` assembled as in ``assembly``."""
+    """The needs of ``study`` for a model that runs ``sample`` with ``assembly``."""
     found = []
     ability, allowed = FAILURES[assembly.failure]
     found.append(Need(ability, "assembly.failure", str(assembly.failure), allowed))
@@ -133,7 +133,7 @@ def node_estimate(joint: Joint, mesh: float, nodes: NodeLayout) -> float:
 
 
 def notes(study: Study) -> list[str]:
-    """What looks like a mistake in a study but may be meant, one line each.
+    """Likely mistakes in a study that are nevertheless allowed, one line each.
 
     Settings that have no effect on one of its engines, and numbers that seem to be in another unit.
     """
@@ -159,7 +159,7 @@ def notes(study: Study) -> list[str]:
 
 
 def _fading(study: Study) -> Iterator[str]:
-    """Keys of bonds that fade, where none do."""
+    """Keys of softening bonds that have no effect."""
     fades = {
         name: change.assembly(study.assembly).failure is Failure.SOFTENING
         for name, change in study.every_variant.items()
@@ -186,9 +186,9 @@ def _joints(study: Study, joints: dict[str, Joint]) -> Iterator[str]:
             try:
                 REDUCTIONS[rule](joint, (1.0,) * joint.locks)
             except ValueError as error:
-                value, _, _ = str(error).partition(" is not possible")
+                value, _, _ = str(error).partition(" is not allowed")
                 yield (
-                    f"samples.{name}.{value} is not possible while sidmacib.reductions has {rule} "
+                    f"samples.{name}.{value} is not allowed while sidmacib.reductions has {rule} "
                     f"({error})"
                 )
 
@@ -209,7 +209,7 @@ def _lists(study: Study) -> Iterator[str]:
 
 
 def _densest(study: Study) -> NodeLayout:
-    """Of the study's and its variants' layouts, the one with most nodes."""
+    """The layout with most nodes among those of the study and its variants."""
     every = [study.nodes, *(v.nodes for v in study.variants.values() if v.nodes)]
     return max(every, key=lambda layout: len(CELL_RULES[layout][0]))
 
@@ -251,30 +251,30 @@ def _models(study: Study) -> Iterator[str]:
         MODELS[name].refusal(needs(study, study.assembly, sample))
         for sample in study.samples
         for name in study.models_of(sample)
-        # A rule that cannot do a joint says so in its rows of the tables.
+        # A rule that refuses a joint gives its reason in its rows of the tables.
         if name in known and name not in LAWS
     )
     yield from dict.fromkeys(filter(None, refusals))
     if not detailed(known):
         can = [n for n in detailed(MODELS) if n in SOLVED]
         yield (
-            f"models: {_some(study.models)} is not enough while dem.engines is "
+            f"models: {_some(study.models)} has no model that follows failure while dem.engines is "
             f"{_some(study.dem.engines) if study.dem.engines else 'empty'}; it must "
             f"have {' or '.join(can)}"
         )
 
 
-def _models_of_sample(study: Study, sample: str, own: tuple[str, ...] | None) -> Iterator[str]:
-    """Engines that are left out, because they are not installed, may be named too."""
+def _models_of_sample(study: Study, sample: str, models: tuple[str, ...] | None) -> Iterator[str]:
+    """Faults of a sample's ``models``; engines that are not installed may be named too."""
     key, allowed = f"samples.{sample}.models", (*ENGINES, *study.models)
-    yield from _names(key, own or (), allowed)
+    yield from _names(key, models or (), allowed)
     can = detailed(name for name in study.model_names if name in MODELS)
-    if own and can and {*own} <= {*allowed} and not {*own} & {*can}:
-        yield f"{key}: {_some(own)} is not enough; it must have {' or '.join(can)}"
+    if models and can and {*models} <= {*allowed} and not {*models} & {*can}:
+        yield f"{key}: {_some(models)} is not enough; it must have {' or '.join(can)}"
 
 
 def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterator[str]:
-    """What models run of a sample must be of the study, and one model must run the whole of it."""
+    """Each part of a sample must be in the study, and one model must run the whole sample."""
     solved = (name for name in study.models if name in SOLVED)
     known = (*ENGINES, *solved)
     for name, part in only.items():
@@ -292,10 +292,11 @@ def _parts(study: Study, sample: str, only: Mapping[str, PartSection]) -> Iterat
                         f"{key}.{name}.{what}: {shown(value)} is not allowed; it must be one of "
                         f"{what}: {_some(allowed)}"
                     )
-    own = detailed(name for name in study.models_of(sample) if name in MODELS)
-    if own and not any(study.whole_curve(sample, name) for name in own):
+    names = detailed(name for name in study.models_of(sample) if name in MODELS)
+    if names and not any(study.whole_curve(sample, name) for name in names):
         yield (
-            f"samples.{sample}.only: {_some(own)} run a part only; one of them must run at all "
+            f"samples.{sample}.only: {_some(names)} run only parts of the study; one of them "
+            "must run at all "
             "meshes and eccentricities"
         )
 
@@ -306,8 +307,8 @@ def _calibration(study: Study) -> Iterator[str]:
     count = math.prod(map(len, axes))
     if count > MAX_GEOMETRIES:
         yield (
-            f"calibration: {count:,} joints, a times height_share times height_over_b times "
-            f"friction, are too many; there must be {MAX_GEOMETRIES:,} or fewer"
+            f"calibration: {count:,} joints (a x height_share x height_over_b x "
+            f"friction) are too many; at most {MAX_GEOMETRIES:,} are allowed"
         )
     least = max(grid.a) / MAX_CELLS_ALONG
     if min(grid.meshes) < least:

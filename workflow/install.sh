@@ -1,6 +1,6 @@
 #!/bin/sh
 # Install the packages that a file pins into .venv: with uv, which takes a quarter of the time of pip, or
-# with pip where uv cannot, such as behind an index that only pip is told of.
+# with pip where uv cannot, such as behind an index that only pip is configured for.
 set -eu
 pip() {
     .venv/bin/pip install --quiet --require-hashes --requirement "$1"

@@ -1,4 +1,4 @@
-"""What a model is: its name and looks, what it can do, and why it refuses a study."""
+"""Definition of a model: name, label, colour, abilities and refusals."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class Ability(StrEnum):
-    """What a model can take into account, or can give."""
+    """A feature that a model can take into account, or a result that it can give."""
 
     BRITTLE = auto()  # inner faces that lose their strength where it is reached
     SOFTENING = auto()  # inner faces that lose it as they move on
@@ -35,7 +35,7 @@ class Ability(StrEnum):
 
 @dataclass(frozen=True)
 class Need:
-    """What a study asks of its models: an ability, because ``key`` has this ``value``.
+    """A requirement of a study on its models: an ability, because ``key`` has this ``value``.
 
     ``allowed``: the value that models without the ability can do.
     """
@@ -57,22 +57,22 @@ class Model:
 
     @property
     def first_failure_only(self) -> bool:
-        """Whether it finds the first failure and goes no further: that is no peak."""
+        """Whether it stops at the first failure, which is not a peak."""
         can = self.abilities
         return Ability.FIRST_FAILURE in can and Ability.PROGRESSIVE not in can
 
     def refusal(self, needs: Iterable[Need]) -> str | None:
-        """Why the model cannot do all that is needed, in one line; None if it can."""
+        """The first of the needs that the model does not meet, as one line; None if all are met."""
         for need in needs:
             if need.ability not in self.abilities:
                 return (
-                    f"{need.key}: {need.value} is not possible with {self.name}; "
+                    f"{need.key}: {need.value} is not allowed with {self.name}; "
                     f"it must be {need.allowed}"
                 )
         return None
 
     def run(self, problem: Problem) -> Outcome:
-        """What the model finds for ``problem``; TypeError if it is not solved in this process."""
+        """The model's outcome for ``problem``; TypeError if it is not solved in this process."""
         raise TypeError(f"{self.name} is not solved in this process")
 
 

@@ -75,7 +75,7 @@ CLOSED_FORM = tuple(model.name for model in _ALL if isinstance(model, ClosedForm
 
 
 def first_failure_only(name: str) -> bool:
-    """Whether a model finds the first failure and goes no further: that is no peak."""
+    """Whether a model stops at the first failure, which is not a peak."""
     return MODELS[name].first_failure_only
 
 

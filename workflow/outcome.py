@@ -1,4 +1,4 @@
-"""What a model finds for a case, before it is checked."""
+"""The outcome of a model for a case, before it is checked."""
 
 from dataclasses import dataclass
 

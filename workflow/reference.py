@@ -43,10 +43,10 @@ one line, with the key, its value and what is allowed.
 
 COLUMNS_INTRODUCTION = """# Every column of the tables
 
-The tables of a study are in `tables/` of the results folder, as CSV and Parquet. Units are at the
-end of the names of columns; numbers without one are pure. A cell is empty where a model has no such
-number. Columns that tell the rows of a table apart are in **bold**. Tables that only a campaign
-of `studies` writes are not here.
+The tables of a study are in `tables/` of the results folder, as CSV and Parquet. Column names end
+with the unit; numbers without one are dimensionless. A cell is empty where a model does not give
+that number. The key columns, which identify the rows of a table, are in **bold**. Tables that only
+a campaign of `studies` writes are not listed.
 """
 
 
@@ -140,7 +140,7 @@ def _spelled(value: Any) -> str:
 
 
 def _allowed(field: FieldInfo) -> str:
-    """What a key may be, from its checks."""
+    """The allowed values of a key, from its checks."""
     checks = list(dict.fromkeys([*_checks(field.metadata), *_inner(field.annotation)]))
     return "; ".join(checks).replace("|", "\\|") or "see below"
 

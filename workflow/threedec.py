@@ -1,4 +1,4 @@
-"""Decks for 3DEC, the commercial program of the paper, and the reader of what it prints back.
+"""Decks for 3DEC, the commercial program of the paper, and the reader of its output.
 
 3DEC is not run here: whoever has a licence runs the decks, and each leaves its results.txt beside
 it. What the decks assume of 3DEC is in docs/models.md; it has not been tried.
@@ -57,7 +57,7 @@ def fingerprint(case: Case) -> str:
 
 
 def deck_folder(name: str) -> str:
-    """The folder of a case's deck and of what 3DEC prints, below the results folder."""
+    """The folder of a case's deck and of 3DEC's output, below the results folder."""
     return f"decks/{MODEL}/{name}"
 
 
@@ -96,12 +96,12 @@ def deck(case: Case) -> str:
 
 def _own_density(piece: Cuboid, joint: Joint) -> float | None:
     """Density (kg/m3) of a piece if it is not that of the joint."""
-    own = piece.mass / math.prod(piece.size.tolist())
-    return None if math.isclose(own, joint.density) else own
+    density = piece.mass / math.prod(piece.size.tolist())
+    return None if math.isclose(density, joint.density) else density
 
 
 def _pressed(assembly: Assembly, loads: Loads) -> list[dict[str, Any]]:
-    """What always acts besides self-weight: forces (N) on the corners of the pieces' tops.
+    """Permanent loads besides self-weight: forces (N) on the corners of the pieces' tops.
 
     Each is a quarter of the force on the piece, whose resultant is in the middle.
     """
@@ -143,7 +143,7 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
 
 
 def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
-    """The problem of ``case`` on 3DEC's own nodes, and what it printed for it.
+    """The problem of ``case`` on the nodes of 3DEC, and the outcome that it printed.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
     `ResultError` if the text is incomplete, or is not of ``case`` as it is now.
@@ -171,9 +171,11 @@ def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
             if found[3] > 0.0:  # otherwise no part of the face belongs to it
                 rows.append((numbers[frozenset(values[:2])], found))
     if not ended or len(loads) != 2 or not rows:
-        raise ResultError(f"{RETURNED}: not whole; run the deck again")
+        raise ResultError(f"{RETURNED}: incomplete; run the deck again")
     if of != fingerprint(case):
-        raise ResultError(f"{RETURNED}: results of {of}; they must be of {fingerprint(case)}")
+        raise ResultError(
+            f"{RETURNED}: results of {of}; they must be results of {fingerprint(case)}"
+        )
     on_its_nodes, outcome = _outcome(assembly, loads, sorted(rows, key=lambda row: row[0]))
     return problem._replace(assembly=on_its_nodes), outcome
 
@@ -184,7 +186,7 @@ def _numbers(values: list[str], count: int, line: int) -> list[float]:
     except ValueError:
         found = []
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise ResultError(f"{RETURNED}, line {line}: not {count} finite numbers")
+        raise ResultError(f"{RETURNED}, line {line}: must have {count} finite numbers")
     return found
 
 
@@ -194,11 +196,12 @@ def _outcome(
     face = np.array([number for number, _ in rows])
     values = np.array([found for _, found in rows])
     covered = np.bincount(face, weights=values[:, 3], minlength=len(assembly.faces))
-    for own, area in zip(assembly.faces, covered, strict=True):
-        if not math.isclose(area, own.area, rel_tol=0.01):
+    for covered_face, area in zip(assembly.faces, covered, strict=True):
+        if not math.isclose(area, covered_face.area, rel_tol=0.01):
             raise ResultError(
-                f"{RETURNED}: {area:g} m2 of subcontacts on {own.name}; they must cover its "
-                f"{own.area:g} m2"
+                f"{RETURNED}: {area:g} m2 of subcontacts on {covered_face.name}; they must "
+                "cover all of its "
+                f"{covered_face.area:g} m2"
             )
     assembly = replace(assembly, nodes=Nodes(face, values[:, :3], values[:, 3]))
     stress = values[:, 4:8] / values[:, 3:4]

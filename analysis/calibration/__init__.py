@@ -1,1 +1,1 @@
-"""Which geometry and friction fit the published numbers: `make calibrate`."""
+"""The geometry and friction that fit the published numbers: `make calibrate`."""

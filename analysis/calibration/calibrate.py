@@ -1,7 +1,7 @@
 """Find geometry and friction that fit the published numbers: ``make calibrate``.
 
 The static model solves a grid of joints, then engines confirm the best of them. Each step is a
-study of its own in the results folder, whose configuration is written here.
+separate study in the results folder, whose configuration is written here.
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Which geometry and which friction fit the published numbers, by the static model.
+"""Search for the geometry and friction that fit the published numbers, by the static model.
 
 Of the geometry, the paper's text gives a * b only. Peaks and weights in pure shear depend on two
 ratios: the height share h / (h + H), which is the share of the load that acts on lock 1, and
@@ -130,7 +130,7 @@ Place = tuple[int, float]  # number of locks, mesh (m)
 
 @dataclass(frozen=True)
 class CandidateMisfit:
-    """How far peaks and weights in pure shear are from the published ones.
+    """Differences of peaks and weights in pure shear from the published ones.
 
     ``swapped``, ``printed``: root mean square of the differences over their scales, with the
     weights of the first two locks in each order. ``peak``: largest relative difference of a peak;
@@ -144,7 +144,7 @@ class CandidateMisfit:
 
     @property
     def fits(self) -> bool:
-        """Whether all peaks and all weights, the first two swapped, are as close as is aimed at."""
+        """Whether all peaks and weights, the first two swapped, are within the targets."""
         return self.peak <= PEAK_AIM and self.weight <= WEIGHT_AIM
 
     @classmethod
@@ -318,7 +318,7 @@ def describe(table: pd.DataFrame, frictions: pd.DataFrame, published: Published)
             f"peaks to {100 * PEAK_AIM:g} % and all weights to {WEIGHT_AIM:g}; peaks alone "
             f"within {100 * row.least_peak_difference:.2f} %"
         )
-    lines += ["", "Joints by misfit (own: the study's), pure shear"]
+    lines += ["", "Joints by misfit, pure shear (own: those of the study)"]
     for _, row in table.iterrows():
         sizes = ", ".join(f"{name} {row[f'{name}_m']:.4g}" for name in ("a", "b", "h", "H"))
         loads = ", ".join(f"{row[column]:.2f}" for column in peaks)
@@ -335,7 +335,7 @@ def check(study: Study, published: Published) -> list[int]:
     locks = sorted(set(published.samples(study).values()))
     if not locks:
         raise ConfigError(
-            "samples: none of them is published; calibration needs one with the paper's strength, "
+            "samples: none is a published sample; calibration needs one with the paper's strength, "
             "number of locks and load"
         )
     for mesh in study.calibration.meshes:

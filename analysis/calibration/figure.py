@@ -1,4 +1,4 @@
-"""Which geometry and friction fit the published numbers: what is determined, and curves."""
+"""Figure of the calibration: misfits by friction and geometry, and curves."""
 
 import numpy as np
 import pandas as pd

@@ -1,1 +1,1 @@
-"""What figures, report and explorer share: names, colours, the boxes of a joint, the V-M chart."""
+"""Shared by figures, report and explorer: names, colours, the boxes of a joint, the V-M chart."""

@@ -1,4 +1,4 @@
-"""How models, options and rules are named and coloured in figures, report and explorer."""
+"""Names and colours of models, options and rules in figures, report and explorer."""
 
 from dataclasses import dataclass
 

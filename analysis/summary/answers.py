@@ -86,7 +86,7 @@ def _verdict(error: RuleError) -> str:
 
 
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
-    """How many locks fit, if any number may."""
+    """The number of locks that fits best, which need not be whole."""
     selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
@@ -131,7 +131,7 @@ def _at(row: object) -> str:
 
 
 def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
-    """Which option of SiDMACIB fits best, by any rule."""
+    """The option of SiDMACIB that fits best, with its rule."""
     selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:
@@ -144,7 +144,7 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
 
 
 def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
-    """How far the peaks in pure shear are from the published ones."""
+    """Differences of the peaks in pure shear from the published ones."""
     selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
@@ -156,7 +156,7 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
 
 
 def _engines(cases: pd.DataFrame) -> Iterator[Answer]:
-    """How far the engines are from the static model."""
+    """Differences of the engines from the static model."""
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):

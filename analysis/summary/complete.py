@@ -1,4 +1,4 @@
-"""Whether every case of a study has a result: the study's last step, which fails if not."""
+"""The last step of a study, which fails unless every case has a result."""
 
 from collections.abc import Mapping
 from pathlib import Path

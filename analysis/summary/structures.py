@@ -1,4 +1,4 @@
-"""The structures of a study in words: what each carries, in each model."""
+"""Summary of the structures of a study: the capacity of each, by each model."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

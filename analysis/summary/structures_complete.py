@@ -1,4 +1,4 @@
-"""Whether every case of a structure has a result, or a model that says why it cannot have one."""
+"""Whether every case of a structure has a result, or a refusal with a reason."""
 
 from collections.abc import Mapping
 from pathlib import Path

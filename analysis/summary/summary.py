@@ -77,7 +77,7 @@ def summary(
 
 
 def _assumed(published: bool) -> str:
-    """What rests on an assumption; the geometry only if it stands for the paper's."""
+    """The assumptions of the results; the geometry only if it represents the paper's."""
     geometry = "a, b, h and H (the paper's text gives a * b only), " if published else ""
     return f"Assumed: {geometry}contact-point positions."
 
@@ -206,7 +206,7 @@ def _refusals(rows: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[str]:
 
 
 def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
-    """The largest mesh error of each model at each mesh, and what to do where it is large.
+    """The largest mesh error of each model at each mesh, with advice where it is large.
 
     ``nodes``: the layouts that there are.
     """
@@ -232,7 +232,7 @@ def _mesh_errors(capacity: pd.DataFrame, nodes: set[str]) -> Iterator[str]:
 
 
 def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
-    """How far peaks move under tiny changes, and which capacities are first failures for it."""
+    """Spread of peaks under tiny changes, and the capacities that it makes first failures."""
     known = capacity[capacity["peak_spread"].notna()]
     if known.empty:
         return

@@ -93,7 +93,7 @@ def friction_share(record: CaseRecord) -> float:
 
 
 def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
-    """Displacement (m) that the load does work on, at given loads (N); nan where there is none."""
+    """Displacement (m) on which the load does work, at given loads (N); nan where unknown."""
     path = sorted((load, moved) for load, moved in record.path if moved is not None)
     if not path:
         return [float("nan") for _ in loads]

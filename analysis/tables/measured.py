@@ -1,4 +1,4 @@
-"""Measured loads beside those of all models, in the same direction."""
+"""Comparison of measured loads with those of all models in the same direction."""
 
 import math
 from collections.abc import Mapping

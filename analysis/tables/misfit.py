@@ -1,6 +1,6 @@
-"""How far SiDMACIB is from a detailed model, and which of its rules is closest, without a solver.
+"""Misfit of SiDMACIB against a detailed model, and its closest rule, without a solver.
 
-Apart from `analysis.tables.fit`, so that a step which only reads fits loads no solver.
+Separate from `analysis.tables.fit`, so that steps which only read fits load no solver.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The structures of a study: what each carries in each model, its interfaces and its blocks."""
+"""Tables of the structures of a study: capacities by model, interfaces and blocks."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -55,7 +55,7 @@ def _row(record: StructureRecord, static: StructureRecord | None) -> dict[str, A
 
 
 def most_used(interfaces: Iterable[InterfaceRow]) -> str | None:
-    """The interface with the largest utilisation, of those that carry anything; None if none has.
+    """The interface with the largest utilisation among those that carry a force, or None.
 
     What carries next to nothing may be at its limit without a meaning.
     """

@@ -195,7 +195,7 @@ def quantity_label(quantity: str) -> str:
 
 
 def difference_text(row: Any) -> str:
-    """How a row's computed value differs from the published one, in words."""
+    """The difference of a row's computed value from the published one, in words."""
     if pd.isna(row.absolute_difference):
         return "same" if row.computed == row.published else "other"
     if pd.isna(row.relative_difference):
@@ -206,7 +206,7 @@ def difference_text(row: Any) -> str:
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> None:
-    """Write the published numbers beside the computed ones."""
+    """Write the table of published and computed numbers."""
     study = Study.model_validate_json(arguments["study"])
     capacity, weights, fit = (
         read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHTS, FIT)

@@ -1,6 +1,7 @@
 """The command `multilock`."""
 
 import importlib
+import json
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -40,6 +41,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock law -n 9 -H 0.06             how many locks work
   multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
   multilock assembly arch.yaml           what an arch or a wall of blocks carries
+  multilock design vault.yaml            the locks that an arch or a vault needs
 
 Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
 completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
@@ -276,20 +278,64 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     answer.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, structure_rows
+        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.file import read_structure
         from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem)
+        limit = None if interfaces and compas is None else limit_of(problem)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.compas_results import write_compas_results
 
-            write_compas_results(problem, file, compas)
+            write_compas_results(problem, file, compas, limit)
     _require_answer(rows)
+
+
+@main.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the structure with its locks into this YAML file, for multilock assembly.",
+)
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+@click.option(
+    "--format", "form", type=click.Choice(("table", "json")), default="table", show_default=True
+)
+def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
+    """The locks that a structure needs: how many in each interface, and which way they run.
+
+    FILE is a structure as for assembly, with a key design: load cases, locks, candidate directions.
+    The result is checked by limit analysis and by the static model with locks cut out of the
+    blocks, and has an order in which blocks can be placed. Ends with status 1 if a check fails.
+    """
+    with _refused_in_one_line():
+        from sidmacib.command.designs import design_tables, verdict
+        from sidmacib.design.designed import design_of
+        from sidmacib.design.file import read_task, write_designed
+
+        task = read_task(file)
+        found = design_of(task, (lambda _: None) if quiet else _progress)
+        if output is not None:
+            write_designed(task, found.choice, output)
+    tables = design_tables(found)
+    if form == "json":
+        click.echo(json.dumps({"verdict": verdict(found), **tables}, indent=1))
+    else:
+        click.echo(verdict(found))
+        for name, rows in tables.items():
+            if rows:
+                click.echo(f"\n{name}\n{text_of(rows, form)}")
+    if not found.passes:
+        sys.exit(1)
+
+
+def _progress(line: str) -> None:
+    click.echo(line, err=True)
 
 
 @main.command()

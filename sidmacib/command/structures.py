@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Kind
-from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
@@ -17,22 +17,38 @@ from sidmacib.structure.structure import refined
 from sidmacib.structure.tilt import Tilt, moves_most, static_tilt
 
 
-def structure_rows(problem: Problem) -> list[Row]:
-    """What a structure carries after each model: loads, or angles if gravity turns."""
+def limit_of(problem: Problem) -> LimitState | CapacityError | None:
+    """Limit analysis with friction, or why it has no answer; None if gravity turns."""
+    if problem.loads.axis is not None:
+        return None
+    try:
+        require_standing(*problem, friction=True)
+        return limit_load(*problem, friction=True)
+    except CapacityError as error:
+        return error
+
+
+def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = None) -> list[Row]:
+    """What a structure carries after each model: loads, or angles if gravity turns.
+
+    ``limit``: by `limit_of` if that was asked before, as it is solved once.
+    """
     if problem.loads.axis is not None:
         return list(_tilts(problem.assembly, Tilt(problem.loads.axis)))
-    return list(_rows(problem))
+    return list(_rows(problem, limit_of(problem) if limit is None else limit))
 
 
 def interface_rows(problem: Problem) -> list[Row]:
     """What each interface carries at the last equilibrium of the static model.
 
-    `CapacityError` if the model has no answer.
+    On the finer of the two meshes, as the loads of `structure_rows`. `CapacityError` if the model
+    has no answer.
     """
+    fine = refined(problem.assembly)
     if problem.loads.axis is not None:
-        peak = static_tilt(problem.assembly, Tilt(problem.loads.axis)).path[-1]
+        peak = static_tilt(fine, Tilt(problem.loads.axis)).path[-1]
     else:
-        peak = static_peak(*problem).peak
+        peak = static_peak(fine, problem.loads).peak
     return [
         {
             "interface": each.name,
@@ -41,11 +57,11 @@ def interface_rows(problem: Problem) -> list[Row]:
             "utilisation": each.utilisation,
             "bonded": each.bonded,
         }
-        for each in interface_forces(problem.assembly, peak.force, peak.state)
+        for each in interface_forces(fine, peak.force, peak.state)
     ]
 
 
-def _rows(problem: Problem) -> Iterator[Row]:
+def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
     weight = free_weight(problem.assembly)
 
     def row(model: str, load: float | None, note: str, error: float | None = None) -> Row:
@@ -58,14 +74,11 @@ def _rows(problem: Problem) -> Iterator[Row]:
             "note": note,
         }
 
-    try:
-        require_standing(*problem, friction=True)
-        state = limit_load(*problem, friction=True)
-        moves = f"{moves_most(problem.assembly, state.mechanism)} moves most"
-        yield row("limit", state.load, f"{_assumes(problem.assembly)}; {moves}")
-    except CapacityError as error:
-        yield row("limit", None, reason(error))
-    else:
+    if isinstance(limit, CapacityError):
+        yield row("limit", None, reason(limit))
+    elif limit is not None:
+        moves = f"{moves_most(problem.assembly, limit.mechanism)} moves most"
+        yield row("limit", limit.load, f"{_assumes(problem.assembly)}; {moves}")
         try:
             sliding = sliding_limit(*problem).state
             yield row("limit, no dilation", sliding.load, "sliding does not open the joints")

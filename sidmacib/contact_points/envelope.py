@@ -80,7 +80,7 @@ class _Queries:
 
     def furthest(self, x: float, y: float) -> Floats:
         if len(self.proofs) == MOST_PROGRAMMES:
-            raise SolverError(f"envelope: no end after {MOST_PROGRAMMES} programmes")
+            raise SolverError(f"envelope: incomplete after {MOST_PROGRAMMES} programmes")
         normal = np.array([x, y])
         point = self.support(normal)
         self.proofs.append((normal, float(normal @ point)))

@@ -53,7 +53,7 @@ class Sidmacib:
         require_not_negative(overload=self.overload)
         if not self.joint.interlocking:
             raise ValueError(
-                f"locks: {self.joint.locks} is not possible with SiDMACIB, whose locks bear "
+                f"locks: {self.joint.locks} is not allowed with SiDMACIB, in which locks bear "
                 "against each other; it must be at least 2"
             )
         if not isinstance(self.friction, bool | np.bool_):
@@ -191,7 +191,7 @@ def _upper_block(joint: Joint) -> tuple[float, Floats]:
 def _directed(model: Sidmacib, thread: int) -> tuple[_Programme, cp.Variable, Family]:
     """The programme of ``model``, its load, and the load's largest values along any direction.
 
-    Kept, as it takes longer to make than to solve; each ``thread`` has its own, which it fills.
+    Cached, because building it takes longer than solving it; each ``thread`` fills a separate one.
     """
     programme = _programme(model)
     load, slope = cp.Variable(), cp.Parameter(2)

@@ -36,9 +36,9 @@ def half_rule(joint: Joint, weights: Weights) -> tuple[float, ...]:
     ValueError if n is even or 1, or if the locks differ in strength.
     """
     if joint.locks % 2 == 0:
-        raise ValueError(f"locks: {joint.locks} is not possible with (n - 1) / 2; it must be odd")
+        raise ValueError(f"locks: {joint.locks} is not allowed with (n - 1) / 2; it must be odd")
     if joint.locks == 1:
-        raise ValueError("locks: 1 is not possible with (n - 1) / 2; it must be at least 3")
+        raise ValueError("locks: 1 is not allowed with (n - 1) / 2; it must be at least 3")
     _require_alike(joint, "(n - 1) / 2")
     return active(joint, (joint.locks - 1) // 2)
 
@@ -73,6 +73,6 @@ def _require_alike(joint: Joint, rule: str) -> None:
     low, high = min(joint.strengths), max(joint.strengths)
     if not math.isclose(low, high):
         raise ValueError(
-            f"different: a strength from {low:g} to {high:g} N is not possible with {rule}, which "
+            f"different: a strength from {low:g} to {high:g} N is not allowed with {rule}, which "
             "counts locks; it must be the same for all"
         )

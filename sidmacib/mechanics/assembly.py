@@ -60,7 +60,7 @@ class FaceMaterial:
 
 
 class Failure(StrEnum):
-    """What a node of an inner face still carries once its strength is reached."""
+    """Behaviour of a node of an inner face that has reached its strength."""
 
     BRITTLE = "brittle"  # nothing: cohesion and tensile strength are lost at once
     SOFTENING = "softening"  # less and less as it moves on, down to the residual fraction
@@ -91,7 +91,7 @@ class Kind(StrEnum):
 
 
 class NodeLayout(StrEnum):
-    """Where the contact nodes of a cell lie, and how its area is shared among them.
+    """Positions of the contact nodes of a cell, and the shares of its area.
 
     Stresses are largest at the edges of a face, so a layout without nodes there finds failure late.
     """
@@ -106,7 +106,7 @@ class Piece(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name, of its own in the assembly."""
+        """Its name, unique in the assembly."""
 
     @property
     def mass(self) -> float:
@@ -138,7 +138,7 @@ class Face(Protocol):
 
     @property
     def name(self) -> str:
-        """Its name, of its own in the assembly."""
+        """Its name, unique in the assembly."""
 
     @property
     def kind(self) -> Kind:
@@ -305,7 +305,7 @@ class Assembly:
 
     @property
     def without_stiffness(self) -> str | None:
-        """Which face has no stiffness, for models that need one; None if all have."""
+        """A refusal that names a face without stiffness; None if all faces have one."""
         for face in self.faces:
             if face.kind is Kind.LOCKED:
                 return f"{face.name} has condensed locks, which have no stiffness; cut them out"

@@ -46,9 +46,9 @@ class LimitState:
 
     ``load``: along the direction, in N. ``force``: (N, 3) in N, what the piece below each node
     exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
-    the pieces move when the load exceeds its limit, as the multipliers of the equations of
-    equilibrium tell: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Pieces
-    may move in several ways at once; this is one of them.
+    the pieces move when the load exceeds its limit, from the multipliers of the equations of
+    equilibrium: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Several
+    motions may be possible; this is one of them.
     """
 
     load: float
@@ -65,11 +65,17 @@ class Sliding:
 
 
 def limit_load(
-    assembly: Assembly, loads: Loads, *, friction: bool = False, sliding: Sliding | None = None
+    assembly: Assembly,
+    loads: Loads,
+    *,
+    friction: bool = False,
+    sliding: Sliding | None = None,
+    most: float | None = None,
 ) -> LimitState:
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
-    ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. Accurate to 1e-9,
+    ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. ``most`` (N): the
+    load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
     sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
     rounded to that. ValueError for ``friction`` under a fixed plate, whose force has no limit: use
     a given force instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no
@@ -84,9 +90,14 @@ def limit_load(
     programme = _Programme(assembly, loads, friction, sliding)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = programme.constraints(load, force)
+    if most is not None:
+        constraints.append(load <= most / programme.scale)
     accuracies = tuple(ACCURACIES) if force.shape[0] < MANY else (max(ACCURACIES),)
     met = solve(cp.Problem(cp.Maximize(load), constraints), WHAT, *accuracies)
-    largest, mechanism = float(load.value), programme.mechanism(constraints[0].dual_value)
+    largest = float(load.value)
+    carried = most is not None and most - largest * programme.scale <= met * programme.scale
+    multipliers = constraints[0].dual_value
+    mechanism = np.zeros((programme.pieces, 6)) if carried else programme.mechanism(multipliers)
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     for small in SMALL:

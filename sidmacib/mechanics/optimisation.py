@@ -69,7 +69,7 @@ def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     ``accuracies``: of the optimum's value, relative to the value or to 1, whichever is larger;
     tightest first. Returns the first that a solver meets. Otherwise raises an error that names
     ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
-    `sidmacib.errors.SolverError` if no verdict passes its check.
+    `sidmacib.errors.SolverError` if no solver's verdict passes its check.
     """
     given = partial(problem.get_problem_data, solver_opts={})  # options do not change the form
     return _solved(problem, what, accuracies, given)
@@ -174,7 +174,7 @@ def _solved(
     for error, reductions, (raw, inverse) in sorted(optima, key=lambda each: each[0]):
         if _taken(problem, reductions, raw, inverse):
             return next(accuracy for accuracy in wanted if error <= accuracy)
-    raise SolverError(f"{what}: no verdict passes its check ({'; '.join(verdicts)})")
+    raise SolverError(f"{what}: no solver's verdict passes its check ({'; '.join(verdicts)})")
 
 
 def _taken(problem: cp.Problem, reductions: Any, raw: Any, inverse: Any) -> bool:
@@ -243,7 +243,7 @@ def _projected(values: Floats, dims: Any, dual: bool) -> Floats:
         projected[: dims.zero] = values[: dims.zero]
     linear = slice(dims.zero, dims.zero + dims.nonneg)
     projected[linear] = np.maximum(values[linear], 0.0)
-    for size, first in _second_order(dims):  # its own dual
+    for size, first in _second_order(dims):  # self-dual
         cones = values[first].reshape(-1, size)
         projected[first] = _projected_on_second_order(cones).ravel()
     return projected

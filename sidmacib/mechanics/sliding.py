@@ -66,7 +66,7 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
         if calm == CALM and _off_cone(friction, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
     raise SolverError(
-        f"limit analysis without dilation: {ROUNDS} rounds did not settle (last {state.load:g} N)"
+        f"limit analysis without dilation: {ROUNDS} rounds did not converge (last {state.load:g} N)"
     )
 
 

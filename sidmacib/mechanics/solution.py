@@ -1,4 +1,4 @@
-"""What solvers and the static model return: equilibria, first failure, path to the peak."""
+"""Results of solvers and the static model: equilibria, first failure, path to the peak."""
 
 from dataclasses import dataclass
 from enum import StrEnum

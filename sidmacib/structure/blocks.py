@@ -11,7 +11,7 @@ import shapely
 import trimesh
 
 from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Vector
-from sidmacib.validation import require_positive
+from sidmacib.validation import LARGE, require_positive
 
 FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
 
@@ -31,11 +31,11 @@ class Block:
     density: float
     fixed: bool = False
     elastic: Elastic | None = None
+    material: str | None = None  # its name, by which laws of interfaces may be chosen
 
     def __post_init__(self) -> None:
         require_positive(**{f"{self.name}, density (kg/m3)": self.density})
-        if not np.isfinite(self.places).all():
-            raise ValueError(f"{self.name}: all coordinates must be finite")
+        require_near(self.name, self.places)
         self._require_outlines()
         self._require_closed()
         for number, corners in enumerate(self.outlines):
@@ -190,10 +190,17 @@ class Compound:
         return float(np.linalg.norm(np.ptp(places, axis=0)))
 
 
+def require_near(name: str, places: Floats) -> None:
+    """ValueError, which begins with ``name``, for coordinates (m) beyond `LARGE`, or not finite."""
+    if not (np.abs(places) <= LARGE).all():
+        raise ValueError(f"{name}: all coordinates must be finite, and at most {LARGE:g} m")
+
+
 def normal_of(corners: Floats) -> Floats:
-    """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell); shape (3,)."""
+    """Unit normal of a plane outline, (K, 3), anticlockwise about it (Newell), (3,); 0 of none."""
     around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
-    return np.asarray(around / np.linalg.norm(around))
+    length = np.linalg.norm(around)
+    return np.asarray(around / length) if length > 0.0 else np.zeros(3)
 
 
 def off_plane(corners: Floats) -> float:
@@ -211,6 +218,7 @@ def prism(
 ) -> Block:
     """The block that a plane outline ``base``, (K, 3) in m, sweeps when moved by ``along`` (m)."""
     low = np.array(base, float)
+    require_near(name, np.array([*low, along]))
     if normal_of(low) @ np.array(along) > 0.0:
         low = low[::-1]  # so that the outline is seen anticlockwise from outside
     count = len(low)

@@ -1,8 +1,8 @@
 """Blocks and interfaces from a file of the COMPAS framework, without COMPAS.
 
 Read is the JSON that `compas.json_dump` of COMPAS 2 writes of an assembly of compas_assembly or
-compas_cra, or of a model of compas_dem: a graph whose nodes have a block, a mesh of vertices and
-faces, and whose edges may have interfaces. Where blocks touch exactly,
+compas_cra, or of a model or an analysis of compas_dem: a graph whose nodes have a block, a mesh of
+vertices and faces, and whose edges may have interfaces. Where blocks touch exactly,
 `sidmacib.structure.interfaces` finds interfaces as well; those of the file are for blocks with gaps
 between them.
 """
@@ -20,17 +20,20 @@ import shapely
 
 from sidmacib.mechanics.assembly import CLOSE, Floats
 from sidmacib.quantities import Number, shown
-from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane
+from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane, require_near
 from sidmacib.structure.interfaces import Interface, tangents
+from sidmacib.validation import LARGE
 
 ASSEMBLIES = ("compas_assembly.datastructures/Assembly", "compas_cra.datastructures/CRA_Assembly")
 BLOCK = "compas_assembly.datastructures/Block"
 INTERFACE = "compas_assembly.datastructures/Interface"
-MODEL = "compas_dem.models/BlockModel"
+MODEL, ANALYSIS = "compas_dem.models/BlockModel", "compas_dem.models/Analysis"
+GROUP = "compas_model.elements/Group"
+NAME = "block"  # begins the names of blocks, which end with the numbers of their nodes
 ELEMENT, MESH = "compas_dem.elements/Block", "compas.datastructures/Mesh"
 CONTACT = "compas_dem.interactions/FrictionContact"
 MOST_DIGITS = 9  # of the number of a node
-_DENSITY = Number(above=0, at_most=1e6, unit="kg/m3")
+DENSITIES = Number(at_least=1e-3, at_most=1e6, unit="kg/m3")
 ALONG = 0.9  # least cosine between the normals of an interface and of a face beside it
 AWAY = 1e-3  # weight of the distance along a face, against that from its plane
 
@@ -40,7 +43,7 @@ class _Node:
     """A node of the graph: the mesh of its block, whether it is a support, its density (kg/m3).
 
     ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
-    file tells none.
+    file tells none; ``material``: its name.
     """
 
     number: int
@@ -48,19 +51,20 @@ class _Node:
     support: bool
     density: float | None = None
     matrix: Floats | None = None
+    material: str | None = None
 
 
 def read_compas(
-    path: Path, density: float, fixed: Collection[int] | None = None
+    path: Path, density: float, fixed: Collection[int] | None = None, name: str = NAME
 ) -> tuple[Block, ...]:
-    """The blocks in the JSON file ``path``, called block0, … after their nodes.
+    """The blocks in the JSON file ``path``, called ``name``-0, … after their nodes.
 
     Lengths are taken as m; ``density`` in kg/m3, of all blocks whose material has none. ``fixed``:
     nodes of the blocks that cannot move, in place of those that the file calls supports. Faces that
     are not plane are cut into triangles. ValueError, which names the node and the key, for what is
     not understood.
     """
-    nodes = _nodes(path)
+    nodes = _nodes(path, name)
     known = {node.number for node in nodes}
     for number in fixed or ():
         if number not in known:
@@ -70,31 +74,33 @@ def read_compas(
     if not held:
         raise ValueError(f"{path.name}: calls no node a support; name the fixed nodes")
     return tuple(
-        _block(node, density if node.density is None else node.density, node.number in held)
+        _block(node, density if node.density is None else node.density, node.number in held, name)
         for node in nodes
     )
 
 
-def _nodes(path: Path) -> list[_Node]:
+def _nodes(path: Path, name: str) -> list[_Node]:
     """The nodes of the graph in a file, by their numbers."""
     content, graph = content_of(path)
     nodes = _mapping(f"{path.name}: node", _key(path.name, graph, "node"))
     if content["dtype"] == MODEL:
-        found = _elements(path.name, content, nodes)
+        found = _elements(path.name, content, nodes, name)
     else:
         default = graph.get("default_node_attributes", {}).get("is_support", False)
-        found = [_of_assembly(node, value, default) for node, value in nodes.items()]
+        found = [_of_assembly(node, value, default, name) for node, value in nodes.items()]
     return sorted(found, key=lambda node: node.number)
 
 
-def _of_assembly(node: str, value: Any, default: bool) -> _Node:
+def _of_assembly(node: str, value: Any, default: bool, begin: str) -> _Node:
     number, held = _number(node), _mapping(f"node {node}", value)
-    name = f"block{number}"
+    name = f"{begin}-{number}"
     mesh = _data(f"{name}: block", _key(name, held, "block"), (BLOCK,))
     return _Node(number, mesh, _flag(f"{name}: is_support", held.get("is_support", default)))
 
 
-def _elements(file: str, content: Mapping[str, Any], nodes: Mapping[str, Any]) -> list[_Node]:
+def _elements(
+    file: str, content: Mapping[str, Any], nodes: Mapping[str, Any], begin: str
+) -> list[_Node]:
     """The nodes of a model, whose blocks are elements by an identity of theirs."""
     model = _data(file, content, (MODEL,))
     elements = _mapping(f"{file}: elements", _key(file, model, "elements"))
@@ -106,17 +112,23 @@ def _elements(file: str, content: Mapping[str, Any], nodes: Mapping[str, Any]) -
     whole = _matrix(f"{file}: transformation", model.get("transformation"))
     found = []
     for node, value in nodes.items():
-        name, identity = f"block{node}", str(_key(f"node {node}", _mapping(node, value), "element"))
-        element = _data(name, _key(f"{file}: elements", elements, identity), (ELEMENT,))
+        number = _number(node)
+        name = f"{begin}-{number}"
+        identity = str(_key(f"node {node}", _mapping(f"node {node}", value), "element"))
+        given = _key(f"{file}: elements", elements, identity)
+        if isinstance(given, dict) and given.get("dtype") == GROUP:
+            continue  # an empty one, by the tree
+        element = _data(name, given, (ELEMENT,))
         mesh = _data(f"{name}: geometry", _key(name, element, "geometry"), (MESH,))
         own = _matrix(f"{name}: transformation", element.get("transformation"))
-        density = None
+        density = material = None
         if element.get("material") is not None:
             law = _data(name, _key(f"{file}: materials", materials, str(element["material"])), ())
+            material = str(law["name"]) if law.get("name") else None
             if law.get("density") is not None:
                 density = _positive(f"{name}: density of its material", law["density"])
         support = _flag(f"{name}: is_support", element.get("is_support", False))
-        found.append(_Node(_number(node), mesh, support, density, whole @ own))
+        found.append(_Node(number, mesh, support, density, whole @ own, material))
     return found
 
 
@@ -129,8 +141,8 @@ def _matrix(name: str, value: Any) -> Floats:
         matrix = np.array(given, float)
     except (TypeError, ValueError):
         raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers") from None
-    if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-        raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers")
+    if matrix.shape != (4, 4) or not (np.abs(matrix) <= LARGE).all():
+        raise ValueError(f"{name}: must be a matrix of 4 x 4 numbers of at most {LARGE:g}")
     if not (matrix[3] == (0.0, 0.0, 0.0, 1.0)).all() or np.linalg.det(matrix) <= 0.0:
         raise ValueError(f"{name}: must end with 0, 0, 0, 1 and not mirror the blocks")
     return matrix
@@ -142,7 +154,7 @@ def _is_group(child: Any) -> bool:
 
 def _positive(name: str, value: Any) -> float:
     try:
-        return _DENSITY.read(value)
+        return DENSITIES.read(value)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
 
@@ -160,7 +172,7 @@ def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interfa
     which names the edge, for an interface that has no area or is at no face.
     """
     edges = _mapping(f"{path.name}: edge", _key(path.name, content_of(path)[1], "edge"))
-    names = {block.name: place for place, block in enumerate(blocks)}
+    nodes = {block.name.rpartition("-")[2]: place for place, block in enumerate(blocks)}
     found = []
     for one, others in edges.items():
         for other, edge in _mapping(f"edge {one}", others).items():
@@ -172,9 +184,10 @@ def read_compas_interfaces(path: Path, blocks: Sequence[Block]) -> tuple[Interfa
             for given in contacts:
                 points = _key(name, _data(name, given, (INTERFACE, CONTACT)), "points")
                 try:
-                    ends = names[f"block{one}"], names[f"block{other}"]
+                    ends = nodes[one], nodes[other]
                     places = [each["data"] if isinstance(each, dict) else each for each in points]
                     corners = np.array(places, float).reshape(-1, 3)
+                    require_near("points", corners)
                 except (KeyError, TypeError, ValueError) as error:
                     raise ValueError(f"{name}: is not understood ({error!r})") from None
                 below, above = min(ends), max(ends)
@@ -216,22 +229,23 @@ def content_of(path: Path) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
         raise ValueError(f"{path.name}: is no JSON ({error})") from None
+    if isinstance(content, dict) and content.get("dtype") == ANALYSIS:
+        content = _key(path.name, _data(path.name, content, ()), "model")
     held = _data(path.name, content, (*ASSEMBLIES, MODEL))
     return content, _data(f"{path.name}: graph", _key(path.name, held, "graph"), ())
 
 
-def _block(node: _Node, density: float, fixed: bool) -> Block:
-    name, mesh = f"block{node.number}", node.mesh
+def _block(node: _Node, density: float, fixed: bool, begin: str) -> Block:
+    name, mesh = f"{begin}-{node.number}", node.mesh
     vertices = _mapping(f"{name}: vertex", _key(name, mesh, "vertex"))
     faces = _mapping(f"{name}: face", _key(name, mesh, "face"))
     order = {key: place for place, key in enumerate(vertices)}
     try:
         places = np.array([[float(v.get(k, 0.0)) for k in "xyz"] for v in vertices.values()])
         outlines = [[order[str(vertex)] for vertex in face] for face in faces.values()]
-        if not np.isfinite(places).all():
-            raise ValueError("a coordinate must be a finite number")
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise ValueError(f"{name}: a vertex or face is not understood ({error!r})") from None
+    require_near(name, places)
     if node.matrix is not None:
         places = places @ node.matrix[:3, :3].T + node.matrix[:3, 3]
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
@@ -241,6 +255,7 @@ def _block(node: _Node, density: float, fixed: bool) -> Block:
         tuple(plane for outline in outlines for plane in _planes(outline, places, size)),
         density,
         fixed,
+        material=node.material,
     )
 
 

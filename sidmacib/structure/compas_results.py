@@ -1,4 +1,4 @@
-"""What limit analysis finds for a model of compas_dem, as that package's `Results` in JSON."""
+"""What limit analysis finds, as JSON of compas_dem (`Results`) or of compas_cra (interfaces)."""
 
 import json
 import uuid
@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
+from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
-from sidmacib.structure.compas import MODEL, content_of
+from sidmacib.structure.compas import ASSEMBLIES, INTERFACE, MODEL, content_of
+from sidmacib.structure.corner_forces import at_corners
 from sidmacib.validation import refused
 
 SHOWN = 0.1  # largest displacement of the mechanism, over the mean size of the blocks
@@ -21,23 +23,31 @@ DIGITS = 9  # of transformations after the decimal point; the rest is rounding
 NAMESPACE = uuid.UUID("8a2c5f0e-5f0b-4d0e-9f55-2d6a3f1c7e11")  # of identities made here
 
 
-def write_compas_results(problem: Problem, model: Path, results: Path) -> None:
+def write_compas_results(
+    problem: Problem, model: Path, results: Path, found: LimitState | CapacityError | None
+) -> None:
     """Write the forces and the mechanism at the limit load of a ``model`` read from JSON.
 
-    ValueError unless the file is a model of compas_dem and all pieces are its blocks; errors of
-    `sidmacib.mechanics.limit.limit_load`.
+    As `compas_results`, or for an assembly of compas_cra as `with_interfaces`.
+    ``found``: by `sidmacib.mechanics.limit.limit_load` with friction; raised if it is an error, and
+    None if gravity turns, which is refused.
+    ValueError unless the file is a model of compas_dem and all pieces are its blocks.
     """
     content = content_of(model)[0] if model.suffix == ".json" else {}
-    if content.get("dtype") != MODEL:
-        raise refused("compas", model.name, f"for a {MODEL} in JSON")
-    if not isinstance(content.get("guid"), str):
+    if content.get("dtype") not in (MODEL, *ASSEMBLIES):
+        raise refused("compas", model.name, f"for a {MODEL} or {ASSEMBLIES[1]} in JSON")
+    if content["dtype"] == MODEL and not isinstance(content.get("guid"), str):
         raise ValueError(f"{model.name}: lacks the key guid, which results refer to")
-    if problem.loads.axis is not None:
+    if found is None:
         raise ValueError("compas: the load must be an acceleration or a force, not a tilt")
-    require_standing(*problem, friction=True)
-    found = limit_load(*problem, friction=True)
+    if isinstance(found, CapacityError):
+        raise found
     told = {"program": "multilock", "analysis": "limit, associated friction", "load_N": found.load}
-    data = compas_results(problem.assembly, found.force, found.mechanism, content["guid"], told)
+    if content["dtype"] == MODEL:
+        identity = content["guid"]
+        data = compas_results(problem.assembly, found.force, found.mechanism, identity, told)
+    else:
+        data = with_interfaces(json.loads(model.read_text("utf-8")), problem.assembly, found.force)
     try:
         results.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
     except OSError as error:
@@ -50,14 +60,15 @@ def compas_results(
     mechanism: Floats,
     model: str,
     metadata: Mapping[str, Any],
+    problem: str | None = None,
 ) -> dict[str, Any]:
-    """The JSON of compas_dem's `Results` for a model of this identity.
+    """The JSON of compas_dem's `Results` for a model, and a ``problem``, of these identities.
 
     ``force``: (N, 3) in N, see `sidmacib.mechanics.limit.LimitState`; ``mechanism``: (P, 6), of
     which the largest displacement is drawn as a tenth of a block. Nodes have their
     ``transformation``, edges the points and forces of all contacts between two blocks, compression
-    positive, on the second block; ``contacts`` tells them contact by contact, ``contact_data`` the
-    one that carries most.
+    positive, on the second block; ``contacts`` tells them contact by contact, at its corners,
+    ``contact_data`` the one that carries most.
     """
     nodes = [_node(piece.name) for piece in assembly.pieces]
     largest = float(np.linalg.norm(mechanism[:, :3], axis=1).max(initial=0.0))
@@ -74,13 +85,66 @@ def compas_results(
         edges.setdefault(key, []).append(_contact(face, assembly.nodes.position[own], force[own]))
     data = {
         "model_id": model,
-        "problem_id": _identity(model, "problem"),
+        "problem_id": problem or _identity(model, "problem"),
         "displacement_scale": 1.0,
         "node_data": moved,
         "edge_data": {key: _edge(contacts) for key, contacts in edges.items()},
         "metadata": {**metadata, "mechanism_scale": scale},
     }
     return _object("compas_dem.problem/Results", data, model)
+
+
+def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) -> dict[str, Any]:
+    """An assembly of compas_cra, as its JSON, with these interfaces and forces at its edges.
+
+    ``force``: (N, 3) in N. Interfaces that it has before are replaced; their points are corners of
+    the interfaces, in order, as its viewer draws them.
+    """
+    graph = content["data"]["graph"]
+    graph = graph.get("data", graph)
+    edges: dict[str, dict[str, Any]] = {}
+    for one, others in graph["edge"].items():
+        edges[one] = {other: {**edge, "interfaces": []} for other, edge in others.items()}
+    for number, face in enumerate(assembly.faces):
+        assert isinstance(face, Polygon)
+        own = assembly.nodes.face == number
+        contact = _contact(face, assembly.nodes.position[own], force[own])
+        below, above = (str(_node(assembly.pieces[end].name)) for end in (face.below, face.above))
+        if above in edges and below in edges[above] and above not in edges.get(below, {}):
+            del edges[above][below]  # forces are those on the second block
+        edge = edges.setdefault(below, {}).setdefault(above, {"interfaces": []})
+        edge["interfaces"].append(_object(INTERFACE, _interface(contact, face.area), face.name))
+    return {
+        **content,
+        "data": {
+            **content["data"],
+            "graph": {**content["data"]["graph"], **_inside(content, edges)},
+        },
+    }
+
+
+def _inside(content: Mapping[str, Any], edges: Mapping[str, Any]) -> dict[str, Any]:
+    """The part of a graph, which may be an object of its own, that has its ``edges``."""
+    graph = content["data"]["graph"]
+    return {"data": {**graph["data"], "edge": edges}} if "data" in graph else {"edge": edges}
+
+
+def _interface(contact: Mapping[str, Any], area: float) -> dict[str, Any]:
+    return {
+        "points": _lists(contact["polygon"]),
+        "size": area,
+        "frame": _frame(contact),
+        "forces": _forces(contact),
+        "mesh": None,
+    }
+
+
+def _forces(contact: Mapping[str, Any]) -> list[dict[str, float]]:
+    """Forces at the corners: compression, tension, along the tangents; N."""
+    return [
+        {"c_np": max(n, 0.0), "c_nn": max(-n, 0.0) + 0.0, "c_u": u, "c_v": v}
+        for n, u, v in _lists(contact["corner_forces"])
+    ]
 
 
 def _node(name: str) -> int:
@@ -91,9 +155,10 @@ def _node(name: str) -> int:
 
 
 def _contact(face: Polygon, places: Floats, force: Floats) -> dict[str, Any]:
-    """A contact: its frame, points, and the forces at these on the block above."""
+    """A contact: its frame, nodes, corners, and the forces at these on the block above."""
     normal, first, second = force.T
     return {
+        "corner_forces": at_corners(face, places, force),
         "frame": (face.middle, face.axes[1], face.axes[2]),
         "polygon": face.corners,
         "points": places,
@@ -132,8 +197,7 @@ def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _friction_contact(contact: Mapping[str, Any]) -> dict[str, Any]:
-    points = _lists(contact["points"])
-    forces = zip(*map(_lists, (contact["normal"], *contact["tangents"])), strict=True)
+    points = _lists(contact["polygon"])
     data = {
         "name": "FrictionContact",
         "points": [_object("compas.geometry/Point", point, str(point)) for point in points],
@@ -141,10 +205,7 @@ def _friction_contact(contact: Mapping[str, Any]) -> dict[str, Any]:
         "size": None,
         "mesh": None,
         "holes": None,
-        "forces": [
-            {"c_np": max(float(n), 0.0), "c_nn": max(-float(n), 0.0) + 0.0, "c_u": u, "c_v": v}
-            for n, u, v in forces
-        ],
+        "forces": _forces(contact),
     }
     return _object("compas_dem.interactions/FrictionContact", data, str(points))
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, self_weight
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_direction
 
 
 def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
@@ -18,7 +18,7 @@ def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
     mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
     variable = np.zeros((len(mass), 6))
     variable[:, :3] = (mass / mass.sum())[:, None] * _unit(direction)
-    return Loads(_weight_of_free(assembly), variable, free_weight(assembly))
+    return Loads(weight_of_free(assembly), variable, free_weight(assembly))
 
 
 def force_at(
@@ -37,7 +37,7 @@ def force_at(
     arm = np.array(point, float) - assembly.pieces[number].centre
     variable = np.zeros((len(names), 6))
     variable[number] = [*along, *np.cross(arm, along)]
-    return Loads(_weight_of_free(assembly), variable, free_weight(assembly))
+    return Loads(weight_of_free(assembly), variable, free_weight(assembly))
 
 
 def free_weight(assembly: Assembly) -> float:
@@ -45,15 +45,14 @@ def free_weight(assembly: Assembly) -> float:
     return math.fsum(piece.weight for piece in assembly.pieces if not piece.fixed)
 
 
-def _weight_of_free(assembly: Assembly) -> Floats:
+def weight_of_free(assembly: Assembly) -> Floats:
+    """Weight of the pieces that can move, as forces (N) and moments (N m), (P, 6)."""
     weight = self_weight(assembly.pieces)
     weight[[piece.fixed for piece in assembly.pieces]] = 0.0
     return weight
 
 
 def _unit(direction: Sequence[float]) -> Floats:
+    require_direction(direction=direction)
     along = np.array(direction, float)
-    length = float(np.linalg.norm(along))
-    if along.shape != (3,) or not 0.0 < length < math.inf:
-        raise refused("direction", list(direction), "three numbers, not all 0")
-    return along / length
+    return np.asarray(along / np.linalg.norm(along))

@@ -18,7 +18,7 @@ from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.cutting import clipped, cut, require_convex
 from sidmacib.structure.interfaces import Interface
-from sidmacib.validation import refused, require_positive, require_whole
+from sidmacib.validation import refused, require_direction, require_positive, require_whole
 
 SHORT = 1e-6  # over the size of an interface: rounding of widths that are to fill it
 
@@ -51,11 +51,14 @@ class Locks:
         require_whole(1, count=self.count)
         require_positive(height=self.height)
         if (self.row is None) == (self.run is None):
-            raise ValueError("locks: must have either row or run")
+            raise ValueError("row: must be given, or else run, and not both")
+        for name, along in (("row", self.row), ("run", self.run)):
+            if along is not None:
+                require_direction(**{name: along})
         if self.widths is not None and len(self.widths) != self.count:
             raise refused("widths", list(self.widths), f"one for each of the {self.count} locks")
         if self.condensed and (self.condensed.working or 0.0) > self.count:
-            raise refused("working", self.condensed.working, f"at most {self.count}")
+            raise refused("condensed.working", self.condensed.working, f"at most {self.count}")
         require_positive(
             **{f"width of lock {k}": width for k, width in enumerate(self.widths or (), start=1)}
         )

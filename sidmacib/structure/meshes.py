@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import FLAT, Block, off_plane
+from sidmacib.structure.blocks import FLAT, Block, off_plane, require_near
 from sidmacib.structure.groups import grouped
 from sidmacib.validation import refused
 
@@ -34,6 +34,8 @@ def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str
     objects = {
         name: mesh for name, mesh in loaded.geometry.items() if isinstance(mesh, trimesh.Trimesh)
     }
+    for mesh in objects.values():
+        require_near(f"file: {path.name}", np.asarray(mesh.vertices))
     if path.suffix.lower() != ".obj" or len(objects) == 1:
         bodies = [body for mesh in objects.values() for body in _bodies(mesh)]
         objects = {str(number): body for number, body in enumerate(bodies, 1)}

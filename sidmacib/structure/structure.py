@@ -112,7 +112,7 @@ def _require_held(pieces: Sequence[Block | Compound], found: Sequence[Interface]
 def _require_room(found: Sequence[Interface], mesh: float) -> None:
     """ValueError for a mesh of too many cells, before they are made."""
     area = math.fsum(each.outline.area for each in found)
-    if area / mesh**2 > MOST_CELLS:
+    if area / mesh / mesh > MOST_CELLS:
         least = math.sqrt(area / MOST_CELLS)
         raise refused("mesh", mesh, f"at least {least:.2g} m: more than {MOST_CELLS:,} cells")
 

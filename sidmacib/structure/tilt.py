@@ -24,7 +24,7 @@ from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import INCREMENT, brittle_path
 from sidmacib.structure.loads import free_weight
-from sidmacib.validation import refused
+from sidmacib.validation import refused, require_direction
 
 LARGEST = 180.0  # degrees
 STEP = 0.25  # degrees: largest increment, or a hundredth of the angle where that is more
@@ -56,9 +56,8 @@ class Tilt:
     axis: Vector
 
     def __post_init__(self) -> None:
+        require_direction(axis=self.axis)
         size = float(np.linalg.norm(self.axis))
-        if len(self.axis) != 3 or not 0.0 < size < math.inf:
-            raise refused("axis", list(self.axis), "three numbers, not all 0")
         if math.hypot(*self.axis[:2]) <= LEVEL * size:
             raise refused("axis", list(self.axis), "a direction that is not vertical")
 

@@ -1,1 +1,1 @@
-"""Joints whose safe load comes nearest to what they carry, by an optimiser."""
+"""Search, by an optimiser, for joints whose safe load comes closest to their capacity."""

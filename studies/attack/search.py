@@ -157,7 +157,7 @@ def ratio_at(space: Space, place: Sequence[float]) -> float | None:
 
 @dataclass
 class Search:
-    """What differential evolution minimises in ``space`` from one start, and what it has found.
+    """Objective of differential evolution in ``space`` from one start, and its results.
 
     ``answered``: joints with a ratio; ``unsolved``: joints that the safe rule answers and the
     static model, on its finer nodes, does not; ``ratio``: the largest one of safe load to first
@@ -173,7 +173,7 @@ class Search:
     place: tuple[float, ...] = ()
 
     def __call__(self, place: Iterable[float]) -> float:
-        """Minus the ratio at a ``place``; 0 where there is none."""
+        """Minus the ratio at a ``place``; 0 without an answer."""
         values = tuple(map(float, place))
         ratio = ratio_at(self.space, values)
         self.evaluations += 1
@@ -200,7 +200,7 @@ def search(space: Space, seed: int, evaluations: int) -> Search:
         recombination=0.8,
         tol=0.0,
         polish=False,
-        rng=np.random.default_rng([seed, SPACES.index(space)]),  # of each space its own
+        rng=np.random.default_rng([seed, SPACES.index(space)]),  # a separate one for each space
     )
     return ratios
 

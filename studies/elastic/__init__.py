@@ -1,1 +1,1 @@
-"""Blocks that bend: elastic pieces, from soft to rigid."""
+"""Elastic blocks, from soft to rigid."""

@@ -44,7 +44,7 @@ def description(
 
 
 def name(column: int, row: int) -> str:
-    """Of a block, counted from 0; it is called from 1 on."""
+    """Name of a block, whose numbers count from 0; names count from 1."""
     return f"block{column + 1}{row + 1}"
 
 
@@ -127,8 +127,8 @@ def text(blocks: int) -> str:
 
 
 def _in_a_line(value: Any) -> str:
-    told: str = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=math.inf)
-    return told.strip()
+    text: str = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=math.inf)
+    return text.strip()
 
 
 if __name__ == "__main__":

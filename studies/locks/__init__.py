@@ -1,3 +1,3 @@
-"""How many locks work: the law against the static model, on joints of all sizes."""
+"""The number of locks that work: the law against the static model, on joints of all sizes."""
 
 REQUIRED_SECTIONS = ("samplings",)  # of the configuration

@@ -1,4 +1,4 @@
-"""What bonds that soften or yield add to the first failure, and how safe (n - 1) / 2 is then."""
+"""Gain of bonds that soften or yield over the first failure, and safety of (n - 1) / 2 with it."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -52,7 +52,7 @@ def spread(error: "pd.Series[float]") -> dict[str, float]:
 
 
 def known(points: pd.DataFrame) -> "pd.Series[bool]":
-    """Where the static model has an answer that bonds decide, nearly the same on both meshes."""
+    """Points with a static answer governed by bonds that is nearly the same on both meshes."""
     decided = points["first_failure"].gt(0.0) & points["mode"].eq("bonds")
     return decided & points["first_failure_mesh_error"].abs().lt(KNOWN)
 
@@ -122,7 +122,7 @@ def brittle_odd_joints(points: pd.DataFrame) -> pd.DataFrame:
 
 
 def counted_locks(points: pd.DataFrame) -> dict[str, Floats]:
-    """How many locks count by each of the paper's rules, at each of ``points``, (N,).
+    """Number of locks that count by each of the paper's rules, at each of ``points``, (N,).
 
     Weights are those of the same joint in pure shear.
     """

@@ -1,4 +1,4 @@
-"""How well SiDMACIB's polygon fits the peaks of sampled joints, by what is free to choose.
+"""Fit of SiDMACIB's polygon to the peaks of sampled joints, by its free parameters.
 
 Without friction, SiDMACIB's load is that of one lock times the number of locks that count, however
 the strength is shared among the locks. So only that number and the contact points can be fitted to
@@ -61,7 +61,7 @@ def minimax(loads: Floats, peaks: Floats) -> tuple[Floats, Floats]:
 
 
 def fits(peaks: Floats, locks: Floats, ratios: Sequence[float]) -> dict[str, Fits]:
-    """What each freedom makes of ``peaks`` (N, D) over T0 of joints with so many ``locks``."""
+    """Fit of ``peaks`` (N, D) over T0 with each freedom, for joints with so many ``locks``."""
 
     def fixed(option: ContactOption) -> Fits:
         counted, misfit = minimax(unit_loads(option, ratios), peaks)

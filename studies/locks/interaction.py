@@ -1,4 +1,4 @@
-"""Whether pure shear and pure torsion are enough to know what lies between: V-M envelopes.
+"""Do pure shear and pure torsion determine the loads in between? V-M interaction curves.
 
 The curve (V / V0)^p + (M / M0)^p = 1 goes through both ends; p = 1 is the straight line. Its loads
 are compared with first failures of the static model, whose values at the ends are V0 and M0.

@@ -1,4 +1,4 @@
-"""What the law says of a batch of a sampling's joints, in all directions."""
+"""Results of the law for a batch of a sampling's joints, in all directions."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace

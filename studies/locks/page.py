@@ -64,7 +64,7 @@ def safe_margins(results: Path) -> str:
 
 
 def counts(results: Path) -> str:
-    """How many joints and points each sampling has, and how many have no answer."""
+    """Number of joints and points of each sampling, and number of points without an answer."""
     rows = [
         [
             str(sampling),
@@ -82,7 +82,7 @@ def counts(results: Path) -> str:
 
 
 def rules(results: Path) -> str:
-    """Where the paper's rules with its Option 4 promise more than the brittle peak."""
+    """Share of points where the paper's rules with Option 4 exceed the brittle peak."""
     table = table_in(results, RULE_ERRORS).query("option == 'option4'")
     groups = table["locks"].unique()
     rows = []
@@ -112,7 +112,7 @@ def interaction(results: Path) -> str:
 
 
 def freedoms(results: Path) -> str:
-    """Misfit of SiDMACIB's polygon by what is free to choose."""
+    """Misfit of SiDMACIB's polygon by its free parameters."""
     table = table_in(results, FREEDOMS).query("sampling == 'rigid'")
     rows = []
     for freedom, part in table.groupby("freedom", sort=False):
@@ -185,7 +185,7 @@ def assumed_sizes(results: Path) -> str:
 
 
 def engines(results: Path) -> str:
-    """Peaks of engines and rules beside the static model's, on the study's samples."""
+    """Peaks of engines and rules over those of the static model, on the study's samples."""
     table = table_in(results, CAPACITY).query("variant == 'reference' and mesh_m == mesh_m.max()")
     loads = table.pivot_table(index="case", columns="model", values="load_N")
     rows = []

@@ -72,7 +72,7 @@ def characteristic_table(base: Joint) -> pd.DataFrame:
 
 
 def assumed_sizes_table(base: Joint) -> pd.DataFrame:
-    """Locks that work in pure shear over all sizes, beside (n - 1) / 2, by locks and friction."""
+    """Locks that work in pure shear over all sizes, and (n - 1) / 2, by locks and friction."""
     rows = []
     for locks, friction in product(LOCKS, FRICTIONS):
         joint = replace(base, locks=locks, dry=replace(base.dry, friction=friction))

@@ -23,7 +23,7 @@ POINTS = Table(  # loads over T0; sampling, number: which joint
 
 
 def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataFrame:
-    """The table of samplings with the batches of the law's ``answers`` beside it."""
+    """The table of samplings, joined with the batches of the law's ``answers``."""
     law = pd.concat(answers, ignore_index=True)
     keys = list(SAMPLINGS.key)
     points = solved.merge(law, on=keys, how="left", validate="1:1")

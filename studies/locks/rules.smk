@@ -1,4 +1,4 @@
-# The law on the study's samplings, and tables and figures of that.
+# The law for the joints of the samplings, and its tables and figures.
 from dataclasses import asdict
 
 WILDCARDS["law"] = OF_SAMPLINGS
@@ -43,7 +43,7 @@ rule points:
     params:
         step="studies.locks.points",
     message:
-        "Put the law beside the static model"
+        "Tabulate the law with the static model"
     shell:
         STEP
 

@@ -1,4 +1,4 @@
-"""Which parameters the first failure depends on: Sobol indices of the law over a sampling's spans.
+"""Sensitivity of the first failure: Sobol indices of the law over a sampling's ranges.
 
 A load is proportional to the bonds' strength, whose span is about its scatter in masonry.
 """

@@ -43,7 +43,7 @@ def _comparisons(results: Path) -> list[Comparison]:
 
 
 def _head(parts: Sequence[Comparison]) -> list[str]:
-    """Of the published number, then of each sample: its setting and model, and the difference."""
+    """Headings: the published number, then setting, model and difference of each sample."""
     head = [*HEAD]
     for words in parts[0].samples.values():
         setting, model = words.rsplit("; ", 1)
@@ -55,7 +55,7 @@ def _head(parts: Sequence[Comparison]) -> list[str]:
 def _lines(
     parts: Iterable[Comparison], quantities: Sequence[str], mesh: str = ""
 ) -> list[list[str]]:
-    """Published numbers whose names begin as ``quantities`` do, beside the computed ones.
+    """Published and computed numbers whose names begin with one of ``quantities``.
 
     ``mesh``: of the only lines that are shown; all if it is not given.
     """
@@ -111,7 +111,7 @@ def beside_short(results: Path) -> str:
 
 
 def headline(results: Path) -> str:
-    """Three published numbers beside those computed with the fitted friction, finest mesh."""
+    """Three published numbers and those computed with the fitted friction, finest mesh."""
     parts = _comparisons(results)
     mesh, rows = _finest_mesh(parts), []
     for part in parts:
@@ -254,7 +254,7 @@ def options(results: Path) -> str:
 
 
 def variants(results: Path) -> str:
-    """What each variant does to the peak, where reference and variant were both run."""
+    """Change of the peak by each variant, where reference and variant were both run."""
     table = table_in(results, VARIANTS).query("model != 'limit'")
     loads = table.pivot_table(index=["model", "sample", "case"], columns="variant", values="load_N")
     rows = []

@@ -1,4 +1,4 @@
-"""Structures of blocks beside published answers: the tables of docs/structures.md.
+"""Comparison of structures with published results: the tables of docs/structures.md.
 
 python -m studies.structures.compare --results results-structures
 """
@@ -67,26 +67,26 @@ def _write(results: Path, name: str, rows: Iterable[Mapping[str, Any]]) -> None:
 
 
 def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Critical tilts of one block between two fixed ones, beside ``published`` ones."""
+    """Critical tilts of one block between two fixed ones, with the ``published`` ones."""
     known = {(each["sample"], each["friction"], each["axis"]): each for each in published}
     for name in TYPES:
         for friction in FRICTIONS:
             model = sample_structure(samples, Sample(name, (0, 1), friction))
             for axis in AXES:
-                told = known.get((name, friction, axis), {})
+                values = known.get((name, friction, axis), {})
                 tilt = Tilt(AXES[axis])
                 static = static_tilt(model, tilt)
                 yield {
                     "sample": name,
                     "friction": friction,
                     "axis": axis,
-                    "threedec_degrees": told.get("threedec", math.nan),
+                    "threedec_degrees": values.get("threedec", math.nan),
                     "static_degrees": static.angle,
                     "motion": str(static.motion),
                     "yade_degrees": engine_tilt("yade", model, tilt),
                     "relaxed_degrees": relaxed_tilt(model, tilt, finite=False),
                     "finite_rotation_degrees": relaxed_tilt(model, tilt, finite=True),
-                    "rbe_degrees": told.get("rbe", math.nan),
+                    "rbe_degrees": values.get("rbe", math.nan),
                     "pyramid_degrees": pyramid_tilt(model, tilt),
                     "limit_degrees": limit_tilt(model, tilt).angle,
                 }
@@ -102,7 +102,7 @@ def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
 
 
 def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """What stiffness and nodes do to those critical tilts that are far from 3DEC's."""
+    """Effect of stiffness and nodes on those critical tilts that are far from 3DEC's."""
     for row in tilts:
         if abs(row["static_degrees"] - row["threedec_degrees"]) <= FAR:
             continue

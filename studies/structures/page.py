@@ -35,7 +35,7 @@ def _case(row: Any) -> str:
 
 
 def by_threedec(results: Path) -> str:
-    """Critical tilts of the static model beside 3DEC's."""
+    """Critical tilts of the static model and of 3DEC."""
     return markdown_of(
         _table(results, "tilts"),
         {
@@ -52,7 +52,7 @@ def by_threedec(results: Path) -> str:
 
 
 def by_rbe(results: Path) -> str:
-    """Critical tilts of limit analysis beside those of rigid-block equilibrium."""
+    """Critical tilts of limit analysis and of rigid-block equilibrium."""
     return markdown_of(
         _table(results, "tilts"),
         {
@@ -66,7 +66,7 @@ def by_rbe(results: Path) -> str:
 
 
 def within(results: Path) -> str:
-    """How many critical tilts agree with published ones."""
+    """Number of critical tilts that agree with published ones."""
     table = _table(results, "tilts")
     rows = []
     for what, ours, theirs, near in (
@@ -97,7 +97,7 @@ def within(results: Path) -> str:
 
 
 def changes(results: Path) -> str:
-    """What stiffness and nodes do where the static model is far from 3DEC."""
+    """Effect of stiffness and nodes where the static model is far from 3DEC."""
     table = _table(results, "changes")
     wide = table.assign(case=[_case(row) for row in table.itertuples()]).pivot_table(
         index="change", columns="case", values="static_degrees", sort=False

@@ -1,4 +1,4 @@
-"""What rigid-block equilibrium (RBE) of compas_cra says of its samples.
+"""Verdicts of rigid-block equilibrium (RBE) of compas_cra on its samples.
 
 It is of the extra ``peers``; there is no verdict where it is not installed.
 """
@@ -23,7 +23,7 @@ def rbe_verdict(path: Path, sample: Sample) -> str | None:
         return None
     from compas_cra.equilibrium import rbe_solve
 
-    with redirect_stdout(io.StringIO()):  # it tells what it does
+    with redirect_stdout(io.StringIO()):  # it prints its progress
         assembly = _assembly(path, sample)
         try:
             rbe_solve(assembly, mu=sample.friction, density=1.0)

@@ -107,7 +107,7 @@ def sample_structure(
     path = samples / f"{sample.name}.json"
     blocks = [
         replace(block, density=HEAVY * block.density)
-        if int(block.name.removeprefix("block")) in sample.heavy
+        if int(block.name.rpartition("-")[2]) in sample.heavy
         else block
         for block in read_compas(path, DENSITY, sample.fixed)
     ]

@@ -26,7 +26,7 @@ Y, X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
 
 @dataclass(frozen=True)
 class Answer:
-    """What is known of a structure beside what the models find, all in ``unit``.
+    """A known result of a structure and those of the models, all in ``unit``.
 
     ``source``: a formula, or the name of a source in published.yaml. ``static``: None where the
     static model is not asked.

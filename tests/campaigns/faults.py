@@ -100,8 +100,8 @@ class Campaign:
 
     def finished(self, process: subprocess.Popen[str]) -> str:
         """What a run printed, once it has ended."""
-        told, _ = process.communicate(timeout=LONGEST)
-        return told
+        output, _ = process.communicate(timeout=LONGEST)
+        return output
 
     def tables(self) -> dict[str, bytes]:
         """The tables that count, by name."""
@@ -160,8 +160,8 @@ def foreign(campaign: Campaign) -> None:
 def stale(campaign: Campaign) -> None:
     """Receipts of something else."""
     for path in campaign.random.sample(sorted((campaign.results / ".receipts").rglob("*.json")), 3):
-        told = json.loads(path.read_text())
-        path.write_text(json.dumps({**told, "digest": "0" * 64}))
+        receipt = json.loads(path.read_text())
+        path.write_text(json.dumps({**receipt, "digest": "0" * 64}))
         campaign.count("stale")
 
 
@@ -195,11 +195,11 @@ def two_runs(campaign: Campaign) -> None:
     shutil.rmtree(campaign.results / "tables")
     first = campaign.run()
     time.sleep(campaign.random.uniform(0.1, 3.0))
-    told = campaign.finished(campaign.run())
+    output = campaign.finished(campaign.run())
     whole = campaign.finished(first)
-    refused = ["another run is at work here" in each for each in (told, whole)]
+    refused = ["another run is using this folder" in each for each in (output, whole)]
     if sum(refused) != 1:
-        raise LostError(f"two runs in one folder: {told}")
+        raise LostError(f"two runs in one folder: {output}")
     campaign.count("two runs")
 
 
@@ -224,10 +224,10 @@ def read_only(campaign: Campaign) -> None:
     (campaign.results / "tables/cases.csv").unlink()
     with not_writable(campaign.results):
         process = campaign.run(prefix=AS_ANYBODY if os.getuid() == 0 else ())
-        told = campaign.finished(process).splitlines()
+        lines = campaign.finished(process).splitlines()
     wrong = [path for path in before if path.name != "cases.csv" and not path.exists()]
-    if wrong or not process.returncode or len(told) > 2 or "cannot be written" not in told[-1]:
-        raise LostError(f"read-only results: code {process.returncode}, {wrong}, {told}")
+    if wrong or not process.returncode or len(lines) > 2 or "cannot be written" not in lines[-1]:
+        raise LostError(f"read-only results: code {process.returncode}, {wrong}, {lines}")
     campaign.count("read-only folder")
 
 
@@ -251,9 +251,9 @@ def bad_engine(campaign: Campaign) -> None:
     program.write_text(BAD_ENGINES[kind])
     program.chmod(0o755)
     shutil.rmtree(campaign.results / "cases" / "yade")
-    told = campaign.finished(campaign.run(YADE_PYTHON=str(program)))
-    if "No result" not in told and "WITHOUT A RESULT" not in told:
-        raise LostError(f"an engine that {kind} was believed: {told[-2000:]}")
+    output = campaign.finished(campaign.run(YADE_PYTHON=str(program)))
+    if "No result" not in output and "WITHOUT A RESULT" not in output:
+        raise LostError(f"an engine that {kind} was believed: {output[-2000:]}")
     campaign.count("bad engine", 2)  # its cases
 
 
@@ -275,9 +275,9 @@ def descendants(pid: int) -> list[int]:
         children.setdefault(parent, []).append(int(path.parent.name))
     found, waiting = [], [pid]
     while waiting:
-        own = children.get(waiting.pop(), [])
-        found += own
-        waiting += own
+        started = children.get(waiting.pop(), [])
+        found += started
+        waiting += started
     return found
 
 
@@ -315,13 +315,13 @@ def listening() -> set[str]:
 # --- the campaign --------------------------------------------------------------------------------
 @contextmanager
 def begun(seed: int) -> Iterator[Campaign]:
-    """A campaign in a folder of its own, whose study was run undisturbed."""
+    """A campaign in a separate folder, whose study was run undisturbed."""
     with tempfile.TemporaryDirectory(prefix="multilock-faults-") as name:
         campaign = Campaign(Path(name), random.Random(seed))
         process = campaign.run()
-        told = campaign.finished(process)
+        output = campaign.finished(process)
         if process.returncode:
-            raise LostError(f"the study does not run undisturbed: {told[-2000:]}")
+            raise LostError(f"the study does not run undisturbed: {output[-2000:]}")
         yield campaign
 
 
@@ -335,9 +335,9 @@ def held(campaign: Campaign, fault: Callable[[Campaign], None]) -> None:
     fault(campaign)
     kept = engines_files()
     process = campaign.run()
-    told = campaign.finished(process)
+    output = campaign.finished(process)
     if process.returncode:
-        raise LostError(f"{what}: the next run did not end well: {told[:3000]}")
+        raise LostError(f"{what}: the next run did not end well: {output[:3000]}")
     tables = campaign.tables()
     for name in sorted(expected.keys() | tables.keys()):
         if expected.get(name) != tables.get(name):

@@ -3,7 +3,7 @@
     make fuzz FUZZ=100000
 
 Configurations, names of cases, files that engines and 3DEC return and words of the command are made
-from valid ones, by changes at random. Whoever reads them may refuse them with an error of its own,
+from valid ones, by changes at random. A reader may refuse them with its error class,
 of few lines; nothing else. What was tried is counted by kind in build/fuzz.csv.
 """
 
@@ -103,9 +103,9 @@ class Fuzz:
         try:
             read()
         except errors as error:
-            told = str(error).splitlines()
-            if not told or len(told) > MOST_LINES or max(map(len, told)) > MOST_LETTERS:
-                raise BrokenError(f"{kind}: refused in {len(told)} lines: {error!r}") from error
+            lines = str(error).splitlines()
+            if not lines or len(lines) > MOST_LINES or max(map(len, lines)) > MOST_LETTERS:
+                raise BrokenError(f"{kind}: refused in {len(lines)} lines: {error!r}") from error
             self.refused[kind] += 1
         except BaseException as error:
             raise BrokenError(f"{kind}: {error!r}") from error
@@ -179,9 +179,9 @@ def engine(fuzz: Fuzz) -> None:
         (fuzz.folder / file).write_text(whole)
     file = fuzz.random.choice((HISTORY, NODES, RESULT))
     whole = fuzz.engine_files[file]
-    told = json.dumps(fuzz.changed(json.loads(whole))) if file == RESULT else whole
-    told = fuzz.random.choice((fuzz.cut(whole), told))
-    (fuzz.folder / file).write_text(told, encoding="utf-8", errors="surrogateescape")
+    text = json.dumps(fuzz.changed(json.loads(whole))) if file == RESULT else whole
+    text = fuzz.random.choice((fuzz.cut(whole), text))
+    (fuzz.folder / file).write_text(text, encoding="utf-8", errors="surrogateescape")
     fuzz.holds("engine", lambda: _recorded(fuzz), ResultError)
 
 
@@ -199,10 +199,10 @@ def _read_again(record: CaseRecord) -> None:
 
 def threedec(fuzz: Fuzz) -> None:
     """What 3DEC has printed."""
-    told = fuzz.cut(fuzz.printed)
+    text = fuzz.cut(fuzz.printed)
 
     def read() -> None:
-        _read_again(record_of(fuzz.case, *read_returned(told, fuzz.case), {}))
+        _read_again(record_of(fuzz.case, *read_returned(text, fuzz.case), {}))
 
     fuzz.holds("3DEC", read, ResultError)
 
@@ -231,7 +231,7 @@ _SMALL_STUDY = read_study(yaml.safe_load(SMALL))
 
 @contextmanager
 def begun(seed: int) -> Iterator[Fuzz]:
-    """What inputs are made from, in a folder of its own."""
+    """The valid inputs that others are made from, in a separate folder."""
     with tempfile.TemporaryDirectory(prefix="multilock-fuzz-") as place:
         folder, case = Path(place), case_of(0.5)
         assembly = write_engine_files(folder, case)

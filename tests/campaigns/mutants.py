@@ -58,9 +58,9 @@ def places(folder: Path, modules: Iterable[Path]) -> list[list[MutationSpec]]:
 def importers(checkout: Path, module: str) -> list[str]:
     """Test files that import a module by its name, below the checkout."""
     name = re.escape(module.removesuffix(".py").removesuffix("/__init__").replace("/", "."))
-    told = re.compile(rf"^\s*(from|import) {name}\b", re.MULTILINE)
+    imports = re.compile(rf"^\s*(from|import) {name}\b", re.MULTILINE)
     files = sorted((checkout / "tests").glob("test_*.py"))
-    return [f"tests/{path.name}" for path in files if told.search(path.read_text())]
+    return [f"tests/{path.name}" for path in files if imports.search(path.read_text())]
 
 
 def command(checkout: Path, module: str | None = None) -> str:
@@ -68,9 +68,9 @@ def command(checkout: Path, module: str | None = None) -> str:
     pytest = f"{shlex.quote(sys.executable)} -m pytest -x -q -p no:cacheprovider"
     pytest += f" -m {shlex.quote(EVERYDAY)}"
     first = " ".join(importers(checkout, module)) if module else ""
-    told = f"{pytest} {first} && {pytest}" if first else pytest
+    commands = f"{pytest} {first} && {pytest}" if first else pytest
     place = shlex.quote(str(checkout))
-    return f"cd {place} && PYTHONPATH={place} OPENBLAS_NUM_THREADS=1 sh -c {shlex.quote(told)}"
+    return f"cd {place} && PYTHONPATH={place} OPENBLAS_NUM_THREADS=1 sh -c {shlex.quote(commands)}"
 
 
 def tried(checkout: Path, faults: Iterable[MutationSpec]) -> Iterator[Mutant]:
@@ -105,8 +105,8 @@ def main() -> None:
             writer.writerow(Mutant.__dataclass_fields__)
             for mutant in tried(checkout, (chosen.choice(kinds) for kinds in some)):
                 counts[mutant.noticed] += 1
-                told = "noticed" if mutant.noticed else "SURVIVED"
-                print(f"{mutant.module}:{mutant.line} {mutant.kind}: {told}", flush=True)
+                verdict = "noticed" if mutant.noticed else "SURVIVED"
+                print(f"{mutant.module}:{mutant.line} {mutant.kind}: {verdict}", flush=True)
                 row = (mutant.module, mutant.line, mutant.kind, mutant.noticed, mutant.diff)
                 writer.writerow(row)
                 stream.flush()

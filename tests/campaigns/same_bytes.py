@@ -54,8 +54,8 @@ def runs(pythons: list[Path]) -> Iterator[Run]:
 
 def version(python: Path) -> str:
     """What a Python says of itself."""
-    told = subprocess.run([python, "--version"], capture_output=True, text=True, check=True)
-    return told.stdout.split()[1]
+    printed = subprocess.run([python, "--version"], capture_output=True, text=True, check=True)
+    return printed.stdout.split()[1]
 
 
 def digests(run: Run, folder: Path) -> dict[str, str]:
@@ -77,9 +77,11 @@ def digests(run: Run, folder: Path) -> dict[str, str]:
     if ended.returncode:
         raise SystemExit(f"{run.name}: {ended.stdout[-2000:]}{ended.stderr[-2000:]}")
     found = sorted(path for kind in KINDS for path in results.glob(kind))
-    told = {path: path.read_bytes().replace(str(results).encode(), b"results") for path in found}
+    contents = {
+        path: path.read_bytes().replace(str(results).encode(), b"results") for path in found
+    }
     return {
-        str(path.relative_to(results)): hashlib.sha256(told[path]).hexdigest() for path in found
+        str(path.relative_to(results)): hashlib.sha256(contents[path]).hexdigest() for path in found
     }
 
 

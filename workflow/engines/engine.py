@@ -14,21 +14,23 @@ from workflow.model import Ability, Model
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
 
 
-def own_environment(**more: str) -> dict[str, str]:
-    """The environment of an engine's process: without what a scheduler has put into this one's."""
-    own = {name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)}
-    return own | more
+def engine_environment(**more: str) -> dict[str, str]:
+    """The environment of an engine's process, without variables set by a scheduler."""
+    environment = {
+        name: value for name, value in os.environ.items() if not name.startswith(FOREIGN)
+    }
+    return environment | more
 
 
 @dataclass(frozen=True, kw_only=True)
 class Engine(Model):
-    """An external program, with its own abilities.
+    """An external program and its abilities.
 
     ``template``: file in ``templates/``; ``script``: what it is rendered to; ``command``: starts
     the program, followed by the script's name; ``package``: Debian's package that has it;
-    ``probe``: a program of that package, which tells whether it is installed; ``version_text``: a
-    text of the program that holds its version where ``version_pattern`` tells; ``reads``: keys of
-    dem.numerics that have an effect on it.
+    ``probe``: a program of that package, whose presence shows that it is installed;
+    ``version_text``: a text of the program that contains its version, found by
+    ``version_pattern``; ``reads``: keys of dem.numerics that have an effect on it.
     """
 
     template: str
@@ -50,13 +52,13 @@ class Engine(Model):
         return given if "ranks" in self.reads else replace(given, ranks=1)
 
     def missing(self) -> str | None:
-        """What to install, in one line; None if the program is there."""
+        """The package to install, in one line; None if the program is installed."""
         if shutil.which(self.probe) and shutil.which(self.command[0]):
             return None
         return f"{self.name}: not installed; on Debian: apt-get install {self.package}"
 
     def version(self) -> str:
-        """The program's own version, such as 3.8.0; RuntimeError if it is not installed."""
+        """The version of the program, such as 3.8.0; RuntimeError if it is not installed."""
         return _version(self)
 
     def versions(self) -> dict[str, str]:
@@ -70,5 +72,5 @@ def _version(engine: Engine) -> str:
         raise RuntimeError(missing)
     found = re.search(engine.version_pattern, engine.version_text(), re.MULTILINE)
     if not found:
-        raise RuntimeError(f"{engine.name}: it does not tell its version")
+        raise RuntimeError(f"{engine.name}: its output states no version")
     return found[1]

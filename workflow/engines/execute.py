@@ -1,4 +1,4 @@
-"""Run an engine on a rendered case; what it writes counts only if it ends well."""
+"""Run an engine on a rendered case; its files are kept only if it succeeds."""
 
 import contextlib
 import json
@@ -12,7 +12,7 @@ import tempfile
 import time
 from pathlib import Path
 
-from workflow.engines.engine import Engine, own_environment
+from workflow.engines.engine import Engine, engine_environment
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.engines.scripts.records import NO_ANSWER
@@ -31,11 +31,11 @@ class EngineNoAnswerError(EngineError):
 
 
 class EngineKilledError(EngineError):
-    """The engine was killed, as the system does where memory is short."""
+    """The engine was killed, probably because memory ran out."""
 
 
 def execute(engine: Engine, folder: Path, time_limit: float) -> None:
-    """Run the script in ``folder`` for at most ``time_limit`` s and put its results beside it.
+    """Run the script in ``folder`` for at most ``time_limit`` s; results are put beside it.
 
     The engine works in a scratch folder; its log stays as ``engine.log``. However this process
     ends, the engine ends with it. Raises `EngineError` if the program is missing, fails, is killed,
@@ -63,7 +63,7 @@ def execute(engine: Engine, folder: Path, time_limit: float) -> None:
 
 
 def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None:
-    """Run ``command`` in a process group of its own, which ends with this process."""
+    """Run ``command`` in a separate process group, which ends with this process."""
     with log.open("w") as stream:
         process = subprocess.Popen(
             [*ENDS_WITH_PARENT, *command],
@@ -72,7 +72,7 @@ def _run(command: list[str], folder: Path, log: Path, time_limit: float) -> None
             stdout=stream,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            env=own_environment(OMP_NUM_THREADS="1"),
+            env=engine_environment(OMP_NUM_THREADS="1"),
         )
         try:
             if not _ends_within(process.pid, time_limit):
@@ -100,7 +100,7 @@ def _ends_within(pid: int, time_limit: float) -> bool:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """End what is left of the process group: asked first, as mpirun then ends its ranks itself."""
+    """End the process group, first by SIGTERM, after which mpirun ends its ranks itself."""
     for number, patience in ((signal.SIGTERM, 5.0), (signal.SIGKILL, 1.0)):
         deadline = time.monotonic() + patience
         with contextlib.suppress(ProcessLookupError):

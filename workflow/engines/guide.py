@@ -1,4 +1,4 @@
-"""Where an engine looks first: the static model's answer, which stands beside the engine's anyway.
+"""The start of an engine's search, from the static model, which the study runs in any case.
 
 Apart from `workflow.engines.render`, so that whoever only plans loads no compiled model.
 """
@@ -11,7 +11,7 @@ from workflow.engines.scripts.assembly import Guide
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
-    """Where the static model expects failure, roughly; None where it expects nothing."""
+    """Failure loads of the static model, roughly; None without one."""
     if assembly.failure is not Failure.BRITTLE:
         return None
     try:

@@ -1,4 +1,4 @@
-"""How an engine searches the peak."""
+"""Parameters of an engine's search for the peak."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -8,7 +8,7 @@ from sidmacib.quantities import Number, Share
 
 @dataclass(frozen=True)
 class Numerics:
-    """How the peak is searched; all numbers are pure.
+    """Parameters of the search for the peak; all are dimensionless.
 
     The configuration takes keys, ranges and defaults of ``dem.numerics`` from here. Which of them
     an engine takes notice of is in its `reads`.
@@ -16,7 +16,7 @@ class Numerics:
 
     # last load increment over the peak
     tolerance: Annotated[float, Number(at_least=1e-5, at_most=0.0025)] = 0.001
-    # whether the static model tells where to look first
+    # whether the search starts near the result of the static model
     guided: bool = True
     # over the loads' scale, where it does not
     first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.05

@@ -97,7 +97,7 @@ def script(
 def _rigid_pieces_in_time(
     assembly: Assembly, loads: Loads, numerics: Numerics
 ) -> dict[str, float | int | bool]:
-    """What rigid pieces need that move in time on contact spheres."""
+    """Additional data for rigid pieces that move in time on contact spheres."""
     blocks = not all(isinstance(piece, Cuboid) for piece in assembly.pieces)
     share = OF_BLOCKS if blocks else 1.0
     frequencies = natural_frequencies(assembly)
@@ -146,7 +146,7 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
 
 
 def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
-    """A piece and what always acts on it; only a cuboid has corners, and may be elastic."""
+    """A piece and its permanent loads; only a cuboid has corners, and may be elastic."""
     data = {
         "name": piece.name,
         "fixed": piece.fixed,
@@ -206,7 +206,7 @@ def _imported_by(file: str) -> frozenset[str]:
 
 
 def _imported(text: str, package: str) -> set[str]:
-    """Files below `MODULES` that a module of ``package`` imports, and of their own packages."""
+    """Files below `MODULES` that a module of ``package`` imports, and those of their packages."""
     names = (
         resolve_name("." * node.level + node.module, package)
         for node in ast.walk(ast.parse(text))
@@ -244,7 +244,7 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
 
 
 def engine_material(material: FaceMaterial) -> dict[str, float]:
-    """What engines know of a material, as their scripts read it: they have no bonds that fade."""
+    """The properties of a material that scripts of engines read; engines model no softening."""
     return {field.name: getattr(material, field.name) for field in fields(Material)}
 
 

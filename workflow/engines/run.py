@@ -1,4 +1,4 @@
-"""Run an engine on an assembly: render its script, execute it, keep what it writes."""
+"""Run an engine on an assembly: render its script, execute it, keep its files."""
 
 from pathlib import Path
 
@@ -38,14 +38,17 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
     if reason := _structure_refusal(engine, assembly):
         return reason
     if assembly.failure is Failure.SOFTENING:
-        return f"inner faces are {assembly.failure}; no engine has bonds that fade"
+        return (
+            f"inner faces are {assembly.failure}; no engine models softening bonds; use "
+            "the static model"
+        )
     if Ability.DUCTILE not in engine.abilities and assembly.failure is not Failure.BRITTLE:
-        return f"inner faces are {assembly.failure}; it knows only {Failure.BRITTLE} ones"
+        return f"inner faces are {assembly.failure}; this engine models only {Failure.BRITTLE} ones"
     deforms = [piece.elastic is not None for piece in assembly.pieces if not piece.fixed]
     if engine.elastic and not all(deforms):
-        return "pieces are rigid; it knows only elastic ones"
+        return "pieces are rigid; this engine models only elastic pieces"
     if any(deforms) and not engine.elastic:
-        return "pieces are elastic; it knows only rigid ones"
+        return "pieces are elastic; this engine models only rigid pieces"
     reasons = (_bond_refusal(engine, face) for face in assembly.faces if face.kind is Kind.INNER)
     return next(filter(None, reasons), None)
 
@@ -53,7 +56,7 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
 def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:
     """Why the engine cannot compute pieces or faces of this kind; None if it can."""
     if engine.elastic and not all(isinstance(piece, Cuboid) for piece in assembly.pieces):
-        return "pieces are polyhedra; it knows only cuboids along the axes"
+        return "pieces are polyhedra; this engine models only cuboids along the axes"
     return assembly.without_stiffness
 
 

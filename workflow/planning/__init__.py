@@ -1,1 +1,1 @@
-"""What a run has to do: the jobs of a study, and which of them are up to date."""
+"""Planning of a run: the jobs of a study, and those that are up to date."""

@@ -69,8 +69,8 @@ def case_jobs(study: Study) -> CaseJobs:
             returned[case.id] = case
     in_batches = {
         (model, name): Batch(tuple(batch))
-        for model, own in solved.items()
-        for name, batch in batches(own).items()
+        for model, model_cases in solved.items()
+        for name, batch in batches(model_cases).items()
     }
     return CaseJobs(cases, engines, in_batches, returned, of_decks)
 

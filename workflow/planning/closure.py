@@ -53,7 +53,7 @@ def described(modules: Iterable[str], files: Iterable[str] = ()) -> dict[str, An
 
 
 def edited(code: Mapping[str, Any]) -> bool:
-    """Whether code is another now than when it was `described`."""
+    """Whether code has changed since it was `described`."""
     with suppress(OSError):  # a file that is gone: perhaps no code was in it
         if _contents_digest(code["sources"]) == code["contents"]:  # no need to look at the syntax
             return False
@@ -88,8 +88,8 @@ def _imports(module: str) -> tuple[str, ...]:
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             # Relative imports start at the module's own package, or at one above it.
-            own = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
-            above = own[: -node.level] if node.level else []
+            package = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
+            above = package[: -node.level] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
             names.append(base)
             # A name imported from a package may be one of its modules.
@@ -110,7 +110,7 @@ def _statements(node: ast.AST) -> Iterator[ast.AST]:
 @cache
 def _tree(module: str) -> ast.Module:
     path = source(module)
-    assert path is not None, f"{module}: no module of this project"
+    assert path is not None, f"{module}: not a module of this project"
     return ast.parse(path.read_text(encoding="utf-8"), str(path))
 
 

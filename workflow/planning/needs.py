@@ -1,4 +1,4 @@
-"""What a job asks of a cluster: memory and time, from the size of its cases.
+"""Cluster resources of a job: memory and time, from the size of its cases.
 
 The numbers are rounded up from what jobs took in the published study and in `make locks`; the
 `.times` of a results folder have what each job took. A job that was killed for lack of either asks
@@ -34,15 +34,15 @@ class Needs:
 
     @property
     def short(self) -> bool:
-        """Whether a job of its own would be mostly waiting."""
+        """Whether a separate job would mostly wait in the queue."""
         return self.time < SHORT
 
     def minutes(self, attempt: int = 1) -> int:
-        """Time to ask for, with its margin; twice as much at each further ``attempt``."""
+        """Time to request, with a margin; doubled at each further ``attempt``."""
         return math.ceil((START + MARGIN * self.time) * 2 ** (attempt - 1) / 60.0)
 
     def megabytes(self, attempt: int = 1) -> int:
-        """Memory to ask for; twice as much at each further ``attempt``."""
+        """Memory to request; doubled at each further ``attempt``."""
         return int(self.memory * 2 ** (attempt - 1))
 
 
@@ -52,7 +52,7 @@ def nodes_of(case: Case) -> float:
 
 
 def engine_needs(case: Case, time_limit: float) -> Needs:
-    """Of one case in an engine, which ends it at ``time_limit`` (s) itself."""
+    """Resources of one case in an engine, which is ended at ``time_limit`` (s)."""
     nodes = nodes_of(case)
     ramps = case.numerics.ramp_periods / 40.0 if case.numerics else 1.0
     time = ENGINE_NODE * nodes * max(ramps, 1.0)
@@ -60,7 +60,7 @@ def engine_needs(case: Case, time_limit: float) -> Needs:
 
 
 def solved_needs(cases: Iterable[Case]) -> Needs:
-    """Of cases that are solved one after the other in this process."""
+    """Resources of cases that are solved one after the other in this process."""
     time, most = 0.0, 0.0
     for case in cases:
         nodes = max(nodes_of(case), FEW_NODES)
@@ -70,10 +70,10 @@ def solved_needs(cases: Iterable[Case]) -> Needs:
 
 
 def structure_needs(cases: int, time_limit: float = math.inf) -> Needs:
-    """Of so many cases of a structure; in an engine, which ends them at ``time_limit`` (s)."""
+    """Resources of so many cases of a structure; an engine is ended at ``time_limit`` (s)."""
     return Needs(3 * LEAST_MB, min(STRUCTURE * cases, time_limit))
 
 
 def sampling_needs(joints: int) -> Needs:
-    """Of a batch of a sampling's joints."""
+    """Resources of a batch of a sampling's joints."""
     return Needs(2 * LEAST_MB, SAMPLED_JOINT * joints)

@@ -1,4 +1,4 @@
-"""The plan of a study: its jobs, and which of them have to be done.
+"""The plan of a study: its jobs, and those that must run.
 
 Snakemake orders and runs the jobs; what each one depends on is compared here with the receipt of
 what it made before.
@@ -78,7 +78,7 @@ class Job:
 
     @property
     def time_limit(self) -> float:
-        """Time (s) after which it is stuck; an engine's own limit, if it has one, comes before."""
+        """Time (s) after which the job is taken to be stuck; the limit of an engine is shorter."""
         limit = float(self.settings.get("time_limit", 0.0))
         return limit + max(LEAST_LIMIT, STUCK * self.needs.time)
 
@@ -143,14 +143,14 @@ def plan_file(job: Job, digest: str, results: Path) -> Path:
 
 
 def why(job: Job, digest: str, results: Path, retry: bool = False) -> str | None:
-    """Why a job must be done (again), in a few words; None if what it made is valid.
+    """Why a job must run (again), in a few words; None if its results are valid.
 
     ``retry``: a case that has no answer is tried again, too.
     """
     receipt = read_receipt(results / job.receipt)
     reason = fault(receipt, job.name, digest, results, job.receipted)
     if retry and reason is None and _without_result(job, results):
-        return "to be tried again"
+        return "retried on request"
     return reason
 
 
@@ -169,7 +169,7 @@ def compared(
 
 
 def prepared(jobs: Iterable[Job], results: Path, retry: bool = False) -> dict[str, Path]:
-    """Write each job's plan, and remove what must be made again; returns the plans by job.
+    """Write the plan of each job and remove outdated results; returns the plans by job.
 
     Results that are not what their job made are removed. If they were made from something else, the
     plan's time is set to now: as it is an input of the job, Snakemake then runs the job again.
@@ -210,7 +210,7 @@ def planned(results: Path) -> dict[str, Path]:
 
 
 def _without_result(job: Job, results: Path) -> bool:
-    """Whether a job of a case has none, and has said why."""
+    """Whether a job of a case has ended without a result, with a reason."""
     try:
         lines = (results / job.written[0]).read_text().splitlines() if job.finds else []
         return any(json.loads(line)["error"] is not None for line in lines)
@@ -226,7 +226,7 @@ def _date_back(path: Path, now: float) -> None:
 
 
 def _holds(path: Path, text: str) -> bool:
-    """Whether a file is there and whole: a plan that was cut or changed is written again."""
+    """Whether a plan file is complete and unchanged; otherwise it is written again."""
     try:
         return path.read_bytes() == text.encode()
     except OSError:

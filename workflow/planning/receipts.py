@@ -1,4 +1,4 @@
-"""What a job has made, and from what: receipts, compared with the results at every start.
+"""Receipts: the outputs of a job and its inputs, compared with the results at every start.
 
 A receipt holds a digest of each of the job's outputs, and a digest of everything that the job
 depends on: its arguments, the code that it runs, the versions of the programs that it starts.

@@ -1,7 +1,7 @@
 """The jobs that the rules of the Snakefile declare.
 
-A rule that runs a step names its inputs, outputs, parameters and log. A job of it is made up of
-these once its wildcards are known; parameters that are not in `PARTS` are arguments of the step.
+A rule that runs a step names its inputs, outputs, parameters and log. With values for its wildcards
+they make a job. Parameters that are not in `PARTS` are arguments of the step.
 """
 
 from collections.abc import Iterable, Mapping
@@ -34,10 +34,10 @@ def plan_of(study: Study) -> Plan:
     try:
         workflow.study = study
         workflow.include(str(ROOT / "Snakefile"), overwrite_default_target=True)
-        found: Plan = workflow.globals["PLAN"]
+        plan: Plan = workflow.globals["PLAN"]
     finally:
         workflow.tear_down()
-    return found
+    return plan
 
 
 def plan_from(
@@ -69,19 +69,19 @@ def plan_from(
 def _job(rule: Any, wildcards: dict[str, str], results: str) -> Job:
     """The job of a ``rule`` with these ``wildcards``."""
     given = Wildcards(fromdict=wildcards)
-    told = {key: v(given) if callable(v) else v for key, v in rule.params.items()}
+    params = {key: v(given) if callable(v) else v for key, v in rule.params.items()}
     inputs = _named(rule.input, wildcards, results)
     outputs = _named(rule.output, wildcards, results)
     (log,) = rule.log
-    also = (*told.pop("also", ()), *parquet_beside(flat(outputs)))
-    parts = {key: told.pop(key) for key in PARTS if key in told}
+    also = (*params.pop("also", ()), *parquet_beside(flat(outputs)))
+    parts = {key: params.pop(key) for key in PARTS if key in params}
     return Job(
         name=_below(f"{results}/logs", _pattern(log).format(**wildcards)).removesuffix(".log"),
         inputs=inputs,
         outputs=outputs,
         also=tuple(_below(results, path.format(**wildcards)) for path in also),
-        arguments={key: _plain(value) for key, value in told.items()},
-        finds=tuple(case.id for value in told.values() for case in _cases(value)),
+        arguments={key: _plain(value) for key, value in params.items()},
+        finds=tuple(case.id for value in params.values() for case in _cases(value)),
         **parts,
     )
 
@@ -123,5 +123,5 @@ def _plain(value: Any) -> Any:
 
 
 def parquet_beside(outputs: Iterable[str]) -> tuple[str, ...]:
-    """The same tables as Parquet, beside those in CSV."""
+    """The tables in Parquet that accompany those in CSV."""
     return tuple(name[:-3] + "parquet" for name in outputs if name.endswith(".csv"))

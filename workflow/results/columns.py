@@ -1,4 +1,4 @@
-"""What the columns of the study's tables mean: for readers, no job depends on it.
+"""Meanings of the columns of the study's tables, for readers; no job depends on them.
 
 A column means the same in every table, and is explained once, in `MEANINGS`; `EXCEPTIONS` are the
 few whose name has another meaning somewhere. Units are at the end of the names; a meaning gives the
@@ -34,19 +34,19 @@ MEANINGS: Mapping[str, str] = {
     "failed_load_N": "smallest load known not to be carried",
     "first_failure_load_N": "load at which the first node reaches its strength",
     "load_over_T0": "`load_N` over the strength T0 of a lock",
-    "mode": "how it fails: `bonds` break, pieces slide or overturn (`mechanism`, `rocking`), or "
-    "`first failure` if the model goes no further",
+    "mode": "failure mode: `bonds` break, pieces slide or overturn (`mechanism`, `rocking`), or "
+    "`first failure` if the model stops there",
     # how good a result is
-    "peak_spread": "how far the static model's peak moves, over itself, if inputs change by 1e-9",
+    "peak_spread": "change of the static model's peak, over the peak, if inputs change by 1e-9",
     "unbalanced_share": "largest force left on a piece, or moment over a, over the load",
-    "mesh_error": "upper estimate of how far the load is from that on an ever finer mesh, over the "
-    "load; of the static model where the model has one mesh",
+    "mesh_error": "upper estimate of the difference between the load and its limit for ever finer "
+    "meshes, over the load; that of the static model where the model has one mesh",
     "first_failure_mesh_error": "the same estimate as `mesh_error`, for the first failure",
     "static_load_N": "load of the static model for the same joint, nodes and load: its first "
     "failure where either model gives no peak",
     "difference_to_static": "relative difference of the load to the static model's; of first "
     "failures where either model gives no peak",
-    "error": "why there is no result; empty if there is one",
+    "error": "reason why there is no result; empty if there is one",
     "versions": "the engine and its version",
     # locks
     "lock": "number of the lock; 1 is the first in +y",
@@ -70,14 +70,15 @@ MEANINGS: Mapping[str, str] = {
     # SiDMACIB
     "option": "option of SiDMACIB: where the contact points of a lock are",
     "friction": "whether SiDMACIB has friction along the locks",
-    "reduction": "rule by which locks count in SiDMACIB",
+    "reduction": "rule for the locks that count in SiDMACIB",
     "weights_from": "model that gave SiDMACIB the weights of the locks",
     "vertex": "number of the vertex, counter-clockwise from the smallest V",
     "misfit": "root mean square of the relative errors of SiDMACIB's loads against the model's",
-    "largest_unsafe_error": "largest relative error where SiDMACIB promises more than the model "
-    "carries; 0 if nowhere",
-    "largest_safe_error": "largest relative error where SiDMACIB promises less; 0 if nowhere",
-    "rank": "by `misfit`, of the options and rules of a model, sample and mesh; 1 fits best",
+    "largest_unsafe_error": "largest relative error where SiDMACIB overestimates the model's load; "
+    "0 if nowhere",
+    "largest_safe_error": "largest relative error where SiDMACIB underestimates the load; 0 if "
+    "nowhere",
+    "rank": "rank by `misfit` among the options and rules of a model, sample and mesh; 1 fits best",
     "directions": "number of directions that are compared",
     "largest_mesh_error": "largest `mesh_error` of the model's loads that are compared",
     "distance_over_a": "distance of the two contact points from the middle of a lock, over a, that "
@@ -87,7 +88,7 @@ MEANINGS: Mapping[str, str] = {
     "locks_that_count": "`strength_per_lock_N` of all locks, as a number of locks at full strength",
     # joints
     "failure": "failure of inner faces: `brittle`, `softening` or `ductile`",
-    "upper_body": "how the upper body is cut: `columns`, `joined` or `monolithic`",
+    "upper_body": "division of the upper body: `columns`, `joined` or `monolithic`",
     "young_Pa": "Young's modulus of the block; empty if the pieces are rigid",
     "stiffness_ratio": "E / (Kn b): Young's modulus of the block over normal stiffness of inner "
     "faces and width of a lock; empty if the pieces are rigid",
@@ -106,21 +107,21 @@ MEANINGS: Mapping[str, str] = {
     "energy_ratio": "fracture energy of inner faces over the energy stored when they fail",
     "first_failure": "load of the first failure by the static model, over T0, on the finer mesh",
     "peak": "peak by the static model, over T0, on the finer mesh",
-    "peak_mesh_error": "the peak on the coarser mesh over that on the finer one, less 1",
+    "peak_mesh_error": "the peak on the coarser mesh over that on the finer one, minus 1",
     "limit": "load by limit analysis, over T0, on the coarser mesh; of every `limited`th joint",
     # published and measured numbers
-    "quantity": "name of the published number; its unit stands at the end",
+    "quantity": "name of the published number, which ends with its unit",
     "published": "the published number",
     "computed": "the computed number",
-    "relative_difference": "computed less published, over published; empty for a name or a 0",
-    "absolute_difference": "computed less published; empty for a name",
+    "relative_difference": "computed minus published, over published; empty for a name or a 0",
+    "absolute_difference": "computed minus published; empty for a name",
     "setting": "whether the sample is `as printed` in the paper or `not as printed`",
-    "note": "what else there is to know",
+    "note": "further remarks",
     "specimen": "name of the specimen that was measured",
     "measured_shear_N": "shear force V that was measured",
     "measured_torque_Nm": "torque M that was measured",
     "measured_load_N": "load that was measured, along the path: √(V² + (M / a)²)",
-    "difference": "`load_N` over `measured_load_N`, less 1",
+    "difference": "`load_N` over `measured_load_N`, minus 1",
     # structures
     "structure": "name of the structure",
     "load": "name of the load",
@@ -134,7 +135,7 @@ MEANINGS: Mapping[str, str] = {
     "first_failure_tilt_degrees": "angle at which the first node reaches its strength",
     "first_interface": "interface whose bond fails first",
     "most_used_interface": "interface with the largest `utilisation` at the load",
-    "refused": "why the model cannot do the structure; empty if it can",
+    "refused": "reason why the model refuses the structure; empty if it does not",
     "interface": "name of the interface: those of its two blocks",
     "kind": "kind of the interface: `inner` is bonded, `dry` is not, `locked` has condensed locks",
     "area_m2": "area of the interface",
@@ -157,8 +158,8 @@ MEANINGS: Mapping[str, str] = {
     "x_m": "x of the block's centroid",
     "y_m": "y of the block's centroid",
     "z_m": "z of the block's centroid",
-    "motion": "how the block moves: `at the peak`, or in the `mechanism`, for 1 m along the load; "
-    "empty if the model does not say",
+    "motion": "motion of the block: `at the peak`, or in the `mechanism`, for 1 m along the load; "
+    "empty if the model does not compute it",
     "move_x_m": "displacement of the block along x",
     "move_y_m": "displacement of the block along y",
     "move_z_m": "displacement of the block along z",
@@ -185,7 +186,7 @@ EXCEPTIONS: Mapping[str, Mapping[str, str]] = {
     tables.SAMPLINGS.name: {
         "friction": "friction coefficient of dry faces",
         "first_failure_mesh_error": "the first failure on the coarser mesh over that on the finer "
-        "one, less 1",
+        "one, minus 1",
     },
     tables.MEASURED.name: {"number": "number of the measured load in the configuration, from 1"},
     tables.VALIDATION.name: {"friction": "friction coefficient of the sample's dry faces"},
@@ -194,8 +195,8 @@ EXCEPTIONS: Mapping[str, Mapping[str, str]] = {
         **_NAMED,
         "nodes": "number of contact nodes",
         "load_N": "largest load carried",
-        "mesh_error": "upper estimate of how far the load or angle is from that on ever smaller "
-        "cells, over itself",
+        "mesh_error": "upper estimate of the difference between the load or angle and its limit "
+        "for ever smaller cells, over itself",
         "unbalanced_share": "largest force left on a block, or moment over the blocks' mean size, "
         "over the load",
         "difference_to_static": "relative difference of the load or angle to the static model's",
@@ -216,7 +217,7 @@ EXCEPTIONS: Mapping[str, Mapping[str, str]] = {
 
 
 def meaning(table: Table, column: str) -> str:
-    """What a ``column`` of a table means; KeyError if nobody has written it down."""
+    """The meaning of a ``column`` of a table; KeyError if it has none."""
     return EXCEPTIONS.get(table.name, {}).get(column) or MEANINGS[column]
 
 

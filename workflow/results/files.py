@@ -1,4 +1,4 @@
-"""The files of a single case: what an engine writes, and beside it the checked record."""
+"""The files of a single case: those that an engine writes, and the checked record."""
 
 import csv
 import json
@@ -29,14 +29,14 @@ NODE_COLUMNS = (
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
 UNREADABLE = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
-MOST_TOLD = 100  # letters, of what is wrong with a file
+MOST_LETTERS = 100  # letters, of what is wrong with a file
 SAME = 1e-9  # of a load that stands in two files
 BEYOND = 10.0  # over the peak: no load so large is tried with success
 CLOSE = 1e-6  # of the assembly's length or a node's area: printed numbers are rounded
 
 
 def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
-    """What an engine left in ``folder``; `ResultError` names the file and line of what is wrong."""
+    """The outcome that an engine left in ``folder``; `ResultError` names file and line."""
     peak, failed, first, mode = _read_result(folder / RESULT)
     nodes = read_nodes(folder / NODES, assembly)
     path = _read_history(folder / HISTORY)
@@ -47,7 +47,7 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
 
 
 def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:
-    """Raise `ResultError` where the ``peak`` (N) is none of the equilibria on the way.
+    """Raise `ResultError` if the ``peak`` (N) is not one of the equilibria of the history.
 
     There may be some at higher loads: those at which a bond broke, and that were taken back.
     """
@@ -57,13 +57,13 @@ def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> 
         moved = state.displacement or 0.0
         if abs(moved) > assembly.length or abs(state.load) > BEYOND * peak:
             raise ResultError(
-                f"{HISTORY}: {moved:g} m at {state.load:g} N is not possible; it must be at most "
+                f"{HISTORY}: {moved:g} m at {state.load:g} N is not allowed; it must be at most "
                 f"{assembly.length:g} m, the length of its locks, and {BEYOND:g} times the peak of "
                 f"{peak:g} N"
             )
     if path and not any(abs(state.load - peak) <= SAME * peak for state in path):
         raise ResultError(
-            f"{RESULT}: peak load {peak:g} N is not possible; it must be a load at equilibrium of "
+            f"{RESULT}: peak load {peak:g} N is not allowed; it must be a load at equilibrium of "
             f"{HISTORY}"
         )
 
@@ -76,12 +76,12 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         first = found.get("first_failure_load_N")
         mode = found.get("mode")
         if mode is not None and mode not in MODES:
-            raise ValueError(f"mode is none of {', '.join(MODES)}")
+            raise ValueError(f"mode must be one of {', '.join(MODES)}")
         return peak, failed, None if first is None else float(first), mode
     except OSError as error:
         raise ResultError(f"{path.name}: {error.strerror}") from None
     except UNREADABLE as error:
-        raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_TOLD]}") from None
+        raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_LETTERS]}") from None
 
 
 def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
@@ -99,7 +99,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
         raise ResultError(f"{path.name}, line 1: no column {', '.join(missing)}")
     for number, row in enumerate(rows, start=2):
         if "" in row or None in row.values():
-            raise ResultError(f"{path.name}, line {number}: not {len(names)} columns")
+            raise ResultError(f"{path.name}, line {number}: must have {len(names)} columns")
     return rows
 
 
@@ -143,7 +143,8 @@ def read_nodes(path: Path, assembly: Assembly) -> tuple[Floats, np.ndarray]:
     if wrong.any():
         number = int(np.flatnonzero(wrong)[0])
         raise ResultError(
-            f"{path.name}, line {number + 2}: not node {number + 1} of the case, on {names[number]}"
+            f"{path.name}, line {number + 2}: must be node {number + 1} of the case, on "
+            f"{names[number]}"
         )
     return stress_to_force(nodes, face_frames(assembly), values[:, 4:8]), values[:, 8] > 0
 

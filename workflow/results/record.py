@@ -1,4 +1,4 @@
-"""What a model found for a case, checked: the one form that every result takes.
+"""The checked result of a case, in the same form for all models.
 
 Engines, models solved in this process and programs run elsewhere all give an `Outcome`.
 `record_of` checks it against its case and turns it into a `CaseRecord`; nothing else reaches a
@@ -29,7 +29,7 @@ NOISE = 1e-9  # of a weight or a share: less counts as 0
 
 
 class ResultError(ValueError):
-    """A result that is not accepted; the message says in one line what is wrong with it."""
+    """A result that is not accepted; the message is one line."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class CaseRecord:
 
     @property
     def is_peak(self) -> bool:
-        """Whether the load is a peak, and not the first failure because peaks spread too far."""
+        """Whether the load is a peak; it is the first failure where peaks spread too far."""
         return self.peak_spread is None or self.peak_spread <= SPREAD_LIMIT
 
     def to_json(self) -> str:
@@ -150,15 +150,15 @@ def record_of(
 
 
 def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
-    """Raise `ResultError` where the load that failed does not tell the peak to the ``tolerance``.
+    """Raise `ResultError` where the failed load is further above the peak than ``tolerance``.
 
-    ``least``: load (N), of which the tolerance is meant where the peak is smaller.
+    ``least``: load (N) that the tolerance refers to where the peak is smaller.
     """
     peak, failed = outcome.path[-1].load, outcome.failed_load
     allowed = tolerance * max(peak, least)
     if not failed - peak <= allowed * (1.0 + SLACK):
         raise ResultError(
-            f"failed load {failed:g} N is not possible; it must be at most {allowed:g} N, the "
+            f"failed load {failed:g} N is not allowed; it must be at most {allowed:g} N, the "
             f"tolerance, above the peak of {peak:g} N"
         )
 
@@ -186,23 +186,23 @@ def check_loads(outcome: Outcome) -> None:
     """Raise `ResultError` where loads of ``outcome`` contradict each other."""
     peak, failed, first = outcome.path[-1].load, outcome.failed_load, outcome.first_failure_load
     if not (math.isfinite(peak) and peak > 0.0):
-        raise ResultError(f"peak load {peak:g} N is not possible; it must be finite and above 0")
+        raise ResultError(f"peak load {peak:g} N is not allowed; it must be finite and above 0")
     if not (math.isfinite(failed) and failed >= peak * (1.0 - 1e-12)):
         raise ResultError(
-            f"failed load {failed:g} N is not possible; it must be finite and at least {peak:g} N"
+            f"failed load {failed:g} N is not allowed; it must be finite and at least {peak:g} N"
         )
     if first is not None and not 0.0 <= first <= failed:
         raise ResultError(
-            f"first failure at {first:g} N is not possible; it must be from 0 to {failed:g} N"
+            f"first failure at {first:g} N is not allowed; it must be from 0 to {failed:g} N"
         )
     for state in outcome.path:
         if not math.isfinite(state.load) or state.load > peak * (1.0 + 1e-12):
             raise ResultError(
-                f"load {state.load:g} N is not possible on the path to a peak of {peak:g} N"
+                f"load {state.load:g} N is not allowed on the path to a peak of {peak:g} N"
             )
         if state.displacement is not None and not math.isfinite(state.displacement):
             raise ResultError(
-                f"displacement {state.displacement:g} m at {state.load:g} N is not possible; "
+                f"displacement {state.displacement:g} m at {state.load:g} N is not allowed; "
                 "it must be finite"
             )
 

@@ -16,7 +16,7 @@ DIGITS = 10
 
 
 class TableError(ValueError):
-    """A table that is not what it should be; the message names the table and what is wrong."""
+    """An invalid table; the message names the table and the fault."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-# The cases: each in an engine on its own, in batches in this process, or as it came back from 3DEC.
+# The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
 from snakemake.io import strip_wildcard_constraints
 
 from workflow.engines import ENGINES
@@ -49,7 +49,7 @@ rule engine:
         step="workflow.steps.engine",
         case=case_in_engine,
         settings={"time_limit": STUDY.dem.time_limit},
-        # Only where the engine has a result.
+        # Written only if the engine has a result.
         also=[
             below(f"cases/{{engine}}/{{case}}/{name}") for name in OUTPUTS if name != "result.json"
         ],

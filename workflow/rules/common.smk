@@ -1,4 +1,4 @@
-# What all rules share: where files are, what a job asks of a cluster, how a step is started.
+# Shared by all rules: paths of files, cluster resources of jobs, the command of a step.
 import functools
 import os
 import re
@@ -8,23 +8,23 @@ from workflow.run.attempts import LAST_TRY, RETRIES, forget, was_killed
 from workflow.run.results_folder import LockedError, lock
 from workflow.planning.plan import compared, planned, prepared
 
-CAPTIONS = {  # of what Snakemake's own report has, by the ending of a file
+CAPTIONS = {  # of files in the report of Snakemake, by suffix
     ".csv": ("Tables", "table.rst"),
     ".png": ("Figures", "figure.rst"),
     ".html": ("Report", "report.rst"),
 }
-LOCKS = []  # of the results' folder, for as long as this process lives
-REPORT_INPUTS = {}  # of the report: tables and summaries by name
-WILDCARDS = {}  # of all jobs of a rule that has some, by the rule's name
+LOCKS = []  # of the results folder, held until this process ends
+REPORT_INPUTS = {}  # tables and summaries of the report, by name
+WILDCARDS = {}  # of all jobs of each rule with wildcards, by the rule's name
 
 
 def below(name):
-    """Path of a result, by its ``name`` below the results' folder."""
+    """Path of a result from its ``name`` below the results folder."""
     return f"{RESULTS}/{name}"
 
 
 def shown(name):
-    """Path of a result that Snakemake's own report shows, if it is of a kind that it can show."""
+    """Path of a result, marked for the report of Snakemake if its type can be shown there."""
     if (suffix := Path(name).suffix) not in CAPTIONS:
         return below(name)
     category, caption = CAPTIONS[suffix]
@@ -43,9 +43,9 @@ def one_of(names):
 
 @functools.cache
 def plans():
-    """The plan of each job by its name, once a run begins: only then is anything written.
+    """The plan of each job by its name; nothing is written before a run begins.
 
-    Jobs on other machines take the plans as they are.
+    Jobs on other machines read the existing plans.
     """
     if not workflow.is_main_process:
         return planned(Path(RESULTS))
@@ -61,15 +61,15 @@ def plans():
 
 
 def plan(name):
-    """The plan of a job: newer than its results if these must be made again."""
+    """The plan of a job; it is newer than the results of a job that must run again."""
     return lambda wildcards: str(plans()[name.format(**dict(wildcards.items()))])
 
 
 def asks(name):
-    """What a job asks of a cluster: memory (MB), time (min), a place of its group's `abreast`.
+    """Cluster resources of a job: memory (MB), time (min), a place of its group's `abreast`.
 
-    It asks for more if it was killed before. ``last_try``: whether a job that is killed is not tried
-    again, 1 or 0, as in its environment.
+    It requests more if it was killed before. ``last_try``: 1 if a killed job is not tried again,
+    otherwise 0, as in its environment.
     """
 
     def needs(wildcards, attempt):
@@ -90,8 +90,8 @@ def asks(name):
     return {"mem_mb": mem_mb, "runtime": runtime, "last_try": last_try, "abreast": 1}
 
 
-# `exec`: a job ends with Snakemake, not only with the shell between them. A job is one thread: those
-# of linear algebra on small matrices only wait for each other.
+# `exec`: a job ends with Snakemake, not only with the shell between them. A job has one thread,
+# because threads of linear algebra on small matrices mostly wait for each other.
 PYTHON = f"PYTHONPATH={shlex.quote(CHECKOUT)} exec {shlex.quote(sys.executable)}"
 STEP = (
     f"{LAST_TRY}={{resources.last_try}} OPENBLAS_NUM_THREADS=1 PYTHONUTF8=1 {PYTHON}"

@@ -1,4 +1,4 @@
-# Of a study that names measured loads.
+# Included if the study has measured loads.
 rule measured:
     input:
         plan=plan("measured"),
@@ -15,6 +15,6 @@ rule measured:
         step="analysis.tables.measured",
         study=lambda wildcards: STUDY.measured_json(),
     message:
-        "Put measured loads beside the models"
+        "Compare measured loads with the models"
     shell:
         STEP

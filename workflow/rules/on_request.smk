@@ -1,4 +1,4 @@
-# What is no part of a study, and is made where one asks for it by name.
+# Files that are not part of a study and are made only when requested by name.
 from workflow.threedec import DECK, deck_folder
 
 
@@ -24,7 +24,7 @@ rule decks:
 BATCH_OF = CASES.batch_of
 
 
-# A case that was solved in a batch has a folder of its own where one asks for it.
+# A separate folder for a case that was solved in a batch, made on request.
 rule case_files:
     input:
         plan=lambda wildcards: plans()[

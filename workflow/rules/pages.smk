@@ -1,8 +1,8 @@
-# From the tables to figures and summary, and whether every case has a result.
+# Figures and summary from the tables; check that every case has a result.
 from analysis.figures.catalogue import drawn_files, figures_of
 
 FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
-STRESSES = {  # the record of the case whose stresses a figure shows, by the figure's name
+STRESSES = {  # by figure, the record of the case whose stresses it shows
     name: RECORDS[figure.case.id] for name, figure in FIGURES.items() if figure.case is not None
 }
 
@@ -61,13 +61,12 @@ rule summary:
             if change.assembly(STUDY.assembly).failure == "ductile"
         ],
     message:
-        "Sum up"
+        "Write the summary"
     shell:
         STEP
 
 
-# In no group: a group that fails loses all that it made, and this rule may fail; it says what has no
-# result.
+# Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
 rule complete:
     input:
         plan=plan("complete"),

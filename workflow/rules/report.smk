@@ -1,4 +1,4 @@
-# The page of a study's joints and structures, of whatever these have told of themselves.
+# The report of a study: its joints and structures, from the inputs that other rules have added.
 from analysis.report.files import FILES as PAGE_FILES
 from analysis.report.files import REPORT
 

@@ -1,9 +1,9 @@
-# Of a study with samplings: batches of their joints, and a table of all that the batches hold.
+# Included if the study has samplings: batches of their joints, and a table of all batches.
 from dataclasses import asdict
 
 from workflow.planning.needs import sampling_needs
 
-JOINTS = 64  # of a sampling in a batch
+JOINTS = 64  # per batch of a sampling
 STARTS = {  # the first joint of each batch, by sampling and number of the batch
     (name, f"{number:04}"): start
     for name, sampling in STUDY.samplings.items()
@@ -22,7 +22,7 @@ def first_joint(wildcards):
 
 
 def joint_after(wildcards):
-    """The first joint behind a batch."""
+    """The first joint after a batch."""
     return min(first_joint(wildcards) + JOINTS, sampling_of(wildcards).joints)
 
 
@@ -79,6 +79,6 @@ rule samplings:
     params:
         step="analysis.tables.samplings",
     message:
-        "Put the samplings' batches together"
+        "Join the batches of the samplings"
     shell:
         STEP

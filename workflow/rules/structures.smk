@@ -1,4 +1,4 @@
-# Of a study with structures: their cases in engines and in this process, tables and summary of them.
+# Included if the study has structures: their cases, tables and summary.
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
@@ -149,12 +149,12 @@ rule structure_summary:
         step="analysis.summary.structures",
         results=lambda wildcards: STUDY.results,
     message:
-        "Sum up the structures"
+        "Write the summary of the structures"
     shell:
         STEP
 
 
-# In no group, as the rule `complete` of joints.
+# Not in a group, for the same reason as the rule `complete` of joints.
 rule structures_complete:
     input:
         plan=plan("structures_complete"),

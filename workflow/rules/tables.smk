@@ -1,4 +1,4 @@
-# From the results of the cases to tables.
+# Tables from the results of the cases.
 PUBLISHED = ("analysis/published.yaml",)
 
 
@@ -89,7 +89,7 @@ rule variants:
         step="analysis.tables.variants",
         study=lambda wildcards: STUDY.pieces_json(),
     message:
-        "Tell what each variant changes"
+        "Compare the variants with the reference"
     shell:
         STEP
 

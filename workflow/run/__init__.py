@@ -1,1 +1,1 @@
-"""A run of a study: its process, its results folder, its jobs and what it shows."""
+"""A run of a study: its process, results folder, jobs and progress output."""

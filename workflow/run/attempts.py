@@ -1,7 +1,8 @@
 """Jobs that were killed: for lack of time or memory, or because their machine went down.
 
-A mark is there while a job runs, and goes when it ends by itself, well or badly. So a mark that is
-there when a job is tried again tells that it was killed, and that more time or memory may help.
+A mark exists while a job runs, and is removed when the job ends by itself, successfully or not. A
+mark that is left when a job is tried again shows that it was killed, and that more time or memory
+may help.
 """
 
 import os
@@ -10,15 +11,15 @@ from pathlib import Path
 
 LAST_TRY = "MULTILOCK_LAST_TRY"  # in the environment: 0 if the job will be tried again
 RETRIES = 2  # on a cluster, as in its profile
-STOPPED = "stopped"  # a job's last word, if it is told to end
+STOPPED = "stopped"  # last line of a job that was asked to end
 
 
 class KilledError(SystemExit):
-    """The job was killed from outside, or a program of its was: it has no result to speak of."""
+    """The job, or a program that it started, was killed from outside, and left no result."""
 
 
 class Settled(str):
-    """Why a job has no result, where it would say the same if it were done again."""
+    """Why a job has no result, where another run would end with the same reason."""
 
 
 def _mark(results: Path, job: str) -> Path:
@@ -26,7 +27,7 @@ def _mark(results: Path, job: str) -> Path:
 
 
 def was_killed(results: Path, job: str) -> bool:
-    """Whether a job, which is not running, was killed when it was last tried in this run."""
+    """Whether the last attempt of a job in this run was killed; the job is not running."""
     return _mark(results, job).is_file()
 
 

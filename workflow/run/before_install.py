@@ -1,7 +1,7 @@
-"""Look at a configuration with the system's Python, before an environment is installed for it.
+"""Check a configuration with the system's Python, before an environment is installed for it.
 
-Without PyYAML only whether the file is there and is text; with it, whether it is YAML and which
-keys it has at its top. The rest is checked when the environment is there.
+Without PyYAML, only that the file exists and is text. With PyYAML, also that it is YAML and that
+its top-level keys are known. The rest is checked once the environment is installed.
 """
 
 import ast
@@ -12,7 +12,7 @@ CHECKOUT = Path(__file__).parents[2]
 
 
 def fault(path: Path) -> str | None:
-    """What is wrong with the configuration ``path``, in one line; None if nothing is seen."""
+    """The first error in the configuration ``path``, as one line; None if none is found."""
     try:
         if path.exists() and not path.is_file():
             return f"{path}: not a file"
@@ -21,8 +21,8 @@ def fault(path: Path) -> str | None:
         return f"{path}: {error.strerror}"
     except ValueError:
         return f"{path}: not UTF-8 text; save the file as UTF-8"
-    told = _in_yaml(path)
-    return told and f"{path}: {told}"
+    message = _in_yaml(path)
+    return message and f"{path}: {message}"
 
 
 def _in_yaml(path: Path) -> str | None:
@@ -36,13 +36,11 @@ def _in_yaml(path: Path) -> str | None:
         return str(error)
     known = keys()
     unknown = [key for key in config if key not in known] if isinstance(config, dict) else []
-    return (
-        f"{unknown[0]:.60}: unknown key; the keys here are {', '.join(known)}" if unknown else None
-    )
+    return f"{unknown[0]:.60}: unknown key; allowed keys: {', '.join(known)}" if unknown else None
 
 
 def keys() -> list[str]:
-    """The keys at the top of a configuration, from the text of its schema."""
+    """The top-level keys of a configuration, read from the source of its schema."""
     tree = ast.parse((CHECKOUT / "workflow/schema/study.py").read_text(encoding="utf-8"))
     (study,) = (n for n in tree.body if isinstance(n, ast.ClassDef) and n.name == "Study")
     return [

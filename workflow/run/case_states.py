@@ -17,7 +17,7 @@ REFUSED = "refused"  # by a model that cannot do such a structure
 
 
 def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
-    """One row for each case, with its state, peak (N) and why there is none.
+    """One row for each case, with its state, peak (N), and the reason if there is none.
 
     Outdated is what was made from another configuration or by other code. ValueError for a
     configuration that is not valid.
@@ -42,7 +42,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
 
 
 def _records(job: Job, folder: Path) -> dict[CaseId, CaseRecord | StructureRecord]:
-    """What a job has made, by case; nothing if it has not."""
+    """Records that a job has made, by case; empty if it has not run."""
     path = folder / job.written[0]
     try:
         read = read_structure_records if job.name.startswith(f"{FOLDER}/") else read_records

@@ -39,7 +39,7 @@ def end_with_parent() -> None:
 def run_job(plan: dict[str, Any]) -> None:
     """Do the job that ``plan`` describes as plain data, and leave a receipt if it has a result."""
     if edited(plan["code"]):
-        sys.exit(f"{plan['name']}: the code was edited after the run had begun; start it again")
+        sys.exit(f"{plan['name']}: the code was edited during the run; start it again")
     results = Path(plan["results"])
     receipt = results / plan["receipt"]
     receipt.unlink(missing_ok=True)
@@ -63,8 +63,8 @@ def run_job(plan: dict[str, Any]) -> None:
 def paths(files: Mapping[str, str | Sequence[str]], results: Path) -> dict[str, Any]:
     """Inputs or outputs of a step by name, each a path or a list of paths."""
     return {
-        name: results / told if isinstance(told, str) else [results / each for each in told]
-        for name, told in files.items()
+        name: results / value if isinstance(value, str) else [results / path for path in value]
+        for name, value in files.items()
     }
 
 
@@ -76,16 +76,16 @@ def _listed(files: Path | list[Path]) -> list[Path]:
 # that ends before the first look, loses that of programs which begin and end between two looks, and
 # does not keep a job and its programs apart.
 def write_times(path: Path, start: float) -> None:
-    """Write what the job took: s in all since ``start``, CPU-s of its own and of its programs.
+    """Write the time since ``start`` (s) and the CPU time (s) of the job and of its programs.
 
-    And the most memory of its own, and of the largest of its programs, in MB.
+    Also the largest memory (MB) of the job, and of the largest of its programs.
     """
-    own, programs = (resource.getrusage(who) for who in (SELF, CHILDREN))
+    python, programs = (resource.getrusage(who) for who in (SELF, CHILDREN))
     times = {
         "wall_s": time.monotonic() - start,
-        "own_cpu_s": own.ru_utime + own.ru_stime,
+        "own_cpu_s": python.ru_utime + python.ru_stime,
         "programs_cpu_s": programs.ru_utime + programs.ru_stime,
-        "own_memory_MB": own.ru_maxrss / 1024.0,
+        "own_memory_MB": python.ru_maxrss / 1024.0,
         "largest_program_MB": programs.ru_maxrss / 1024.0,
     }
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -93,9 +93,9 @@ def write_times(path: Path, start: float) -> None:
 
 
 def read_times(results: Path) -> Iterator[tuple[str, dict[str, float]]]:
-    """Kind of each job, and its s on the clock, of its own processor and of its programs.
+    """Kind of each job, with its elapsed time and the CPU times of it and of its programs, in s.
 
-    What is not whole is left out.
+    Incomplete files are skipped.
     """
     for path in sorted((results / TIMES).rglob("*.json")):
         try:

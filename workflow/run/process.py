@@ -1,7 +1,7 @@
-"""The process of a run: how it ends when it is told to, and its text, which is UTF-8.
+"""The process of a run: how it ends when it receives a signal, and its text, which is UTF-8.
 
-It ends its jobs, then itself, with one line and no traceback. Light to import, so that this holds
-from the first moment on.
+It ends its jobs, then itself, with one line and no traceback. Light to import, so that this works
+from the start.
 """
 
 import locale
@@ -14,20 +14,21 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-STOPPED = "Stopped. The next run goes on from here."
+STOPPED = "Stopped. The next run continues from here."
 SHOW_CURSOR = "\x1b[?25h"  # which a bar on a terminal hides
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 UTF8 = {"PYTHONUTF8": "1"}
 LOOK = 0.5  # s, between looks at the process that started this one
 
-_told: list[int] = []
+_received: list[int] = []
 _patience = [0.0]
 
 
-def end_when_told(patience: float = 0.0) -> None:
+def end_on_signals(patience: float = 0.0) -> None:
     """Have SIGINT, SIGTERM and SIGHUP end this process and the jobs that it has started.
 
-    It may clean up for ``patience`` s, unless it is told again. What `nohup` ignores stays ignored.
+    It may clean up for ``patience`` s, unless a second signal arrives. Signals that `nohup` ignores
+    stay ignored.
     """
     _patience[0] = patience
     for number in SIGNALS:
@@ -35,18 +36,18 @@ def end_when_told(patience: float = 0.0) -> None:
             signal.signal(number, stop)
 
 
-def told_to_stop() -> bool:
-    """Whether this process was told to end."""
-    return bool(_told)
+def stopping() -> bool:
+    """Whether this process has received a signal to end."""
+    return bool(_received)
 
 
 def stop(number: int = signal.SIGTERM, *_: Any) -> None:
     """End the jobs and this process; a handler of signals. Raises SystemExit."""
-    _told.append(number)
+    _received.append(number)
     _end_children()
-    if len(_told) > 1 or not _patience[0]:
+    if len(_received) > 1 or not _patience[0]:
         _end_at_once()
-    # Where nobody lets an exception through, as while something is destroyed, it would be lost.
+    # An exception is lost where it cannot propagate, as in a destructor; end the process anyway.
     later = threading.Timer(_patience[0], _end_at_once)
     later.daemon = True
     later.start()
@@ -54,7 +55,7 @@ def stop(number: int = signal.SIGTERM, *_: Any) -> None:
 
 
 def end_with_make() -> None:
-    """Have this process end when make, which started it, is told to end.
+    """Have this process end when make, which started it, receives a signal to end.
 
     make passes SIGTERM on, but when SIGINT or SIGHUP reach it alone it waits for its recipes, with
     the signal blocked.
@@ -84,7 +85,7 @@ def _end_at_once() -> None:
 
 
 def _end_children() -> None:
-    """Tell the processes that this one has started to end."""
+    """Ask the processes that this one has started to end."""
     for children in Path("/proc/self/task").glob("*/children"):
         with suppress(OSError):
             for pid in children.read_text().split():
@@ -93,7 +94,7 @@ def _end_children() -> None:
 
 
 def read_utf8() -> None:
-    """Begin this program again in UTF-8 mode if the locale is another, also for what it starts."""
+    """Restart this program, and its child processes, in UTF-8 mode if the locale is another."""
     asked = os.environ.get("PYTHONUTF8") == UTF8["PYTHONUTF8"]
     if locale.getpreferredencoding(False).lower() != "utf-8" and not asked:
         os.environ.update(UTF8)

@@ -1,7 +1,7 @@
-"""How far a run of Snakemake is: a bar on a terminal, a few lines in a file.
+"""Progress of a run of Snakemake: a bar on a terminal, a few lines in a file.
 
-Snakemake's own log has some ten lines for each job. Here a case without a result and a job that
-ends badly are named once, with the reason and where the log is.
+Snakemake's log has about ten lines for each job. This one names each case without a result and each
+failed job once, with the reason and the path of its log.
 """
 
 import importlib
@@ -29,8 +29,8 @@ SPARSE = 10  # lines of a run in a file, about,
 SELDOM = 120.0  # and seconds after which there is another
 SHOWN = 2  # jobs that are running, by name
 MINUTE = 60.0
-COMPLETE = "Check that every case has a result"  # a job, whose fault is that of others
-WORDLESS = (STOPPED, "KeyboardInterrupt", "")  # last lines of jobs that may have done nothing wrong
+COMPLETE = "Check that every case has a result"  # a job that fails because of others
+WORDLESS = (STOPPED, "KeyboardInterrupt", "")  # last lines of jobs that may not have failed
 DIED = re.compile(r"died with <Signals\.(\w+): \d+>")
 REPEATED = (
     "RuleException",
@@ -41,32 +41,32 @@ REPEATED = (
 
 @dataclass
 class Run:
-    """Jobs of a run: how many, which are running, which went wrong."""
+    """Jobs of a run: their number, those that are running and those that failed."""
 
     total: int = 0
     done: int = 0
     begun: float = 0.0
-    told: dict[int, tuple[str, list[str], list[str]]] = field(default_factory=dict)
+    started: dict[int, tuple[str, list[str], list[str]]] = field(default_factory=dict)
     rule_of: dict[int, str] = field(default_factory=dict)
     running: dict[int, str] = field(default_factory=dict)
     failed: list[str] = field(default_factory=list)
     lines: dict[str, str] = field(default_factory=dict)  # on what went wrong, by job
     rules: frozenset[str] = frozenset()  # of jobs to be done
-    killed: list[str] = field(default_factory=list)  # Snakemake's words on commands
+    killed: list[str] = field(default_factory=list)  # Snakemake's messages about commands
     ended: set[str] = field(default_factory=set)  # rules of which a job has ended well
 
     @property
     def reasons(self) -> list[str]:
-        """What went wrong, a line each; that cases have no result only if none of them says so."""
+        """The errors, a line each; the job that checks all cases only if no other job failed."""
         names = [name for name in self.lines if name != COMPLETE] or list(self.lines)
         return [self.lines[name] for name in names]
 
     def is_made(self, rule: str) -> bool:
-        """Whether what the only job of a rule makes is of this run, or was up to date before it."""
+        """Whether the only job of ``rule`` ended well in this run, or was up to date before it."""
         return bool(self.rules) and (rule not in self.rules or rule in self.ended)
 
     def words(self, now: float) -> str:
-        """Where the run is, in one line, ``now`` in s."""
+        """Progress of the run in one line, ``now`` in s."""
         parts = [f"{self.done} of {self.total} jobs done"]
         if self.failed:
             parts.append(f"{len(self.failed)} failed")
@@ -75,11 +75,11 @@ class Run:
             more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
             parts.append(f"running: {', '.join(names[:SHOWN])}{more}")
         if left := self.left(now):
-            parts.append(f"some {left} left")
+            parts.append(f"about {left} left")
         return "; ".join(parts)
 
     def left(self, now: float) -> str:
-        """Time that is left if jobs go on as fast as so far; nothing before the first has ended."""
+        """Remaining time at the present rate of jobs; empty before the first has ended."""
         if not self.done or self.done >= self.total:
             return ""
         seconds = (now - self.begun) * (self.total - self.done) / self.done
@@ -90,28 +90,32 @@ class Run:
         )
 
     def heard(self, record: LogRecord, now: float) -> list[str]:
-        """Take in what Snakemake says; returns lines that must be shown."""
-        event, own = getattr(record, "event", None), record.__dict__
+        """Process a log record of Snakemake; returns lines that must be shown."""
+        event, details = getattr(record, "event", None), record.__dict__
         if event == LogEvent.RUN_INFO:
-            self.total = sum(count for job, count in own["stats"].items() if job != "total")
-            self.begun, self.rules = now, frozenset(own["stats"])
+            self.total = sum(count for job, count in details["stats"].items() if job != "total")
+            self.begun, self.rules = now, frozenset(details["stats"])
         elif event == LogEvent.JOB_INFO:
-            name = own["rule_msg"] or own["rule_name"]
-            self.told[own["jobid"]] = (str(name), list(own["output"]), list(own["log"]))
-            self.rule_of[own["jobid"]] = str(own["rule_name"])
-            self.running[own["jobid"]] = str(name)
+            name = details["rule_msg"] or details["rule_name"]
+            self.started[details["jobid"]] = (
+                str(name),
+                list(details["output"]),
+                list(details["log"]),
+            )
+            self.rule_of[details["jobid"]] = str(details["rule_name"])
+            self.running[details["jobid"]] = str(name)
         elif event == LogEvent.JOB_FINISHED:
             self.done += 1
-            name = self.told.get(own["job_id"], ("", [], []))[0]
-            self.ended.add(self.rule_of.get(own["job_id"], ""))
+            name = self.started.get(details["job_id"], ("", [], []))[0]
+            self.ended.add(self.rule_of.get(details["job_id"], ""))
             self.lines.pop(name, None)
             if name in self.failed:  # and was tried again
                 self.failed.remove(name)
-            self.running.pop(own["job_id"], None)
-            return self._without_result(own["job_id"])
+            self.running.pop(details["job_id"], None)
+            return self._without_result(details["job_id"])
         elif event == LogEvent.JOB_ERROR:
-            self.running.pop(own["jobid"], None)
-            return self._ended_badly(own)
+            self.running.pop(details["jobid"], None)
+            return self._ended_badly(details)
         elif record.levelno >= WARNING and event in (None, LogEvent.ERROR):
             text = record.getMessage() if record.msg else ""
             if DIED.search(text):
@@ -121,8 +125,8 @@ class Run:
         return []
 
     def _without_result(self, job: int) -> list[str]:
-        """A case whose record says that it has no result."""
-        name, outputs, logs = self.told.get(job, ("", [], []))
+        """A line for a case whose record has no result."""
+        name, outputs, logs = self.started.get(job, ("", [], []))
         for path in (Path(each) for each in outputs if Path(each).name == RECORD):
             try:
                 error = json.loads(path.read_text()).get("error")
@@ -134,15 +138,15 @@ class Run:
                 return [self.lines[name]]
         return []
 
-    def _ended_badly(self, own: dict[str, Any]) -> list[str]:
-        name, _, logs = self.told.get(own["jobid"], (own["rule_name"], [], []))
+    def _ended_badly(self, details: dict[str, Any]) -> list[str]:
+        name, _, logs = self.started.get(details["jobid"], (details["rule_name"], [], []))
         reason = _last_line(logs)
         if killed := next((word for word in self.killed if logs and logs[0] in word), None):
             self.killed.remove(killed)
             reason = _by_signal(killed)
             _append(logs[0], reason)
-        shown = f"Failed: {name}: {reason or 'ended without a word'}; log: {', '.join(logs)}"
-        if reason in WORDLESS:  # told to end, or never begun, as in a group that failed
+        shown = f"Failed: {name}: {reason or 'no message'}; log: {', '.join(logs)}"
+        if reason in WORDLESS:  # asked to end, or never started, as in a group that failed
             if reason or any(Path(log).exists() for log in logs):
                 self.lines[name] = shown
             return []
@@ -152,21 +156,21 @@ class Run:
 
 
 def _by_signal(text: str) -> str:
-    """What Snakemake says of a command that a signal ended, in a few words."""
+    """A short form of Snakemake's message about a command that a signal ended."""
     found = DIED.search(text)
     assert found is not None, "only such texts are kept"
-    short = ", as the system does where memory is short" if found[1] == "SIGKILL" else ""
+    short = ", probably because memory ran out" if found[1] == "SIGKILL" else ""
     return f"killed by {found[1]}{short}"
 
 
 def _append(log: str, words: str) -> None:
-    """Add the last words of a job that could not say them."""
+    """Append a reason to the log of a job that could not write it."""
     with suppress(OSError), Path(log).open("a") as stream:
         print(words, file=stream)
 
 
 def _last_line(logs: list[str]) -> str:
-    """What a log ends with."""
+    """The last line of a log that is not empty."""
     for path in map(Path, logs):
         try:
             lines = path.read_text(errors="replace").split("\n")
@@ -183,12 +187,12 @@ _planned: list[Callable[[], None]] = []
 
 
 def when_planned(call: Callable[[], None]) -> None:
-    """Have ``call`` called as soon as the jobs of the next run are known."""
+    """Call ``call`` once the jobs of the next run are known."""
     _planned[:] = [call]
 
 
 def last_run() -> Run:
-    """The run of Snakemake in this process that was begun last."""
+    """The latest run of Snakemake in this process."""
     return _runs[-1]
 
 
@@ -208,7 +212,7 @@ class LogHandler(LogHandlerBase):
             self.task = self.bar.add_task("study", total=None, words="")
 
     def emit(self, record: LogRecord) -> None:
-        """Show what is new."""
+        """Show a log record."""
         now = time.monotonic()
         before = self.run.done
         if getattr(record, "event", None) == LogEvent.RUN_INFO:
@@ -223,7 +227,7 @@ class LogHandler(LogHandlerBase):
             self._print(self.run.words(now))
 
     def _due(self, before: int, now: float) -> bool:
-        """Whether another line is due: a tenth of the jobs more, or much time."""
+        """Whether a new line is due: after a tenth of the jobs, or after `SELDOM` s."""
         part = max(1, self.run.total // SPARSE)
         return self.run.done // part > before // part or now - self.last > SELDOM
 
@@ -243,7 +247,7 @@ class LogHandler(LogHandlerBase):
             print(line, file=self.stream, flush=True)
 
     def close(self) -> None:
-        """Leave the terminal as it was."""
+        """Restore the terminal."""
         if self.bar is not None and self.bar.live.is_started:
             self.bar.stop()
         super().close()
@@ -256,7 +260,7 @@ class LogHandler(LogHandlerBase):
 
 
 def register() -> str:
-    """Make Snakemake know this log; returns its name there."""
+    """Register this log with Snakemake; returns its name there."""
     registry = importlib.import_module("snakemake_interface_logger_plugins.registry")
     registry.LoggerPluginRegistry().register_plugin(NAME, sys.modules[__name__])
     return NAME.removeprefix("snakemake_logger_plugin_")

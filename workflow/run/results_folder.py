@@ -1,4 +1,4 @@
-"""The results folder of a run: that it can be written to, is locked and holds plain files.
+"""The results folder of a run: it must be writable, locked and free of links and pipes.
 
 What stands there where a file or a folder of the study must be may be neither. A pipe is waited
 for without end, a device is read without end, and what is written to a link changes a file
@@ -54,7 +54,9 @@ def lock(results: Path) -> TextIO:
         stream.seek(0)
         other = stream.read().strip() or "unknown"
         stream.close()
-        raise LockedError(f"{results}: another run is at work here (process {other})") from None
+        raise LockedError(
+            f"{results}: another run is using this folder (process {other})"
+        ) from None
     stream.truncate(0)
     stream.write(f"{os.getpid()}\n")
     stream.flush()
@@ -76,7 +78,7 @@ def use_writable_caches(results: Path) -> None:
 
 
 def writable(folder: Path) -> bool:
-    """Whether a folder can be written to, or made."""
+    """Whether a folder can be written to or created."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     return os.access(there, os.W_OK | os.X_OK)
 
@@ -93,7 +95,7 @@ def mended(results: Path, names: Iterable[str]) -> list[str]:
 
 
 def cleared(path: Path) -> str:
-    """Remove what is no file and no folder, or set it aside if it is one; says so in a line."""
+    """Remove a link or special file, or rename a file or folder; returns a line that says so."""
     if path.is_symlink() or not (path.is_file() or path.is_dir()):
         kind = "a link" if path.is_symlink() else "no file"
         path.unlink()
@@ -108,7 +110,7 @@ def cleared(path: Path) -> str:
 def _wrong(
     results: Path, place: str, files: Set[str], folders: Set[str], only: Set[str] | None = None
 ) -> Iterator[str]:
-    """What must go, below ``results``: in the folder ``place``, or ``only`` some entries of it."""
+    """Paths below ``results`` to clear: in the folder ``place``, or ``only`` some entries of it."""
     with suppress(FileNotFoundError), os.scandir(results / place) as entries:
         for entry in entries:
             name = f"{place}{entry.name}"

@@ -1,4 +1,4 @@
-"""Lines that tell that a process is at work before it has anything else to show."""
+"""Progress lines of a process that has nothing else to show yet."""
 
 import sys
 import threading
@@ -10,18 +10,18 @@ FIRST, NEXT = 1.5, 15.0  # s, until the first line and between others
 
 
 class Waiting:
-    """What is being done: ``words``, told after a moment, and then again with the time so far."""
+    """A running task: ``words`` are printed after a moment, then again with the time so far."""
 
     def __init__(self, words: str) -> None:
         self.words = words
         self.over = threading.Event()
 
     def end(self) -> None:
-        """There is something else to show now."""
+        """Stop printing, as there is something else to show."""
         self.over.set()
 
-    def tell(self) -> None:
-        """Print a line now and then until the end."""
+    def report(self) -> None:
+        """Print a line at intervals until the end."""
         begun, pause = time.monotonic(), FIRST
         while not self.over.wait(pause):
             seconds = time.monotonic() - begun
@@ -32,10 +32,10 @@ class Waiting:
 
 @contextmanager
 def waiting(words: str) -> Iterator[Waiting]:
-    """Tell what is being done while it lasts; nothing if it takes but a moment."""
-    found = Waiting(words)
-    threading.Thread(target=found.tell, daemon=True).start()
+    """Print what is being done while it lasts; nothing if it ends at once."""
+    task = Waiting(words)
+    threading.Thread(target=task.report, daemon=True).start()
     try:
-        yield found
+        yield task
     finally:
-        found.end()
+        task.end()

@@ -1,6 +1,6 @@
 """The configuration's schema, one module per section: keys, units, ranges and defaults.
 
-It knows no model by name: what the models can do is checked in `workflow.consistency`.
+It names no model; `workflow.consistency` checks the abilities of models.
 """
 
 from workflow.schema.study import Study

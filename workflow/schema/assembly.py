@@ -1,4 +1,4 @@
-"""How the joint is cut, loaded, held down and fails, in every model of its pieces."""
+"""Cuts, loads, hold-down and failure of the joint, in every model of its pieces."""
 
 from enum import StrEnum
 from typing import Annotated, Any
@@ -16,7 +16,7 @@ from workflow.schema.values import Eccentricities, Lengths
 
 
 class Pieces(StrEnum):
-    """What the pieces of the joint are."""
+    """Rigid or elastic pieces of the joint."""
 
     RIGID = "rigid"
     ELASTIC = "elastic"  # with the material of the block
@@ -32,7 +32,7 @@ _HeldDown = Annotated[
 
 
 class AssemblySection(Section):
-    """How the joint is cut, loaded, held down and fails."""
+    """Cuts, loads, hold-down and failure of the joint."""
 
     pieces: Pieces = Pieces.RIGID
     failure: Failure = Failure.BRITTLE
@@ -46,7 +46,7 @@ _CHANGES: Any = changes_to(AssemblySection)
 
 
 class VariantSection(_CHANGES):
-    """What differs from the study, and at which meshes and eccentricities (None: at all).
+    """Changes to the study, and the meshes and eccentricities at which it runs (None: all).
 
     ``young``: of the block (Pa). ``fracture_energy``: of the inner faces (J/m2).
     """
@@ -60,7 +60,7 @@ class VariantSection(_CHANGES):
 
     @property
     def material(self) -> tuple[float | None, float | None]:
-        """What it changes of the materials."""
+        """Its changes to the materials."""
         return self.young, self.fracture_energy
 
     def assembly(self, study: AssemblySection) -> AssemblySection:

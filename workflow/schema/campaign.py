@@ -1,4 +1,4 @@
-"""The campaign that a study belongs to: a folder of `studies` with rules of its own."""
+"""The campaign that a study belongs to: a folder of `studies` with additional rules."""
 
 import importlib
 from pathlib import Path
@@ -12,7 +12,7 @@ STUDIES = Path(__file__).parents[2] / "studies"
 
 
 def campaign(value: Any) -> str:
-    """A folder of ``studies`` with rules of its own."""
+    """A folder of ``studies`` with additional rules."""
     known = sorted(path.parent.name for path in STUDIES.glob("*/rules.smk"))
     if value not in known:
         raise ValueError(f"{shown(value)} is not allowed; it must be one of {', '.join(known)}")
@@ -23,6 +23,6 @@ Campaign = Annotated[str, BeforeValidator(campaign)]
 
 
 def required_sections(name: str) -> tuple[str, ...]:
-    """Sections of the configuration that the campaign ``name`` says it cannot do without."""
+    """Sections of the configuration that the campaign ``name`` requires."""
     package = importlib.import_module(f"studies.{name}")
     return tuple(getattr(package, "REQUIRED_SECTIONS", ()))

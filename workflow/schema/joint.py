@@ -1,4 +1,4 @@
-"""The joints of a study: sizes, materials, and what some locks have of their own.
+"""The joints of a study: sizes, materials, and locks that differ.
 
 Keys, ranges, units and defaults are those of `sidmacib.joint`; narrower only where a study needs
 it: its joints weigh something, their inner faces hold, and their dry faces have no strength.
@@ -41,7 +41,7 @@ class InnerFaceSection(_INNER):
 
 
 class DryFaceSection(_DRY):
-    """Frictional faces between the blocks; they have no strength of their own."""
+    """Frictional faces between the blocks; they have no strength."""
 
 
 _OWN_SIZES: Any = changes_to(GeometrySection)
@@ -50,11 +50,11 @@ _DRY_CHANGES: Any = changes_to(DryFaceSection)
 
 
 class InnerChanges(_INNER_CHANGES):
-    """What differs on inner faces; None means no change."""
+    """Changes to inner faces; None means no change."""
 
 
 class DryChanges(_DRY_CHANGES):
-    """What differs on dry faces; None means no change."""
+    """Changes to dry faces; None means no change."""
 
 
 def changed(face: FaceMaterial, changes: InnerChanges | DryChanges) -> FaceMaterial:
@@ -83,7 +83,7 @@ class MaterialsSection(Section):
 
 
 class LockSection(Section):
-    """What a lock has of its own: width (m), density (kg/m3), inner face; None: as the others."""
+    """A lock that differs: width (m), density (kg/m3), inner face; None: as the others."""
 
     width: Length | None = None
     density: _Weight | None = None
@@ -91,12 +91,12 @@ class LockSection(Section):
 
     def own_lock(self, inner: FaceMaterial) -> OwnLock:
         """The section as the models take it, where other locks have this ``inner`` face."""
-        own = changed(inner, self.inner)
-        return OwnLock(self.width, self.density, None if own == inner else own)
+        face = changed(inner, self.inner)
+        return OwnLock(self.width, self.density, None if face == inner else face)
 
 
 class PartSection(Section):
-    """What a model runs of a sample; None: all. The reference variant runs always."""
+    """The parts of a sample that a model runs; None: all. The reference variant always runs."""
 
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
@@ -120,14 +120,14 @@ class SampleSection(_OWN_SIZES):
     only: dict[str, PartSection] = Field(default_factory=dict)
 
     def joint(self, geometry: GeometrySection, materials: MaterialsSection, **others: Any) -> Joint:
-        """The joint; sizes and faces that are not its own are those of the study."""
+        """The joint; sizes and faces that it does not set are those of the study."""
         sizes = {key: getattr(self, key) or size for key, size in geometry.model_dump().items()}
         inner = changed(materials.inner_face, self.inner)
         return Joint(
             self.locks,
             **sizes,
             first=self.first,
-            different={lock: own.own_lock(inner) for lock, own in self.different.items()},
+            different={lock: changes.own_lock(inner) for lock, changes in self.different.items()},
             inner=inner,
             dry=changed(materials.dry_face, self.dry),
             density=materials.density,

@@ -17,7 +17,7 @@ _SAMPLING: Any = section_of(Sampling, joints=_Count, locks=_Locks)
 
 
 class SamplingSection(_SAMPLING):
-    """How many joints, and over which spans; see `workflow.sampling.Sampling`.
+    """Number of joints and ranges of a sampling; see `workflow.sampling.Sampling`.
 
     Width, strengths and normal stiffness are those of the study. ``cells``: numbers of cells along
     the shorter side of a lock, of the two meshes. ``limited``: one in so many joints is solved by
@@ -29,5 +29,5 @@ class SamplingSection(_SAMPLING):
     limited: _Count = 16
 
     def sampling(self) -> Sampling:
-        """The section without what is asked of each joint."""
+        """The sampling, without the keys about solving its joints."""
         return Sampling(**self.model_dump(exclude={"eccentricities", "cells", "limited"}))

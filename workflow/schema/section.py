@@ -1,4 +1,4 @@
-"""What all sections of the configuration have in common."""
+"""The base of all sections of the configuration."""
 
 from typing import Any
 
@@ -22,8 +22,8 @@ def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
     but true and false.
     """
     dataclass: Any = source if isinstance(source, type) else type(source)
-    own = {key: Switch if kind is bool else kind for key, kind in kinds_of(dataclass).items()}
-    annotations = {**own, **kinds}
+    fields_of = {key: Switch if kind is bool else kind for key, kind in kinds_of(dataclass).items()}
+    annotations = {**fields_of, **kinds}
     chosen: dict[str, Any] = {
         key: (annotations[key], getattr(source, key, ...)) for key in keys or annotations
     }

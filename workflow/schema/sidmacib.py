@@ -41,20 +41,23 @@ _READY = {
 
 
 def _with_ready(value: Any) -> Any:
-    """Options by name, in a list or without a value, as what they stand for."""
+    """Options with those given only by name replaced by their definitions."""
     if isinstance(value, list | tuple):
         if twice := [name for number, name in enumerate(value) if name in value[:number]]:
             raise ValueError(f"{shown(twice[0])} appears twice; each name must appear only once")
         value = dict.fromkeys(map(_ready_name, value))
     if not isinstance(value, Mapping):
         return value
-    return {name: _READY[_ready_name(name)] if own is None else own for name, own in value.items()}
+    return {
+        name: _READY[_ready_name(name)] if option is None else option
+        for name, option in value.items()
+    }
 
 
 def _ready_name(name: Any) -> str:
     if not isinstance(name, str) or name not in _READY:
         raise ValueError(
-            f"{shown(name)} is not ready; without positions and portions it must be one of "
+            f"{shown(name)} needs positions and portions; without them it must be one of "
             f"{', '.join(_READY)}"
         )
     return name

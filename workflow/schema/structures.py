@@ -1,4 +1,4 @@
-"""Structures of blocks that a study analyses beside its joints, or without any."""
+"""Structures of blocks that a study analyses, with or without joints."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any
@@ -62,8 +62,8 @@ class StructureSection(Section):
     """A structure of blocks: a ``file`` of `multilock assembly`, or its ``description`` here.
 
     ``file``: beside the configuration. ``models``: which of the study's models and engines analyse
-    it, by default all that know blocks. ``loads``: by name, in place of the description's own load.
-    ``variants``: by name, what each changes in the description; they run beside the reference.
+    it, by default all that can. ``loads``: by name, in place of the load in the description.
+    ``variants``: by name, changes to the description; they run beside the reference variant.
     """
 
     file: _File | None = None

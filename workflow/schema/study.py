@@ -97,8 +97,8 @@ class Study(Section):
 
     def models_of(self, sample: str) -> tuple[str, ...]:
         """Those of `model_names` that run on ``sample``."""
-        own = self.samples[sample].models
-        return tuple(name for name in self.model_names if own is None or name in own)
+        names = self.samples[sample].models
+        return tuple(name for name in self.model_names if names is None or name in names)
 
     def whole_curve(self, sample: str, model: str) -> bool:
         """Whether ``model`` runs ``sample`` at all meshes and eccentricities of the study."""
@@ -109,11 +109,11 @@ class Study(Section):
 
     @property
     def base_joint(self) -> Joint:
-        """What the joints of samplings have in common: the study's width, strength and weight."""
+        """The properties that all joints of samplings share: width, strength and weight."""
         return SampleSection(locks=2).joint(self.geometry, self.materials)
 
     def joint(self, sample: str, change: VariantSection | None = None) -> Joint:
-        """The joint of ``sample``, with what a variant changes."""
+        """The joint of ``sample``, with the changes of a variant."""
         change = change or VariantSection()
         assembly, inner = change.assembly(self.assembly), self.materials.inner
         if change.fracture_energy is not None:
@@ -131,19 +131,19 @@ class Study(Section):
         return Elastic(young or self.materials.young, self.materials.poisson)
 
     def tables_json(self) -> str:
-        """What the tables depend on, as JSON."""
+        """The part of the study that the tables depend on, as JSON."""
         return self._selected()
 
     def measured_json(self) -> str:
-        """What the comparison with measured loads depends on, as JSON."""
+        """The part of the study that the comparison with measured loads depends on, as JSON."""
         return self._selected("measured")
 
     def pieces_json(self) -> str:
-        """What the models of the joint's pieces that need no engine depend on, as JSON."""
+        """The part of the study that models without an engine depend on, as JSON."""
         return self._selected("variants")
 
     def figures_json(self) -> str:
-        """What the figures depend on, as JSON."""
+        """The part of the study that the figures depend on, as JSON."""
         return self._selected("variants", "figures", "measured")
 
     def structures_json(self) -> str:
@@ -153,7 +153,7 @@ class Study(Section):
         )
 
     def calibration_json(self) -> str:
-        """What the search for the published geometry depends on, as JSON."""
+        """The part of the study that the calibration depends on, as JSON."""
         return self.model_dump_json(include={*_TABLES, "dem", "calibration"})
 
     def _selected(self, *sections: str) -> str:

@@ -1,4 +1,4 @@
-"""Kinds of values in the configuration that a joint has not: each with its range and message.
+"""Types of values in the configuration that no joint has, each with its range and message.
 
 A bad value raises a ValueError whose text follows the key's name: "-1 is not allowed; it must
 be ...".
@@ -67,7 +67,7 @@ def name(value: Any) -> str:
         )
     if len(value) > NAME_LENGTH:
         raise ValueError(
-            f"{shown(value)} is too long; a name must have {NAME_LENGTH} letters or fewer"
+            f"{shown(value)} is too long; a name must have at most {NAME_LENGTH} letters"
         )
     return value
 
@@ -88,11 +88,11 @@ def folder(value: Any) -> str:
         )
     parts = path.split("/")
     if parts[-1] in ("", ".", ".."):
-        raise ValueError(f"{shown(text)} is not allowed; it must be a folder of its own")
+        raise ValueError(f"{shown(text)} is not allowed; it must name a folder, not /, . or ..")
     if max(len(p.encode()) for p in parts) > PART_LENGTH or len(path.encode()) > PATH_LENGTH:
         raise ValueError(
-            f"{shown(text)} is too long; each part must have {PART_LENGTH} bytes or fewer, "
-            f"the whole {PATH_LENGTH} or fewer"
+            f"{shown(text)} is too long; each part must have at most {PART_LENGTH} bytes, "
+            f"the whole at most {PATH_LENGTH}"
         )
     return path
 

@@ -16,7 +16,7 @@ def solve(problem: Problem) -> Outcome:
 
 
 def solve_with_path(problem: Problem) -> tuple[Outcome, tuple[Equilibrium, ...]]:
-    """What `solve` finds, and the equilibria themselves; raises as it does."""
+    """The outcome of `solve`, and the equilibria; raises the same errors."""
     found = static_capacity(*problem)
     return _outcome(found.solution, found.path, found.spread), found.path
 

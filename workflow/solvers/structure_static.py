@@ -37,7 +37,7 @@ def solve(problem: Problem) -> Found:
 
 
 def _tilted(problem: Problem, tilt: Tilt) -> Found:
-    """What `solve` finds where gravity turns."""
+    """The outcome of `solve` where gravity turns."""
     assembly, loads = problem
     found = static_tilt(assembly, tilt)
     states = tuple(
@@ -55,7 +55,7 @@ def _tilted(problem: Problem, tilt: Tilt) -> Found:
 
 
 def _mesh_errors(problem: Problem, coarse: Failures) -> MeshErrors:
-    """Of the failures that were found; None where cells of half the size have none or too many."""
+    """Mesh errors of the failures; None if cells of half the size give none, or are too many."""
     assembly, loads = problem
     if FINER * len(assembly.nodes.area) > MOST_NODES:
         return UNKNOWN

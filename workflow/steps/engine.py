@@ -19,7 +19,7 @@ from workflow.run.attempts import KilledError, Settled, last_try
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
-    """Write the record and, if the engine succeeds, its own files; returns what went wrong."""
+    """Write the record and, if the engine succeeds, its files; returns the error message."""
     case = Case.from_json(arguments["case"])
     record, result = outputs["record"], outputs["result"]
     folder = record.parent
@@ -30,11 +30,11 @@ def run(
     try:
         problem = problem_of(case)
         run_engine(engine, problem, case.numerics, title, folder, arguments["time_limit"])
-        found = read_outcome(folder, problem.assembly)
+        outcome = read_outcome(folder, problem.assembly)
         least = case.numerics.first_increment * problem.loads.scale
-        check_bracket(found, case.numerics.tolerance, least)
+        check_bracket(outcome, case.numerics.tolerance, least)
         versions = {engine.name: engine.version()}
-        write_record(record_of(case, problem, found, versions), record)
+        write_record(record_of(case, problem, outcome, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
         if isinstance(error, EngineKilledError) and not last_try():
             raise KilledError(f"{case.name}: {case.model}: {error}") from error
@@ -42,13 +42,14 @@ def run(
             (folder / name).unlink(missing_ok=True)
         result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
         write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
-        told = f"{case.name}: {case.model}: {error}"
-        return Settled(told) if isinstance(error, EngineNoAnswerError | CapacityError) else told
+        reason = f"{case.name}: {case.model}: {error}"
+        settled = isinstance(error, EngineNoAnswerError | CapacityError)
+        return Settled(reason) if settled else reason
     return None
 
 
 def in_short(reason: str) -> str:
-    """A reason on one line: how the engine ended, and the last words of its log."""
+    """A reason on one line: how the engine ended, and the last line of its log."""
     first, *log = reason.splitlines()
     ending = first.partition("; end of ")[0]
     return f"{ending}: {log[-1].strip(' |')}" if log else ending

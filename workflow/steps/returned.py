@@ -1,4 +1,4 @@
-"""Read what a program run elsewhere printed for a case, check it, and write the record."""
+"""Read the output of a program run elsewhere for a case, check it, and write the record."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +13,7 @@ from workflow.threedec import read_returned
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
-    """Write the record; returns what is wrong with the text, None if nothing is."""
+    """Write the record; returns the error message, or None."""
     case = Case.from_json(arguments["case"])
     try:
         problem, found = read_returned(inputs["printed"].read_text(errors="replace"), case)

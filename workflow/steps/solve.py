@@ -33,14 +33,14 @@ def run(
     for data in arguments["cases"]:
         case = Case.from_json(data)
         try:
-            record, assembly, found = solved(case, solver.solve)
+            record, assembly, outcome = solved(case, solver.solve)
         except (CapacityError, ResultError, ValueError, MemoryError) as error:
             reason = str(error) or "out of memory"
             records.append(failed_record(case, f"{case.model}: {reason}"))
             continue
         records.append(record)
-        nodes += node_table(case, assembly, found)
-        histories.append(history_table(case, found))
+        nodes += node_table(case, assembly, outcome)
+        histories.append(history_table(case, outcome))
     outputs["records"].write_text("".join(record.to_json() + "\n" for record in records))
     for tables, path in ((nodes, outputs["nodes"]), (histories, outputs["history"])):
         whole = pa.concat_tables(tables) if tables else pa.table({})
@@ -50,18 +50,18 @@ def run(
 
 
 def solved(case: Case, solve: Callable[[Problem], Outcome]) -> tuple[CaseRecord, Assembly, Outcome]:
-    """The checked record of ``case``, its assembly and what the model found."""
+    """The checked record of ``case``, its assembly and the model's outcome."""
     problem = problem_of(case)
-    found = solve(problem)
-    return record_of(case, problem, found, {}), problem.assembly, found
+    outcome = solve(problem)
+    return record_of(case, problem, outcome, {}), problem.assembly, outcome
 
 
-def node_table(case: Case, assembly: Assembly, found: Outcome) -> list[pa.Table]:
+def node_table(case: Case, assembly: Assembly, outcome: Outcome) -> list[pa.Table]:
     """Stresses at the peak, one row per node, in the columns of an engine's nodes.csv.
 
-    No table if the model tells none.
+    No table if the model computes no stresses.
     """
-    nodes, peak = assembly.nodes, found.path[-1]
+    nodes, peak = assembly.nodes, outcome.path[-1]
     if peak.force is None or peak.bonded is None:
         return []
     stress = force_to_stress(nodes, face_frames(assembly), peak.force)
@@ -75,13 +75,13 @@ def node_table(case: Case, assembly: Assembly, found: Outcome) -> list[pa.Table]
     return [pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})]
 
 
-def history_table(case: Case, found: Outcome) -> pa.Table:
+def history_table(case: Case, outcome: Outcome) -> pa.Table:
     """Load and displacement of each equilibrium on the way, one row each."""
     load, moved = HISTORY_COLUMNS
     columns = {
-        "case": _repeated(case.name, len(found.path)),
-        load: pa.array([state.load for state in found.path]),
-        moved: pa.array([state.displacement for state in found.path], pa.float64()),
+        "case": _repeated(case.name, len(outcome.path)),
+        load: pa.array([state.load for state in outcome.path]),
+        moved: pa.array([state.displacement for state in outcome.path], pa.float64()),
     }
     return pa.table(columns)
 

@@ -19,13 +19,13 @@ from workflow.structures.case import StructureCase
 from workflow.structures.found import Found
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
 
-BROKEN = "_broken_share"  # ends the columns of a history that tell of bonds
+BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
 
 
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> str | None:
-    """Write the record, and beside it the engine's own files; returns what went wrong."""
+    """Write the record, and beside it the engine's files; returns the error message."""
     case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
     folder = path.parent
     (folder / CASE).write_text(case.to_json())
@@ -33,9 +33,9 @@ def run(
     try:
         record = found_by_engine(case, folder, arguments["time_limit"])
     except (EngineError, ResultError, CapacityError, ValueError) as error:
-        told = f"{case.name}: {case.model}: {error}"
+        reason = f"{case.name}: {case.model}: {error}"
         if isinstance(error, EngineKilledError) and not last_try():
-            raise KilledError(told) from error
+            raise KilledError(reason) from error
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)
         if NEVER_FALLS in str(error):  # an answer, if not a number
@@ -43,13 +43,13 @@ def run(
         else:
             record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
             settled = isinstance(error, EngineNoAnswerError | CapacityError)
-            wrong = Settled(told) if settled else told
+            wrong = Settled(reason) if settled else reason
     path.write_text(record.to_json() + "\n")
     return wrong
 
 
 def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> StructureRecord:
-    """The checked record of ``case``, or of why its engine cannot do the structure."""
+    """The checked record of ``case``, or a record of the reason why its engine refuses it."""
     engine = ENGINES[case.model]
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     problem = structure_of(case.description, "the description")

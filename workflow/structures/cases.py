@@ -14,7 +14,7 @@ from workflow.schema import Study
 from workflow.schema.structures import StructureSection
 from workflow.structures.case import StructureCase, changed, structure_case_name
 
-LOAD = "load"  # the name of a description's own load
+LOAD = "load"  # the name of the load in a description
 ABLE = tuple(  # models of structures: those of rigid pieces
     name
     for name, model in MODELS.items()
@@ -26,7 +26,7 @@ ABLE = tuple(  # models of structures: those of rigid pieces
 class StructureJobs:
     """The cases of structures by the job that finds their results.
 
-    ``engines``: each in a job of its own; ``solved``: by model and structure, one job for all loads
+    ``engines``: each in a separate job; ``solved``: by model and structure, one job for all loads
     and variants.
     """
 
@@ -72,9 +72,9 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
 
 def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
     """Those of the study's models that analyse a structure."""
-    own = section.models
+    names = section.models
     return tuple(
-        name for name in study.model_names if name in ABLE and (own is None or name in own)
+        name for name in study.model_names if name in ABLE and (names is None or name in names)
     )
 
 
@@ -98,13 +98,16 @@ def structure_faults(study: Study) -> Iterator[str]:
             elif model in (section.models or ())[:number]:
                 yield f"{key}.models: {model} appears twice; each name must appear only once"
         if REFERENCE in section.variants:
-            yield f"{key}.variants: the name {REFERENCE} is taken; it must be another"
+            yield f"{key}.variants: the name {REFERENCE} is reserved; choose another name"
         if section.description is None:
-            yield f"{key}: lacks the key description, or file"
+            yield f"{key}: missing; give description or file"
             continue
         named = set(section.models or ABLE)
         if not models_of(study, section) and named <= set(ABLE) and not named & set(ENGINES):
-            yield f"{key}.models: none of the study's; it must have {' or '.join(ABLE)}"
+            yield (
+                f"{key}.models: none of these is in the study's models; it must have "
+                f"{' or '.join(ABLE)}"
+            )
         yield from dict.fromkeys(_unreadable(key, section))
 
 

@@ -1,4 +1,4 @@
-"""What a model finds for a structure, before it is checked."""
+"""The outcome of a model for a structure, before it is checked."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a model found for a structure, checked: loads, and what interfaces and blocks do."""
+"""The checked result of a structure: loads, forces on interfaces and motions of blocks."""
 
 import dataclasses
 import json
@@ -137,7 +137,7 @@ class StructureRecord:
 def record_without_result(
     case: StructureCase, *, refused: str | None = None, error: str | None = None
 ) -> StructureRecord:
-    """The record of a case that the model cannot do, or that ended without a result."""
+    """The record of a case that the model refuses, or that ended without a result."""
     return StructureRecord(**_identity(case), refused=_in_a_line(refused), error=_in_a_line(error))
 
 
@@ -184,7 +184,7 @@ def structure_record(
 def interface_rows(
     assembly: Assembly, peak: State, force: Floats, broken_at: Mapping[int, float]
 ) -> tuple[InterfaceRow, ...]:
-    """What each interface carries under node forces, (N, 3) in N in the frame of its face.
+    """Resultants on each interface from node forces, (N, 3) in N in the frame of its face.
 
     ``broken_at``: loads (N), see `workflow.structures.found`.
     """
@@ -192,9 +192,9 @@ def interface_rows(
     size = float(np.abs(force).max(initial=0.0))
     rows = []
     for number, each in enumerate(interface_forces(assembly, force, state)):
-        face, own = assembly.faces[number], assembly.nodes.face == number
-        arms = assembly.nodes.position[own] - np.array(face.middle)
-        moment = np.cross(arms @ face.axes.T, force[own]).sum(axis=0)
+        face, at_face = assembly.faces[number], assembly.nodes.face == number
+        arms = assembly.nodes.position[at_face] - np.array(face.middle)
+        moment = np.cross(arms @ face.axes.T, force[at_face]).sum(axis=0)
         law, shear_only = face.material, face.kind is Kind.LOCKED
         used = None if shear_only or not math.isfinite(each.utilisation) else each.utilisation
         rows.append(

@@ -1,9 +1,10 @@
 """Finite elements of linear elastic cuboids, condensed to their contact nodes.
 
 Elements are hexahedra on a grid of lines along x, y and z. On such a grid every integral over the
-cuboid is a product of integrals along lines. If contact nodes are the vertices of cells, elements are trilinear and have the same nodes. Otherwise they are
-triquadratic, which bend without locking: their nodes include the Gauss-Lobatto nodes, and a node at
-the centre of a cell has the mean displacement of the cell.
+cuboid is a product of integrals along lines. If contact nodes are the vertices of cells, elements
+are trilinear and have the same nodes. Otherwise they are triquadratic, which bend without locking:
+their nodes include the Gauss-Lobatto nodes, and a node at the centre of a cell has the mean
+displacement of the cell.
 
 A piece floats: its rigid motion is left out. Loads that are not in equilibrium are balanced by
 accelerations; the displacements are those whose mean over the mass has no translation and no

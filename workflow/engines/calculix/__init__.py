@@ -1,1 +1,1 @@
-"""CalculiX: what it can do (engine), and the modules of its script, copied beside every script."""
+"""CalculiX: its abilities (module engine), and the modules copied beside every script."""

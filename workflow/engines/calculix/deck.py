@@ -1,6 +1,6 @@
 """CalculiX's input deck of an assembly of elastic pieces.
 
-Every piece has a grid of its own, of hexahedra with incompatible modes (C3D8I), which bend without
+Every piece has a separate grid of hexahedra with incompatible modes (C3D8I), which bend without
 locking. Grid lines run through the contact nodes of all but smooth faces, so that displacement
 jumps are read there, and between these elements are no longer than half the mesh. Fixed pieces are
 one layer whose nodes are all held, with the grid of what they touch.
@@ -65,19 +65,21 @@ class Grid:
         return self.first_element + (steps[0] * second + steps[1]) * third + steps[2]
 
     def place(self, steps: Sequence[int]) -> list[float]:
-        """Where a node is, in m."""
+        """Position of a node, in m."""
         return [line[step] for line, step in zip(self.lines, steps, strict=True)]
 
     def corners(self, steps: Sequence[int]) -> list[int]:
         """Numbers of the nodes of an element, in CalculiX's order."""
-        return [self.node([s + c for s, c in zip(steps, own, strict=True)]) for own in CORNERS]
+        return [
+            self.node([s + c for s, c in zip(steps, offset, strict=True)]) for offset in CORNERS
+        ]
 
     def weights(self, place: Vector) -> dict[int, float]:
         """Shape functions at a place in m, by node; those that are 0 there are left out."""
         along = [line_weights(line, x) for line, x in zip(self.lines, place, strict=True)]
         return {
-            self.node([step for step, _ in own]): math.prod(share for _, share in own)
-            for own in product(*along)
+            self.node([step for step, _ in corner]): math.prod(share for _, share in corner)
+            for corner in product(*along)
         }
 
     def span(self, axis: int, low: float, high: float) -> range:
@@ -94,8 +96,8 @@ class Grid:
 def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]:
     """Steps to the grid lines about a place, and their shares in it."""
     near = CLOSE * (line[-1] - line[0])
-    for step, own in enumerate(line):
-        if abs(own - place) <= near:
+    for step, value in enumerate(line):
+        if abs(value - place) <= near:
             return [(step, 1.0)]
     for step, (low, high) in enumerate(pairwise(line)):
         if low < place < high:
@@ -105,7 +107,7 @@ def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]
 
 
 class Deck:
-    """The deck of ``assembly``, and what its nodes tell."""
+    """The deck of ``assembly``, and the evaluation of its nodes."""
 
     def __init__(self, assembly: Assembly) -> None:
         for piece in assembly.pieces:
@@ -161,16 +163,21 @@ class Deck:
         return (*found, places[-1])
 
     def _node_lines(self, number: int, axis: int, low: float, high: float) -> list[float]:
-        """Where a face's contact nodes are along an axis, and the edges of their cells."""
+        """Coordinates of a face's contact nodes along an axis, and the edges of their cells."""
         nodes = self.assembly.nodes
-        own = merged([n.position_m[axis] for n in nodes if n.face == number], CLOSE * (high - low))
+        places = merged(
+            [n.position_m[axis] for n in nodes if n.face == number], CLOSE * (high - low)
+        )
         if self.assembly.layout != "centres":
-            return own
-        return [*own, *(low + (high - low) * cell / len(own) for cell in range(len(own) + 1))]
+            return places
+        return [
+            *places,
+            *(low + (high - low) * cell / len(places) for cell in range(len(places) + 1)),
+        ]
 
     # --- loads -----------------------------------------------------------------------------------
     def _forces(self, permanent: bool) -> Forces:
-        """Nodal forces of what always acts (N), or of the load per newton of it."""
+        """Nodal forces of the permanent loads (N), or of the variable load per newton."""
         found: Forces = {}
         for index, piece in enumerate(self.assembly.pieces):
             if piece.fixed:
@@ -189,7 +196,7 @@ class Deck:
 
     # --- text ------------------------------------------------------------------------------------
     def text(self, title: str, loads: Sequence[float]) -> str:
-        """The deck: first what always acts, then one step to each of the ``loads`` (N)."""
+        """The deck: first the permanent loads, then one step to each of the ``loads`` (N)."""
         lines = ["*HEADING", title, *self._mesh(), *self._contacts()]
         lines += self._step(self.permanent, 1.0)
         for number, load in enumerate(loads):
@@ -219,10 +226,10 @@ class Deck:
             yield from ("*BOUNDARY", f"{HELD}, 1, 3")
         some = next(piece for piece in pieces if piece.young_Pa is not None)
         for index, piece in enumerate(pieces):
-            own = some if piece.young_Pa is None else piece  # of fixed pieces any will do
-            assert own.young_Pa is not None
+            elastic = some if piece.young_Pa is None else piece  # any will do for fixed pieces
+            assert elastic.young_Pa is not None
             yield f"*MATERIAL, NAME=M{index}"
-            yield from ("*ELASTIC", f"{printed(own.young_Pa)}, {printed(own.poisson)}")
+            yield from ("*ELASTIC", f"{printed(elastic.young_Pa)}, {printed(elastic.poisson)}")
             yield f"*SOLID SECTION, ELSET=P{index}, MATERIAL=M{index}"
 
     def _contacts(self) -> Iterator[str]:
@@ -273,8 +280,8 @@ class Deck:
         found: dict[int, float] = {}
         for place, share in self._places(number):
             for index, sign in ((face.below, 1.0), (face.above, -1.0)):
-                for own, weight in self.grids[index].weights(place).items():
-                    found[own] = found.get(own, 0.0) + sign * share * weight
+                for grid_node, weight in self.grids[index].weights(place).items():
+                    found[grid_node] = found.get(grid_node, 0.0) + sign * share * weight
         return found
 
     def _places(self, number: int) -> list[tuple[list[float], float]]:
@@ -291,8 +298,8 @@ class Deck:
             shares = ((-half, 0.25), (0.0, 0.5), (half, 0.25)) if k != axis else ((0.0, 1.0),)
             along.append([(position[k] + shift, share) for shift, share in shares])
         return [
-            ([place for place, _ in own], math.prod(share for _, share in own))
-            for own in product(*along)
+            ([place for place, _ in point], math.prod(share for _, share in point))
+            for point in product(*along)
         ]
 
 
@@ -342,7 +349,7 @@ def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | Non
         axis, high = end
         arm[axis] = (piece.high_m if high else piece.low_m)[axis] - centre[axis]
     force = list(wrench[:3])
-    moment = plus(wrench[3:], cross(arm, force), -1.0)  # about the side's own centre
+    moment = plus(wrench[3:], cross(arm, force), -1.0)  # about the centre of the side
     turn = [0.0, 0.0, 0.0]
     for k in range(3):
         second = math.fsum(edge**2 for j, edge in enumerate(size) if j != k) / 12
@@ -355,12 +362,12 @@ def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | Non
             along.append(shares(line))
     middle = plus(centre, arm)
     found: Forces = {}
-    for own in product(*along):
-        node = grid.node([step for step, _, _ in own])
-        part = math.prod(share for _, share, _ in own)
+    for point in product(*along):
+        node = grid.node([step for step, _, _ in point])
+        part = math.prod(share for _, share, _ in point)
         # From the middle to the mean place, weighted by the node's shape function.
         lever = [
-            0.0 if end and k == end[0] else own[k][2] / own[k][1] - middle[k] for k in range(3)
+            0.0 if end and k == end[0] else point[k][2] / point[k][1] - middle[k] for k in range(3)
         ]
         for k, value in enumerate(plus(force, cross(turn, lever))):
             if value:
@@ -369,7 +376,7 @@ def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | Non
 
 
 def shares(line: Sequence[float]) -> list[tuple[int, float, float]]:
-    """Of each grid line: its step, the mean of its shape function and that times the place."""
+    """For each grid line: its step, the mean of its shape function and that times the place."""
     length = line[-1] - line[0]
     mean, first = [0.0] * len(line), [0.0] * len(line)
     for step, (low, high) in enumerate(pairwise(line)):

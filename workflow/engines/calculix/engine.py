@@ -9,7 +9,7 @@ from workflow.model import Ability
 
 
 def _version() -> str:
-    """What CalculiX says of itself; it ends with an exit code although nothing is wrong."""
+    """The text with CalculiX's version; it ends with an exit code although it succeeds."""
     return subprocess.run(
         ["ccx", "-v"], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False
     ).stdout

@@ -1,4 +1,4 @@
-"""CalculiX on a deck, and what it prints while it runs."""
+"""CalculiX on a deck, and the results that it writes while it runs."""
 
 import os
 import re
@@ -57,11 +57,11 @@ class CalculixProcess:
         self.process.wait()
 
     def version(self) -> str:
-        """Its own version, such as 2.20, which its results hold."""
+        """The version of CalculiX, such as 2.20, from its results."""
         with self.results.open() as stream:
             found = re.search(r"^ +1UVERSION +Version ([\w.]+)", stream.read(4096), re.MULTILINE)
         if not found:
-            raise SystemExit("CalculiX does not tell its version")
+            raise SystemExit("CalculiX: its output states no version")
         return found[1]
 
     def why(self) -> str:

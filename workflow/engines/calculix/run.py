@@ -35,7 +35,7 @@ def find_first_failure(
 ) -> None:
     """Look for it and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
-    ``first_increment_N``: the first step of the load; ``tolerance``: to which the load is told.
+    ``first_increment_N``: the first step of the load; ``tolerance``: of the load.
     """
     loads = raised(first_increment_N)
     deck = Deck(assembly)
@@ -50,7 +50,7 @@ def find_first_failure(
         along = math.fsum(force * moved[node][k - 1] for (node, k), force in deck.variable.items())
         if not math.isfinite(along):
             raise SystemExit(f"the computation has diverged: displacement {along} m")
-        jumps = [jump(own, moved) for own in weights]
+        jumps = [jump(weight, moved) for weight in weights]
         state = State(load_at(time, loads), jumps, along)
         used = most_used(assembly, jumps)
         over = not used <= 1.0
@@ -61,15 +61,16 @@ def find_first_failure(
             continue
         engine.stop()
         if before is None:
-            raise NoAnswerError("the assembly does not stand under its permanent loads")
+            raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
         forces = record(history, failing, Outcome.EQUILIBRIUM.value)
         # Pieces that slide off are carried as far as one likes, as friction has no tangent there.
         if not max(row["unbalanced_ratio"] for row in history.rows[-2:]) <= LARGEST_UNBALANCED:
             raise NoAnswerError(
-                f"no first failure: {told(assembly, before)}, and beyond it the displacements that "
-                "CalculiX finds are no equilibrium"
+                f"no first failure: {in_words(assembly, before)}, and beyond it the "
+                "displacements from "
+                "CalculiX are not in equilibrium"
             )
         load = failing.load
         peak = Peak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
@@ -77,13 +78,13 @@ def find_first_failure(
         return
     if before is None:
         raise SystemExit(f"CalculiX finds no equilibrium under permanent loads: {engine.why()}")
-    why = f"CalculiX goes no further: {engine.why()}"
+    why = f"CalculiX stopped: {engine.why()}"
     if before.load >= loads[-1] * (1.0 - 1e-9):
         why = "the load grows without a failure"
-    raise SystemExit(f"no first failure: {told(assembly, before)}, and {why}")
+    raise SystemExit(f"no first failure: {in_words(assembly, before)}, and {why}")
 
 
-def told(assembly: Assembly, state: State) -> str:
+def in_words(assembly: Assembly, state: State) -> str:
     """A state in words."""
     used = 100 * most_used(assembly, state.jumps)
     return f"at {state.load:g} N {used:.3g} % of the strength is used"
@@ -177,13 +178,13 @@ def record(history: History, state: State, stage: str) -> list[NodeForce]:
 
 
 def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> float:
-    """Mean force that is left on a piece, over the load, or over what always acts if that is more.
+    """Mean unbalanced force on a piece over the load, or over the permanent loads if larger.
 
-    It tells how well these node forces stand for CalculiX's contacts.
+    It shows how well these node forces represent CalculiX's contacts.
     """
     left = [plus([0.0, 0.0, 0.0], piece.force_N) for piece in assembly.pieces]
-    for own in assembly.loads:
-        left[own.piece] = plus(left[own.piece], own.force, load)
+    for point_load in assembly.loads:
+        left[point_load.piece] = plus(left[point_load.piece], point_load.force, load)
     for force, node in zip(forces, assembly.nodes, strict=True):
         face = assembly.faces[node.face]
         whole = plus(force.shear, face.normal, force.normal)

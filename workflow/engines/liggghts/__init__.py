@@ -1,1 +1,1 @@
-"""LIGGGHTS: what it can do (engine), and the modules of its script, copied beside every script."""
+"""LIGGGHTS: its abilities (module engine), and the modules copied beside every script."""

@@ -180,9 +180,9 @@ class Deck:
         ]
 
     def spring_stiffness(self, node: int) -> float:
-        """Of the spring at an inner node, in N/m."""
-        own = self.assembly.nodes[node]
-        return self.assembly.faces[own.face].material.normal_stiffness * own.area_m2
+        """Stiffness of the spring at an inner node, in N/m."""
+        contact = self.assembly.nodes[node]
+        return self.assembly.faces[contact.face].material.normal_stiffness * contact.area_m2
 
     def data_file(self, title: str) -> str:
         """Text of the file of atoms and bonds."""
@@ -314,7 +314,7 @@ class Deck:
                 yield f"fix {name} {name} addforce {' '.join(terms)}"
         if groups > GROUPS:
             raise NoAnswerError(
-                f"liggghts: {groups} places to put the loads; it can have {GROUPS} at most"
+                f"liggghts: {groups} points of load application; at most {GROUPS} are allowed"
             )
 
     def _turning(self, gravity: float, share: str) -> Iterator[str]:

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 from sidmacib.drawing import ORANGE
-from workflow.engines.engine import Engine, own_environment
+from workflow.engines.engine import Engine, engine_environment
 from workflow.model import Ability
 
 
@@ -16,7 +16,7 @@ def _help() -> str:
         capture_output=True,
         text=True,
         errors="replace",
-        env=own_environment(**alone),
+        env=engine_environment(**alone),
         check=False,
     ).stdout
 

@@ -7,9 +7,11 @@ from ..scripts.assembly import Assembly, Piece, Vector, length, plus
 
 def common_gravity(assembly: Assembly) -> float:
     """The acceleration (m/s2) along -z that all free pieces have, whatever else acts; or else 0."""
-    own = [-p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)]
-    least = max(0.0, min(own))
-    return own[0] if math.isclose(own[0], least, rel_tol=1e-12) else least
+    accelerations = [
+        -p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)
+    ]
+    least = max(0.0, min(accelerations))
+    return accelerations[0] if math.isclose(accelerations[0], least, rel_tol=1e-12) else least
 
 
 def common_acceleration(assembly: Assembly) -> Vector:
@@ -30,7 +32,7 @@ def common_acceleration(assembly: Assembly) -> Vector:
 
 
 def beyond_gravity(piece: Piece, gravity: float) -> Vector:
-    """What always acts on a piece besides its weight under ``gravity`` (m/s2), in N."""
+    """Permanent force (N) on a piece besides its weight under ``gravity`` (m/s2)."""
     x, y, z = piece.force_N
     alike = math.isclose(-z, gravity * piece.mass_kg, rel_tol=1e-12)
     return x, y, 0.0 if alike else z + gravity * piece.mass_kg

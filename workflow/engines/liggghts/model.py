@@ -18,14 +18,14 @@ PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 @dataclass(frozen=True)
 class Event:
-    """What was done to the assembly: its load was raised (N), or springs of nodes were cut."""
+    """A change of the assembly: its load was raised (N), or springs of nodes were cut."""
 
     load: float | None
     nodes: tuple[int, ...] = ()
 
 
 class Placement:
-    """Where a piece has moved to: its centroid (m) and its axes."""
+    """Position of a moved piece: its centroid (m) and its axes."""
 
     def __init__(self, start: Vector, distance: float, places: Sequence[float]) -> None:
         """``places`` (m) of its handles, +x, -x, +y, -y, +z, -z, ``distance`` from ``start``."""
@@ -38,7 +38,7 @@ class Placement:
         ]
 
     def place(self, position: Vector) -> list[float]:
-        """Where a point of the piece is now."""
+        """Present position of a point of the piece."""
         arm = plus(position, self.start, -1.0)
         return [
             c + math.fsum(arm[k] * self.axes[k][i] for k in range(3))
@@ -53,7 +53,7 @@ class Placement:
 
 
 class LiggghtsModel:
-    """A LIGGGHTS that holds the assembly, and what was done to it so far."""
+    """A LIGGGHTS process with the assembly, and the changes made so far."""
 
     def __init__(self, deck: Deck, ranks: int, history: History) -> None:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
@@ -72,11 +72,11 @@ class LiggghtsModel:
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, load: float) -> Outcome:
-        """Raise the load (N) smoothly and wait for what becomes of the assembly."""
+        """Raise the load (N) smoothly and wait for the outcome."""
         return self._new(Event(load))
 
     def cut(self, nodes: Iterable[int]) -> Outcome:
-        """Cut the springs of nodes and wait for what becomes of the assembly."""
+        """Cut the springs of nodes and wait for the outcome."""
         return self._new(Event(None, tuple(sorted(nodes))))
 
     def back(self) -> None:
@@ -143,7 +143,7 @@ class LiggghtsModel:
         return self._waits(1, SWING)
 
     def _waits(self, patience: int, swing: float = math.inf) -> Outcome:
-        """Wait for what becomes of the assembly.
+        """Wait for the outcome.
 
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
         times the unbalanced ratio.
@@ -168,7 +168,7 @@ class LiggghtsModel:
 
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:
-        """Where each free piece is."""
+        """Placement of each free piece."""
         values, pieces = self.engine.values(self.place_variables), self.assembly.pieces
         return {
             piece: Placement(
@@ -202,8 +202,8 @@ class LiggghtsModel:
 
         forces = {}
         for node in self.deck.bond:
-            own = self.assembly.nodes[node]
-            face, position = self.assembly.faces[own.face], own.position_m
+            contact = self.assembly.nodes[node]
+            face, position = self.assembly.faces[contact.face], contact.position_m
             apart = plus(place(face.below, position), place(face.above, position), -1.0)
             stiffness = self.deck.spring_stiffness(node)
             forces[node] = [0.0 if node in self.cut_nodes else stiffness * d for d in apart]
@@ -227,9 +227,9 @@ class LiggghtsModel:
         rows = {}
         for node, force in self.spring_forces().items():
             if node not in self.cut_nodes:
-                own = self.assembly.nodes[node]
-                face = self.assembly.faces[own.face]
-                rows[node] = utilisation(force, face.normal, face.material, own.area_m2)
+                contact = self.assembly.nodes[node]
+                face = self.assembly.faces[contact.face]
+                rows[node] = utilisation(force, face.normal, face.material, contact.area_m2)
         return rows
 
     def record(self, load: float, stage: str) -> list[NodeForce]:
@@ -239,5 +239,5 @@ class LiggghtsModel:
         return nodes
 
     def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason where contact spheres no longer stand for flat faces."""
+        """End with a reason if contact spheres no longer represent flat faces."""
         check_flat(self.assembly, self.motions(), self.deck.radii, nodes, self.load)

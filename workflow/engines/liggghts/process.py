@@ -21,12 +21,12 @@ MPIRUN = ("--allow-run-as-root", "--oversubscribe", "--mca", "mpi_yield_when_idl
 
 
 def command(ranks: int) -> tuple[str, ...]:
-    """What starts LIGGGHTS; mpirun, which always listens, does so where nobody can reach it."""
-    own = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
+    """The command for LIGGGHTS; mpirun, which always listens, runs in a private network."""
+    prefix = (*ENDS_WITH_PARENT, "stdbuf", "-oL")
     if ranks == 1:
-        return (*own, *LIGGGHTS)
+        return (*prefix, *LIGGGHTS)
     mpirun = ("mpirun", "-np", str(ranks), *MPIRUN)
-    return (*in_private_network(), *own, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
+    return (*in_private_network(), *prefix, *mpirun, *ENDS_WITH_PARENT, *LIGGGHTS)
 
 
 def own_folder() -> dict[str, str]:
@@ -41,7 +41,7 @@ def own_folder() -> dict[str, str]:
 
 
 class LiggghtsProcess:
-    """LIGGGHTS on ``ranks`` processes; what goes wrong ends this script with its last words."""
+    """LIGGGHTS on ``ranks`` processes; an error ends this script with its last lines."""
 
     def __init__(self, ranks: int) -> None:
         self.process = subprocess.Popen(
@@ -71,7 +71,10 @@ class LiggghtsProcess:
             if line.strip() == mark:
                 return lines
             lines.append(line.rstrip())
-        print("\n".join([*lines[-20:], "LIGGGHTS has ended"]), file=sys.stderr)
+        print(
+            "\n".join([*lines[-20:], "LIGGGHTS ended before its commands were done"]),
+            file=sys.stderr,
+        )
         killed = -self.process.wait() == signal.SIGKILL
         sys.exit(128 + signal.SIGKILL if killed else 1)
 
@@ -97,7 +100,7 @@ class LiggghtsProcess:
         return printed_values(self.tell(f'print "values {text}"'))
 
     def stop(self) -> None:
-        """End it, at the end of its input: so it takes its own files away."""
+        """End it by closing its input, so that it removes its temporary files."""
         self.process.communicate()
 
 
@@ -106,7 +109,7 @@ def version_in(lines: Sequence[str]) -> str:
     for line in lines:
         if found := re.search(r"LIGGGHTS \(Version LIGGGHTS-\w+ ([\w.]+)", line):
             return found[1]
-    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS does not tell its version"]))
+    raise SystemExit("\n".join([*lines[-20:], "LIGGGHTS: its output states no version"]))
 
 
 def dumped_rows(text: str) -> dict[int, list[float]]:
@@ -118,9 +121,11 @@ def dumped_rows(text: str) -> dict[int, list[float]]:
 
 
 def printed_values(lines: Sequence[str]) -> list[float]:
-    """Numbers of the printed line that begins with "values"; exits if one is none."""
+    """Numbers of the printed line that begins with "values"; exits if one is not finite."""
     line = next(line for line in lines if line.startswith("values "))
     found = [float(value) for value in line.split()[1:]]
     if not all(map(math.isfinite, found)):
-        raise SystemExit("the computation has diverged: LIGGGHTS' results are no numbers")
+        raise SystemExit(
+            "the computation has diverged: LIGGGHTS returned values that are not finite numbers"
+        )
     return found

@@ -26,8 +26,8 @@ class Material:
     tensile_strength: float
 
     @property
-    def told_tensile_strength(self) -> float:
-        """Tensile strength (Pa), or the least that can be told from none by more than rounding.
+    def effective_tensile_strength(self) -> float:
+        """Tensile strength (Pa), or the least that differs from none by more than rounding.
 
         Bonds without any would break in faces that carry nothing, at random.
         """
@@ -36,7 +36,7 @@ class Material:
 
 @dataclass(frozen=True)
 class Piece:
-    """A piece; force (N) and moment (N m) are what always acts on it at its centroid.
+    """A piece; force (N) and moment (N m) are its permanent loads at its centroid.
 
     ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
     depend on it. ``low_m``, ``high_m``: opposite corners. ``young_Pa``: Young's modulus, None of
@@ -168,9 +168,9 @@ class Assembly:
 
 @dataclass(frozen=True)
 class Guide:
-    """Where another model expects failure, in N: of the first node (None: of none), and the peak.
+    """Loads of another model, in N: the first failure (None: no node fails) and the peak.
 
-    It tells where to look first. What stands and what fails is found out all the same.
+    It only sets where the search starts; the engine decides which loads fail.
     """
 
     first_failure_N: float | None
@@ -188,13 +188,13 @@ class Guide:
 
 @dataclass(frozen=True)
 class Search:
-    """How the peak is searched.
+    """Parameters of the search for the peak.
 
     ``ramp_steps``: time steps in which the whole load is raised; ``hold_steps``: of the longest
     wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
     period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
     ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
-    last increment over the peak. ``guide``: where to look first, if anything tells.
+    last increment over the peak. ``guide``: where the search starts, if known.
     ``half_turn_N``: the load at which gravity that turns has done so by 180 degrees, the last one.
     """
 
@@ -292,12 +292,12 @@ def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> fl
     """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))
-    strengths = (shear, law.cohesion * area), (-along, law.told_tensile_strength * area)
-    return max(_over(own, strength) for own, strength in strengths)
+    strengths = (shear, law.cohesion * area), (-along, law.effective_tensile_strength * area)
+    return max(_over(stress, strength) for stress, strength in strengths)
 
 
 def _over(force: float, strength: float) -> float:
-    """A force over its strength; infinite where there is none to withstand it."""
+    """A force over its strength; infinite for a force without strength."""
     if strength:
         return force / strength
     return math.inf if force > 0.0 else 0.0

@@ -18,12 +18,14 @@ SET_INTERFACE_FLAGS, UP_AND_RUNNING = 0x8914, 0x1 | 0x40
 
 
 def in_private_network() -> tuple[str, ...]:
-    """Prefix of a command that sees a loopback interface of its own and no other network.
+    """Prefix of a command that runs with a private loopback interface and no other network.
 
     Empty, with a warning, where the system allows no such network.
     """
     if subprocess.run([*PRIVATE_NETWORK, "true"], capture_output=True, check=False).returncode:
-        print("no private network here: MPI listens on ports of all interfaces", flush=True)
+        print(
+            "no private network namespace here: MPI listens on ports of all interfaces", flush=True
+        )
         return ()
     return (*PRIVATE_NETWORK, *ENDS_WITH_PARENT, sys.executable, __file__)
 

@@ -1,4 +1,4 @@
-"""Whether contact spheres still stand for flat faces.
+"""Checks that contact spheres still represent flat faces.
 
 Two spheres of radius R stand for a node. Where one piece slips by s along the face, their centres
 move apart by s^2 / (4 R), which flat faces do not. Times the node's stiffness that is a spurious
@@ -44,7 +44,7 @@ def check_flat(
     forces: Sequence[NodeForce],
     load: float,
 ) -> None:
-    """End with a reason where contact spheres do not stand for flat faces at a ``load`` (N).
+    """End with a reason if contact spheres do not represent flat faces at a ``load`` (N).
 
     ``motions``: of each piece; ``radii``: of each face's spheres, in m; ``forces``: of each node.
     """
@@ -62,13 +62,13 @@ def roundness(
     forces: Sequence[NodeForce],
     load: float,
 ) -> str | None:
-    """Why spheres do not stand for flat faces; None if they do. Arguments as `check_flat` has."""
+    """Why spheres do not represent flat faces; None if they do. Arguments as for `check_flat`."""
     share = spurious_force(assembly, motions, radii, forces) / max(load, assembly.permanent_N)
     if share > LARGEST_SHARE:
-        return f"spurious forces are {share:.2g} of the load, and may be {LARGEST_SHARE:g}"
+        return f"spurious forces are {share:.2g} of the load; the limit is {LARGEST_SHARE:g}"
     shift = contact_shift(assembly, motions, radii, forces)
     if shift > LARGEST_SHIFT:
-        return f"contacts move by {shift:.2g} of half a face, and may by {LARGEST_SHIFT:g}"
+        return f"contacts move by {shift:.2g} of half a face; the limit is {LARGEST_SHIFT:g}"
     return None
 
 
@@ -99,11 +99,11 @@ def contact_shift(
     forces: Sequence[NodeForce],
 ) -> float:
     """Largest movement of a point of contact where a piece turns, over half its face's length."""
-    own: list[list[int]] = [[] for _ in assembly.faces]
+    numbers_of: list[list[int]] = [[] for _ in assembly.faces]
     for number, node in enumerate(assembly.nodes):
-        own[node.face].append(number)
+        numbers_of[node.face].append(number)
     largest = 0.0
-    for face, radius, numbers in zip(assembly.faces, radii, own, strict=True):
+    for face, radius, numbers in zip(assembly.faces, radii, numbers_of, strict=True):
         if any(forces[n].bonded or forces[n].normal > 0 for n in numbers):
             turn = plus(motions[face.above].rotation, motions[face.below].rotation, -1.0)
             shift = radius * across(turn, face.normal) / 2
@@ -117,7 +117,7 @@ def moved(position: Vector, centre: Vector, motion: Motion) -> list[float]:
 
 
 def across(vector: Vector, normal: Vector) -> float:
-    """Length of what a vector has across a unit normal."""
+    """Length of the component of a vector across a unit normal."""
     return length(plus(vector, normal, -dot(vector, normal)))
 
 

@@ -1,4 +1,4 @@
-"""Where the next bond will fail, told from how much of their strength bonds use."""
+"""Predict the load at which the next bond fails, from the utilisation of the bonds."""
 
 import math
 from collections.abc import Sequence

@@ -21,7 +21,7 @@ class Model(Protocol):
     breakable: bool  # whether bonds are lost at their strength
 
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
-        """Raise load (N) and share of the permanent loads, and wait for what becomes of it."""
+        """Raise load (N) and share of the permanent loads, and wait for the outcome."""
 
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
@@ -33,7 +33,7 @@ class Model(Protocol):
         """Forces of all nodes, in their order."""
 
     def check_flat(self, load: float) -> None:
-        """End with a reason where its contacts no longer stand for flat faces."""
+        """End with a reason if its contacts no longer represent flat faces."""
 
     def keep(self) -> None:
         """Keep the present state."""
@@ -83,7 +83,7 @@ class Bracket:
         self.load = load
 
     def towards_the_peak(self, guide: Guide | None) -> "Bracket":
-        """Where the peak is looked for, once the first node has failed."""
+        """The bracket for the search of the peak after the first failure."""
         expected = guide.peak_after(self.load) if guide else 0.0
         increment = STRIDE * self.tolerance * self.load
         return Bracket(self.load, math.inf, expected, increment, self.tolerance)
@@ -101,7 +101,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
     bracket = Bracket(0.0, math.inf, expected, least, search.tolerance)
@@ -141,7 +141,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
 
 
 def _beyond(model: Model, start: float, load: float) -> Outcome:
-    """What becomes of the assembly above a ``load`` (N) at which no bond broke and nothing settled.
+    """Outcome above a ``load`` (N) at which no bond broke and the pieces did not settle.
 
     ``start``: the load (N) of the state that is kept.
     """

@@ -21,26 +21,26 @@ class Model(Protocol):
     load: float  # N, that it stands at
 
     def raised(self, load: float) -> Outcome:
-        """Raise the load (N) and wait for what becomes of it."""
+        """Raise the load (N) and wait for the outcome."""
 
     def cut(self, nodes: Iterable[int]) -> Outcome:
-        """Cut the bonds of nodes and wait for what becomes of it, or until others must fail."""
+        """Cut the bonds of nodes and wait for the outcome, or until others must fail."""
 
     def back(self) -> None:
         """Undo the last event."""
 
     def utilisation(self) -> dict[int, float]:
-        """Of each bond that holds."""
+        """Utilisation of each intact bond."""
 
     def record(self, load: float, stage: str) -> Sequence[NodeForce]:
         """Add the state to the history; forces of all nodes."""
 
     def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason where its contacts no longer stand for flat faces."""
+        """End with a reason if its contacts no longer represent flat faces."""
 
 
 def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
-    """The load to go to (N): no further than to just below the next failure, if that can be told.
+    """The load to go to (N): at most just below the next failure, where that can be predicted.
 
     ``used``: loads and largest utilisations of the last equilibria; all but linear.
     """
@@ -83,7 +83,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
     if model.raised(0.0) is not Outcome.EQUILIBRIUM:
-        raise NoAnswerError("the assembly does not stand under its permanent loads")
+        raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
     increment = HALF * expected or first
@@ -122,8 +122,8 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
-            told = standing and math.isfinite(over)
-            share = (1.0 - tolerance / 2 - most) / (over - most) if told else 0.5
+            known = standing and math.isfinite(over)
+            share = (1.0 - tolerance / 2 - most) / (over - most) if known else 0.5
             increment = share * (load - peak)
             model.back()
             load = peak + increment
@@ -134,7 +134,7 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
 
 
 def _beyond(model: Model, outcome: Outcome, load: float) -> Outcome:
-    """What becomes of pieces at a ``load`` (N) that they do not carry.
+    """Outcome of the pieces at a ``load`` (N) that they do not carry.
 
     Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
     """

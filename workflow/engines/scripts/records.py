@@ -1,4 +1,4 @@
-"""What a script writes: the history of the search, the stresses at the peak, the result."""
+"""Files of a script: the history of the search, the stresses at the peak, the result."""
 
 import csv
 import json
@@ -21,7 +21,7 @@ NO_ANSWER = 3  # exit code of a script that says why there is no result
 
 
 class NoAnswerError(SystemExit):
-    """Why there is no result, and would be none if the script ran again."""
+    """The reason why there is no result; another run would end with the same reason."""
 
     def __init__(self, reason: str) -> None:
         super().__init__(reason)
@@ -30,7 +30,7 @@ class NoAnswerError(SystemExit):
 
 
 class Outcome(Enum):
-    """What becomes of an assembly whose load was raised, or whose bonds were cut."""
+    """Outcome of raising the load or cutting bonds of an assembly."""
 
     EQUILIBRIUM = "equilibrium"
     COLLAPSE = "collapse"  # it moved too far for this load
@@ -49,7 +49,7 @@ class NodeForce:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest load that is carried, in N, and what was found beside it.
+    """The largest load carried, in N, and the results at it.
 
     ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
     node failed, None if none did. ``mode``: how it failed, one of `MODES`. ``nodes``: the
@@ -88,10 +88,10 @@ class History:
         shear = [[0.0, 0.0, 0.0] for _ in faces]
         count, bonds = [0] * len(faces), [0] * len(faces)
         for force, node in zip(nodes, self.assembly.nodes, strict=True):
-            own = shear[node.face]
-            own[0] += force.shear[0]
-            own[1] += force.shear[1]
-            own[2] += force.shear[2]
+            total = shear[node.face]
+            total[0] += force.shear[0]
+            total[1] += force.shear[1]
+            total[2] += force.shear[2]
             count[node.face] += 1
             bonds[node.face] += force.bonded
         row = {
@@ -120,7 +120,7 @@ class History:
         table = [node_row(self.assembly, number, force) for number, force in enumerate(peak.nodes)]
         numbers = [value for row in table for value in row.values() if isinstance(value, float)]
         if not all(map(math.isfinite, [peak.load, peak.failed_load, *numbers])):
-            raise SystemExit("the computation has diverged: its results are no numbers")
+            raise SystemExit("the computation has diverged: its results are not finite numbers")
         write_table("history.csv", self.rows)
         write_table("nodes.csv", table)
         result = {
@@ -142,7 +142,7 @@ def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:
     if outcome is Outcome.COLLAPSE:
         return MECHANISM
     raise NoAnswerError(
-        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor move off"
+        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor separate"
     )
 
 

@@ -1,1 +1,1 @@
-"""YADE: what it can do (engine), and the modules of its script, copied beside every script."""
+"""YADE: its abilities (module engine), and the modules copied beside every script."""

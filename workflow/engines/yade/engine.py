@@ -28,7 +28,7 @@ YADE = Engine(
         }
     ),
     template="yade.py.j2",
-    # Debian's Python, not yade's own launcher: the latter opens ports on the loopback.
+    # Debian's Python, not the launcher of YADE, which opens ports on the loopback interface.
     command=(os.environ.get("YADE_PYTHON", "/usr/bin/python3"),),
     package="yade",
     probe="yade",

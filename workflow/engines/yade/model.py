@@ -20,7 +20,7 @@ PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 @dataclass(frozen=True)
 class Settings:
-    """What is YADE's own.
+    """The parts that only YADE has.
 
     ``radius_m``: of the contact spheres. Large against all displacements, so that contacts are as
     flat as faces: a contact's normal turns by the displacement over twice the radius. ``damping``:
@@ -100,7 +100,7 @@ class YadeModel:
             poisson=law.shear_stiffness / law.normal_stiffness,
             frictionAngle=math.atan(law.friction),
             isCohesive=law.cohesion > 0,
-            normalCohesion=law.told_tensile_strength * area / radius**2,
+            normalCohesion=law.effective_tensile_strength * area / radius**2,
             shearCohesion=law.cohesion * area / radius**2,
             momentRotationLaw=False,
             # Dry nodes too: if not, one in tension shifts its reference and closes too early.
@@ -123,7 +123,7 @@ class YadeModel:
         return int(O.bodies.append(body))
 
     def _clump(self, members: list[list[int]]) -> list[int]:
-        """Make a clump of each piece's spheres, with the piece's own mass; their ids.
+        """Make a clump of each piece's spheres, with the mass of the piece; their ids.
 
         A clump's origin is the centroid of its spheres: one that outweighs the others by far, and
         touches nothing, puts it at the centroid of the piece.
@@ -166,7 +166,7 @@ class YadeModel:
 
     def _motion(self, piece: int) -> Motion:
         state = O.bodies[self.clumps[piece]].state
-        # rot() is in the clump's own frame.
+        # rot() is in the frame of the clump.
         return Motion(tuple(state.displ()), tuple(state.refOri * state.rot()))
 
     def unbalanced_ratio(self, load: float) -> float:
@@ -191,13 +191,13 @@ class YadeModel:
         )
 
     def check_flat(self, load: float) -> None:
-        """End with a reason where contact spheres no longer stand for flat faces."""
+        """End with a reason if contact spheres no longer represent flat faces."""
         radii = [self.settings.radius_m] * len(self.assembly.faces)
         check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
-        """Raise the load smoothly from start to end (N) and wait for what becomes of it.
+        """Raise the load smoothly from start to end (N) and wait for the outcome.
 
         While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
         """

@@ -1,7 +1,7 @@
-"""YADE's compiled modules, without what its Python package imports besides.
+"""The compiled modules of YADE, without the other imports of its Python package.
 
 ``import yade`` also imports IPython, numpy, mpmath and more, which takes longer than a small case.
-In YADE's own launcher, where it has been imported already, it is taken as it is.
+In the launcher of YADE, which has already imported it, that module is used.
 """
 
 import contextlib
@@ -16,7 +16,7 @@ LIBRARIES = "usr/lib/*/yade-double"  # Debian's
 
 
 def _import_compiled_part() -> None:
-    """Do what ``yade/__init__.py`` does for its compiled part, and no more."""
+    """Import the compiled part as ``yade/__init__.py`` does, and nothing else."""
     found = sorted(Path("/").glob(LIBRARIES))
     if not found:
         raise SystemExit(f"YADE is not in /{LIBRARIES}")

@@ -1,0 +1,129 @@
+"""What the command says of a design."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from sidmacib.command.answers import Row
+from sidmacib.design.designed import Design
+from sidmacib.design.layouts import Layout
+from sidmacib.design.safe_rule import safe_share
+from sidmacib.mechanics.polygons import Polygon
+
+
+def verdict(design: Design) -> str:
+    """Yes or no, in a line."""
+    locks = sum(row.working for row in design.choice if row)
+    rows = sum(row is not None for row in design.choice)
+    what = f"{locks} locks that work in {rows} of {len(design.choice)} interfaces"
+    if design.passes:
+        least = min(check.factor for check in design.checks if check.decides and check.factor)
+        return f"Yes: {what}; every check carries at least {_short(least)} times all cases."
+    reasons = []
+    for check in design.failing:
+        found = "no answer" if check.factor is None else f"{_short(check.factor)} times"
+        reasons.append(f"{check.model}, {check.case}: {found}")
+    if design.task.buildable and design.order.stuck:
+        stuck = _names(design, design.order.stuck)
+        reasons.append(f"{', '.join(stuck[:5])} cannot be placed")
+    asked = f"{design.task.factor:g} times all cases are asked for"
+    return f"No: {what} do not do; {asked}; {'; '.join(reasons)}."
+
+
+def design_tables(design: Design) -> dict[str, list[Row]]:
+    """The tables of a design by name: cost, locks, checks, order."""
+    return {
+        "cost": cost_rows(design),
+        "locks": lock_rows(design),
+        "checks": check_rows(design),
+        "order of placing": order_rows(design),
+    }
+
+
+def cost_rows(design: Design) -> list[Row]:
+    """Cost, bound and gap of the search for directions, and of whole rows."""
+    found = (
+        ("mixed rows, one direction an interface", design.mixed.cost, design.mixed.bound),
+        ("whole rows", design.whole.cost, design.whole.bound),
+        ("design, to the bound with the whole strength", design.cost, design.bound),
+    )
+    return [
+        {"what": what, "cost": cost, "bound": bound, "gap": 1.0 - bound / cost if cost else 0.0}
+        for what, cost, bound in found
+    ]
+
+
+def lock_rows(design: Design) -> list[Row]:
+    """The locks of each interface that gets any."""
+    return [
+        _lock_row(design, number, row)
+        for number, row in enumerate(design.choice)
+        if row is not None
+    ]
+
+
+def _lock_row(design: Design, number: int, row: Layout) -> Row:
+    structure = design.task.structure
+    face = structure.assembly.faces[structure.sites[number].face]
+    assert isinstance(face, Polygon)
+    use = [abs(float(each.across[number])) / row.strength for each in design.needed]
+    worst = design.needed[int(np.argmax(use))]
+    rule, reason = safe_share(
+        structure.assembly,
+        face,
+        row,
+        float(worst.across[number]),
+        float(worst.torque[number]),
+    )
+    return {
+        "interface": face.name,
+        "locks": len(row.widths),
+        "working": row.working,
+        "width (m)": row.width,
+        "run": " ".join(f"{each:.3g}" for each in row.run),
+        "strength (N)": row.strength,
+        "utilisation": max(use),
+        "case": worst.case,
+        "factor by 1 % more": max(
+            float(state.by_strength[number]) * row.strength / 100.0 for state in design.states
+        ),
+        "safe rule": rule,
+        "note": reason,
+    }
+
+
+def check_rows(design: Design) -> list[Row]:
+    """What every model carries of every case, over the case's load."""
+    return [
+        {
+            "case": check.case,
+            "model": check.model,
+            "factor": check.factor if check.factor is None else float(check.factor),
+            "decides": "yes" if check.decides else "no",
+            "note": check.note,
+        }
+        for check in design.checks
+    ]
+
+
+def order_rows(design: Design) -> list[Row]:
+    """The blocks in the order of placing, and how each comes; then those that are stuck."""
+    return list(_order_rows(design))
+
+
+def _order_rows(design: Design) -> Iterator[Row]:
+    pieces = design.task.structure.assembly.pieces
+    for number, step in enumerate(design.order.steps, start=1):
+        along = " ".join(f"{each:.3g}" for each in step.along)
+        yield {"step": number, "block": pieces[step.block].name, "moves along": along}
+    for name in _names(design, design.order.stuck):
+        yield {"step": None, "block": name, "moves along": "cannot be placed"}
+
+
+def _names(design: Design, blocks: tuple[int, ...]) -> list[str]:
+    return [design.task.structure.assembly.pieces[block].name for block in blocks]
+
+
+def _short(factor: float) -> str:
+    return "any number of" if math.isinf(factor) else f"{factor:.4g}"

@@ -1,0 +1,106 @@
+"""Checks of a design by models that had no part in it, on locks that are cut out of the blocks.
+
+The design's model gives locks no height and no tensile strength, and lets all forces redistribute.
+Limit analysis of the locks as pieces has their height, their sides and their roots in tension;
+without dilation sliding does not open joints; the static model follows elastic joints with brittle
+roots and the history of friction.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from sidmacib.design.file import Task, designed
+from sidmacib.design.sizing import Choice, carried
+from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.limit import limit_load, require_standing
+from sidmacib.mechanics.sliding import sliding_limit
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.structure.file import assembly_of
+
+DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
+FIRST, PEAK = "static, first failure", "static, peak"
+CLOSE = 1e-6  # over the factor: what a check may lack, for rounding
+
+
+@dataclass(frozen=True)
+class Check:
+    """How much of a case a model carries.
+
+    ``factor``: load over that of the case; infinite if it can grow without limit, None without an
+    answer. ``decides``: whether the design stands or falls by it.
+    """
+
+    case: str
+    model: str
+    factor: float | None
+    note: str
+    decides: bool
+
+    def passes(self, factor: float) -> bool:
+        """Whether it does not speak against the design."""
+        if self.factor is None:
+            return not self.decides
+        return not self.decides or self.factor >= factor * (1.0 - CLOSE)
+
+
+def checks_of(
+    task: Task, choice: Choice, note: Callable[[str], None] = lambda _: None
+) -> tuple[Check, ...]:
+    """What the design's model and the others carry of every case with the rows of ``choice``."""
+    found = [
+        Check(each.case, DESIGN, each.factor, "condensed locks, associated friction", True)
+        for each in carried(replace(task.structure, share=1.0), choice)
+    ]
+    assembly = assembly_of(designed(task, choice), folder=task.folder)
+    for case in task.cases:
+        note(f"checking {case.name} on {len(assembly.pieces)} pieces")
+        of_case = _of_case(assembly, case.loads(assembly), task.first_failure)
+        load = case.amount(assembly)
+        found += [
+            Check(case.name, model, value and value / load, words, decides)
+            for model, value, words, decides in of_case
+        ]
+    return tuple(found)
+
+
+def _of_case(
+    assembly: Assembly, loads: Loads, first_failure: bool
+) -> Iterator[tuple[str, float | None, str, bool]]:
+    """Model, load (N), note, whether it decides."""
+    yield LIMIT, *_answer(lambda: _limit(assembly, loads)), True
+    # Its rounds need not settle: without an answer it counts neither way.
+    load, words = _answer(lambda: _sliding(assembly, loads))
+    yield SLIDING, load, words, load is not None
+    try:
+        solution = static_peak(assembly, loads)
+    except CapacityError as error:
+        unlimited = math.inf if isinstance(error, UnboundedError) else None
+        yield FIRST, unlimited, _line(error), first_failure
+        yield PEAK, unlimited, _line(error), not first_failure
+        return
+    yield FIRST, solution.first_failure_load, "of a bond, or the peak", first_failure
+    yield PEAK, solution.peak.load, f"ends by: {solution.mode}", not first_failure
+
+
+def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:
+    require_standing(assembly, loads, friction=True)
+    return limit_load(assembly, loads, friction=True).load, "locks cut out; bonds yield"
+
+
+def _sliding(assembly: Assembly, loads: Loads) -> tuple[float, str]:
+    return sliding_limit(assembly, loads).state.load, "sliding does not open the joints"
+
+
+def _answer(model: Callable[[], tuple[float, str]]) -> tuple[float | None, str]:
+    try:
+        return model()
+    except UnboundedError as error:
+        return math.inf, _line(error)
+    except CapacityError as error:
+        return None, _line(error)
+
+
+def _line(error: Exception) -> str:
+    return " ".join(str(error).split())

@@ -1,0 +1,328 @@
+"""Direction and number of locks of all sites at once: a mixed-integer programme, cut by mechanisms.
+
+Each site gets one of its rows of locks or none. Which strengths of locks carry a case is known by
+its mechanisms: for each, locks must do as much work as the loads do beyond friction. A linear
+programme in whole numbers (HiGHS) picks the cheapest rows that resist the mechanisms found so far;
+the conic programme of each case then finds a mechanism that these rows do not resist, or that there
+is none (Benders' decomposition, Geoffrion 1972, doi:10.1007/BF00934810). So the bound holds for
+friction cones as they are, and what is found is checked with them.
+"""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import cvxpy as cp
+import numpy as np
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import csr_array, eye_array, hstack
+
+from sidmacib.design.layouts import Layout
+from sidmacib.design.model import Case, CaseForces, Structure, case_forces
+from sidmacib.design.sizing import ACCURACIES, WHAT, Mechanism, least_cost, work_of
+from sidmacib.errors import InfeasibleError, SolverError
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.optimisation import solve
+from sidmacib.validation import require_positive
+
+GAP = 0.01  # of the cost, over the cost
+TIME_LIMIT = 600.0  # s
+SHORT = 1e-6  # over their largest strength: what locks lack at most, as conic programmes round
+INWARDS = (1.0, 0.5, 0.2)  # steps from strengths that carry all to those asked for: where to cut
+MIXED = 1e-3  # cost of further directions of a site over that of the first, that counts as mixed
+_INFEASIBLE = 2
+
+Directions = frozenset[tuple[int, int]]  # pairs of a site and the direction that its locks have
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The cheapest rows found, or mixtures of rows that have one direction.
+
+    ``parts``: of each of `Structure.layouts`; ``cost``: theirs; ``bound``: no choice without what
+    is barred costs less. ``mechanisms``: how many it took; ``rounds``: of whole-number programmes.
+    """
+
+    parts: Floats
+    cost: float
+    bound: float
+    mechanisms: int
+    rounds: int
+
+    @property
+    def gap(self) -> float:
+        """How much cheaper a choice might be, over the cost; 0 without locks."""
+        return max(1.0 - self.bound / self.cost, 0.0) if self.cost > 0.0 else 0.0
+
+
+class Search:
+    """The search for the cheapest rows that carry ``factor`` times every case of a structure.
+
+    Mechanisms are kept, as they hold whatever is barred, and whether rows are whole or mixed.
+    """
+
+    def __init__(self, structure: Structure, factor: float) -> None:
+        """Errors of `least_cost`."""
+        self.structure = structure
+        self.relaxed = least_cost(structure, factor)
+        self.strengths = csr_array(structure.share / structure.unit * structure.strengths)
+        largest = np.asarray(self.strengths.max(axis=1).todense()).ravel()
+        self.lacks = [_Lack(structure, case, factor, largest) for case in structure.all_cases]
+        self.mechanisms = list(self.relaxed.mechanisms)
+
+    def cheapest(
+        self,
+        *,
+        whole: bool = True,
+        barred: Sequence[Directions] = (),
+        gap: float = GAP,
+        time_limit: float = TIME_LIMIT,
+        note: Callable[[str], None] = lambda _: None,
+    ) -> Found:
+        """The cheapest choice: ``whole`` rows, or mixtures of rows of one direction at each site.
+
+        ``barred``: sets of sites with directions of which at least one must be otherwise. ``gap``:
+        when to stop, over the cost; ``time_limit`` in s: after it the best rows found are given
+        with the bound reached. `InfeasibleError` if no rows do; `SolverError` if none are found in
+        time.
+        """
+        require_positive(gap=gap, time_limit=time_limit)
+        end = time.monotonic() + time_limit
+        best = self._dive(whole, barred, end)
+        cost = np.inf if best is None else float(self.structure.costs @ best)
+        bound, rounds = self.relaxed.cost, 0
+        while (best is None or cost - bound > gap * cost) and (left := end - time.monotonic()) > 0:
+            parts, low = self._master(whole, barred, gap / 2, left)
+            bound, rounds = max(bound, low), rounds + 1
+            if parts is None:
+                break
+            if self._cut(parts):
+                parts = self._repaired(parts, whole, barred, end)
+            if parts is not None and self.structure.costs @ parts < cost:
+                cost, best = float(self.structure.costs @ parts), parts
+            count = len(self.mechanisms)
+            note(f"round {rounds}: {count} mechanisms, cost {cost:.6g}, at least {bound:.6g}")
+        if best is None:
+            raise SolverError(f"{WHAT}: no rows of locks found in {time_limit:g} s")
+        return Found(best, cost, min(bound, cost), len(self.mechanisms), rounds)
+
+    def carries(self, parts: Floats) -> bool:
+        """Whether rows, of which there are these parts, carry all cases."""
+        strength = self.strengths @ parts
+        return all(lack.of(strength)[0] <= SHORT for lack in self.lacks)
+
+    def _master(
+        self, whole: bool, barred: Sequence[Directions], gap: float, time_limit: float
+    ) -> tuple[Floats | None, float]:
+        """The cheapest rows against the mechanisms so far, if any are found, and a bound.
+
+        Unknowns: the parts of layouts, then whether each site has locks of each direction.
+        """
+        structure = self.structure
+        layouts, rows = len(structure.layouts), len(structure.rows)
+        cost = structure.costs / structure.costs.max()
+        of_row = csr_array(structure.strengths > 0.0, dtype=float)
+        sites = np.array([site for site, _ in structure.rows])
+        once = csr_array((np.ones(rows), (sites, np.arange(rows))), (len(structure.sites), rows))
+        constraints = [
+            LinearConstraint(hstack([of_row, -eye_array(rows)], format="csr"), -np.inf, 0.0),
+            LinearConstraint(hstack([_zeros(once, layouts), once], format="csr"), -np.inf, 1.0),
+            LinearConstraint(np.append(cost, np.zeros(rows)), self._least_cost()),
+        ]
+        for each in barred:
+            cut = [0.0] * layouts + [float(row in each) for row in structure.rows]
+            constraints.append(LinearConstraint(cut, -np.inf, len(each) - 1.0))
+        if self.mechanisms:
+            work = np.array([each.work for each in self.mechanisms]) @ self.strengths.toarray()
+            least, unit = np.array([each.least for each in self.mechanisms]), work.max(axis=1)
+            work = np.hstack([work / unit[:, None], np.zeros((len(work), rows))])
+            constraints.append(LinearConstraint(work, least / unit - SHORT))
+        answer = milp(
+            np.append(cost, np.zeros(rows)),
+            integrality=[float(whole)] * layouts + [1.0] * rows,
+            bounds=Bounds(0.0, 1.0),
+            constraints=constraints,
+            options={"mip_rel_gap": gap, "time_limit": max(time_limit, 1.0)},
+        )
+        if answer.status == _INFEASIBLE:
+            raise InfeasibleError(f"{WHAT}: no rows of locks carry all cases in any direction")
+        bound = float(structure.costs.max() * (answer.mip_dual_bound or 0.0))
+        if answer.x is None:
+            return None, bound
+        found = np.clip(answer.x[:layouts], 0.0, 1.0)
+        return np.asarray(np.round(found) if whole else found), bound
+
+    def _least_cost(self) -> float:
+        """No mixture costs less, over the largest cost."""
+        return float(self.relaxed.cost / self.structure.costs.max()) * (1.0 - SHORT)
+
+    def _cut(self, parts: Floats) -> bool:
+        """Whether rows do not carry all cases; mechanisms that they do not resist are kept."""
+        asked, enough = self.strengths @ parts, self.strengths @ self.relaxed.parts
+        short = False
+        for lack in self.lacks:
+            for inwards in INWARDS:
+                strength = inwards * asked + (1.0 - inwards) * enough
+                size, work = lack.of(strength)
+                if size <= SHORT:
+                    break
+                short = True
+                self.mechanisms.append(Mechanism(work, size + float(work @ strength)))
+        return short
+
+    def _dive(self, whole: bool, barred: Sequence[Directions], end: float) -> Floats | None:
+        """Rows that carry all cases, from mixed ones whose directions are settled step by step."""
+        structure, factor = self.structure, self.lacks[0].factor
+        allowed, parts = np.ones(len(structure.layouts), bool), self.relaxed.parts
+        sites = np.array([site for site, _ in structure.rows])
+        while True:
+            sums = np.zeros(len(structure.rows))
+            np.add.at(sums, structure.row_of, parts * structure.costs)
+            best = along(structure, parts * structure.costs)
+            used = np.bincount(sites, sums, minlength=len(structure.sites))
+            main = np.zeros(len(structure.sites))
+            np.maximum.at(main, sites, sums)
+            minor = np.where(used > main * (1.0 + MIXED), main / np.maximum(used, SHORT), np.inf)
+            open_sites = np.flatnonzero(np.isfinite(minor) & (used > SHORT * structure.costs.max()))
+            if not len(open_sites):
+                return self._repaired(parts, whole, barred, end)
+            order = open_sites[np.argsort(-minor[open_sites], kind="stable")]
+            settled = order[: max(1, len(order) // 3)]
+            trial = allowed & (best | ~np.isin(structure.site_of, settled))
+            try:
+                parts = least_cost(structure, factor, trial).parts
+            except InfeasibleError:
+                return None
+            allowed = trial
+
+    def _repaired(
+        self, parts: Floats, whole: bool, barred: Sequence[Directions], end: float
+    ) -> Floats | None:
+        """Rows that carry all cases, in the directions of ``parts`` and else of the mixed rows."""
+        structure = self.structure
+        wish = 1e-3 * self.relaxed.parts + parts
+        allowed = along(structure, wish)
+        try:
+            settled = least_cost(structure, self.lacks[0].factor, allowed)
+        except InfeasibleError:
+            return None
+        self.mechanisms += settled.mechanisms
+        mixed = settled.parts
+        if not whole:
+            return None if _is_barred(structure, mixed > SHORT, barred) else mixed * allowed
+        rounded = rounded_up(structure, mixed)
+        if not self.carries(rounded) or _is_barred(structure, rounded > 0.0, barred):
+            return None
+        return self._trimmed(rounded, end)
+
+    def _trimmed(self, taken: Floats, end: float) -> Floats:
+        """Without locks that are not needed, the dearest first; as many as are seen by ``end``."""
+        structure = self.structure
+        spent = np.bincount(
+            structure.site_of, structure.costs * taken, minlength=len(structure.sites)
+        )
+        for site in np.argsort(-spent, kind="stable").tolist():
+            less = _less(structure, taken, site) if spent[site] > 0.0 else None
+            while less is not None and time.monotonic() < end and self.carries(less):
+                taken = less
+                less = _less(structure, taken, site)
+        return taken
+
+
+@dataclass(eq=False)
+class _Lack:
+    """How much strength locks lack for a case: one programme for many strengths.
+
+    ``largest``: strength along each of `Structure.rows` in units; what is lacking is a part of it.
+    """
+
+    structure: Structure
+    case: Case
+    factor: float
+    largest: Floats
+    _strength: cp.Parameter = field(init=False)
+    _short: cp.Variable = field(init=False)
+    _forces: CaseForces = field(init=False)
+    _problem: cp.Problem = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._strength, self._short = cp.Parameter(len(self.largest)), cp.Variable(nonneg=True)
+        strength = self._strength + self._short * self.largest
+        forces = case_forces(self.structure, self.case, self.factor, strength)
+        self._forces = forces
+        self._problem = cp.Problem(cp.Minimize(self._short), forces.constraints)
+
+    def of(self, strength: Floats) -> tuple[float, Floats]:
+        """What is lacking, and by how much less it is for a unit more along each of the rows."""
+        self._strength.value = strength
+        solve(self._problem, WHAT, *ACCURACIES)
+        return float(self._short.value), work_of(self.structure, self._forces)
+
+
+def along(structure: Structure, wish: Floats) -> Flags:
+    """Whether each layout has the direction of its site for which there is the largest ``wish``."""
+    sums = np.zeros(len(structure.rows))
+    row = structure.row_of
+    np.add.at(sums, row, wish)
+    best: dict[int, int] = {}
+    for number, (site, _) in enumerate(structure.rows):
+        if site not in best or sums[number] > sums[best[site]]:
+            best[site] = number
+    return np.isin(row, list(best.values()))
+
+
+def rounded_up(structure: Structure, parts: Floats) -> Floats:
+    """1 for the cheapest row of each site that is at least as strong as its ``parts``, else 0.
+
+    Of a site with rows of several directions the direction with the largest strength counts. The
+    strongest row where none is strong enough.
+    """
+    taken = np.zeros(len(parts))
+    strengths = np.array([layout.strength for layout in structure.layouts])
+    needed = np.zeros(len(structure.rows))
+    np.add.at(needed, structure.row_of, parts * strengths)
+    here = along(structure, (parts * strengths))
+    for number in set(structure.row_of[here].tolist()):
+        rows = np.flatnonzero(structure.row_of == number)
+        if needed[number] > SHORT * strengths[rows].max():
+            enough = rows[strengths[rows] >= needed[number] * (1.0 - SHORT)]
+            if len(enough):
+                taken[enough[np.argmin(structure.costs[enough])]] = 1.0
+            else:
+                taken[rows[np.argmax(strengths[rows])]] = 1.0
+    return taken
+
+
+def choice_of(structure: Structure, taken: Floats) -> tuple[Layout | None, ...]:
+    """The row of each site, None without one, of whole ones: ``taken`` is 1 for each."""
+    choice: list[Layout | None] = [None] * len(structure.sites)
+    for number in np.flatnonzero(taken).tolist():
+        choice[int(structure.site_of[number])] = structure.layouts[number]
+    return tuple(choice)
+
+
+def _less(structure: Structure, taken: Floats, site: int) -> Floats | None:
+    """``taken`` with the next cheaper row of a site and direction, or none there.
+
+    None if there is none to take away.
+    """
+    here = np.flatnonzero((structure.site_of == site) & (taken > 0.0))
+    if not len(here):
+        return None
+    same = np.flatnonzero(structure.row_of == structure.row_of[here[0]])
+    cheaper = same[structure.costs[same] < structure.costs[here[0]]]
+    less = taken.copy()
+    less[here] = 0.0
+    if len(cheaper):
+        less[cheaper[np.argmax(structure.costs[cheaper])]] = 1.0
+    return less
+
+
+def _is_barred(structure: Structure, taken: Flags, barred: Sequence[Directions]) -> bool:
+    chosen = {structure.rows[row] for row in structure.row_of[taken].tolist()}
+    return any(each <= chosen for each in barred)
+
+
+def _zeros(rows: csr_array, columns: int) -> csr_array:
+    return csr_array((rows.shape[0], columns))

@@ -1,0 +1,255 @@
+"""The model that designs: forces between rigid blocks, at nodes of interfaces and from their locks.
+
+An interface carries what it carries without locks: compression and friction at its nodes, or bonds.
+Locks add a force in its plane across them, up to the strength of their roots. It acts at the
+contact points of a `ContactOption`: along its line of action a force may be moved, so the points of
+all locks of a row that lie side by side are one. All forces redistribute freely (the static
+theorem), friction is associated, and locks have no height, no friction and no tensile strength:
+what is designed with this model must be checked with others.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import cvxpy as cp
+import numpy as np
+import shapely
+from scipy.sparse import csr_array, diags_array
+
+from sidmacib.contact_points.options import OPTIONS, ContactOption
+from sidmacib.design.layouts import Layout, Weights
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
+from sidmacib.validation import refused, require_not_negative
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A load case: ``loads``, and the ``load`` (N) of the variable ones that is to be carried."""
+
+    name: str
+    loads: Loads
+    load: float
+
+    def __post_init__(self) -> None:
+        require_not_negative(**{f"{self.name}: load": self.load})
+        self.loads.require_proportional()
+
+
+@dataclass(frozen=True, eq=False)
+class Site:
+    """An interface that may get locks: the index of its ``face``, and the rows it may get."""
+
+    face: int
+    layouts: tuple[Layout, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """What is to be designed: an assembly without locks, its sites and load cases.
+
+    That it stands before loads are raised is a case too. ``share``: the part of the locks' strength
+    that the design counts on. ``option``: where the forces of locks act. ValueError for a share out
+    of its range, or no site.
+    """
+
+    assembly: Assembly
+    sites: tuple[Site, ...]
+    cases: tuple[Case, ...]
+    weights: Weights
+    share: float = 1.0
+    option: ContactOption = OPTIONS["option3"]
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.share <= 1.0:
+            raise refused("share", self.share, "more than 0 and at most 1")
+        if not any(site.layouts for site in self.sites):
+            raise ValueError("design: no interface has room for locks")
+
+    @cached_property
+    def layouts(self) -> tuple[Layout, ...]:
+        """The rows of all sites, one after the other."""
+        return tuple(layout for site in self.sites for layout in site.layouts)
+
+    @cached_property
+    def site_of(self) -> Integers:
+        """Index of the site of each of `layouts`."""
+        return np.repeat(np.arange(len(self.sites)), [len(site.layouts) for site in self.sites])
+
+    @cached_property
+    def costs(self) -> Floats:
+        """Cost of each of `layouts`."""
+        return np.array([layout.cost(self.weights) for layout in self.layouts])
+
+    @cached_property
+    def rows(self) -> tuple[tuple[int, int], ...]:
+        """Site and direction of each direction that some layout has: the rows of `strengths`."""
+        return tuple(
+            (number, direction)
+            for number, site in enumerate(self.sites)
+            for direction in sorted({layout.direction for layout in site.layouts})
+        )
+
+    @cached_property
+    def row_of(self) -> Integers:
+        """Index in `rows` of each of `layouts`."""
+        place = {row: number for number, row in enumerate(self.rows)}
+        ends = zip(self.site_of.tolist(), self.layouts, strict=True)
+        return np.array([place[site, layout.direction] for site, layout in ends])
+
+    @cached_property
+    def strengths(self) -> csr_array:
+        """Strength (N) along each of `rows` of each of `layouts`, whole: without the share."""
+        values = [layout.strength for layout in self.layouts]
+        shape = len(self.rows), len(self.layouts)
+        return csr_array((values, (self.row_of, np.arange(len(values)))), shape)
+
+    def chosen(self, choice: Sequence[Layout | None]) -> Floats:
+        """1 for each of `layouts` that is in the ``choice``, one or None for each site, else 0."""
+        taken = {id(layout) for layout in choice if layout is not None}
+        return np.array([float(id(layout) in taken) for layout in self.layouts])
+
+    @cached_property
+    def all_cases(self) -> tuple[Case, ...]:
+        """The cases, and that without any variable load."""
+        return (*self.cases, replace(self.cases[0], name="at rest", load=0.0))
+
+    @cached_property
+    def unit(self) -> float:
+        """Unit of forces: the mean weight of what can move, in N."""
+        return float(np.mean([p.weight for p in self.assembly.pieces if not p.fixed]))
+
+    @cached_property
+    def free(self) -> Integers:
+        """The rows of equilibrium."""
+        return free_rows(self.assembly)
+
+    @cached_property
+    def row_scale(self) -> Floats:
+        """Units of the rows of equilibrium, in N."""
+        return np.asarray(row_units(self.assembly) * self.unit)
+
+    @cached_property
+    def at_nodes(self) -> csr_array:
+        """Equilibrium of forces at nodes in units, (R, 3 N)."""
+        return self._scaled(equilibrium_matrix(self.assembly))
+
+    @cached_property
+    def locked(self) -> Assembly:
+        """The assembly with a face of contact points for each of `rows`, and no others."""
+        faces = tuple(self._lock_faces())
+        return replace(
+            self.assembly,
+            faces=faces,
+            nodes=polygon_nodes(faces, self.assembly.mesh, NodeLayout.VERTICES),
+        )
+
+    @cached_property
+    def at_locks(self) -> csr_array:
+        """Equilibrium of forces across locks in units, a column for each contact point."""
+        return self._scaled(equilibrium_matrix(self.locked))[:, 2::3]
+
+    @cached_property
+    def portions(self) -> csr_array:
+        """The part of the strength of each of `rows` that each contact point may carry."""
+        count = len(self.option.portions)
+        rows = np.arange(count * len(self.rows)) // count
+        values = np.tile(self.option.portions, len(self.rows))
+        return csr_array((values, (np.arange(len(rows)), rows)), (len(rows), len(self.rows)))
+
+    def permanent(self, case: Case) -> Floats:
+        """Permanent loads in units, (R,)."""
+        return np.asarray(case.loads.permanent.ravel()[self.free] / self.row_scale)
+
+    def variable(self, case: Case) -> Floats:
+        """The variable loads of a case, as much as is to be carried, in units, (R,)."""
+        variable = case.loads.variable.ravel()[self.free]
+        return np.asarray(case.load * variable / self.row_scale)
+
+    def _scaled(self, matrix: csr_array) -> csr_array:
+        return csr_array(diags_array(self.unit / self.row_scale) @ matrix[self.free])
+
+    def _lock_faces(self) -> Iterator[CondensedLocks]:
+        for number, direction in self.rows:
+            site = self.sites[number]
+            face = self.assembly.faces[site.face]
+            if not isinstance(face, Polygon):
+                raise ValueError(f"{face.name}: must be a polygon")
+            layouts = [each for each in site.layouts if each.direction == direction]
+            run = np.array(layouts[0].run)
+            across = np.cross(face.axes[0], run)
+            places = shapely.get_coordinates(face.outline) @ face.axes[1:] @ across
+            length = face.outline.area / float(np.ptp(places))  # of a lock, on the mean
+            points = np.outer(np.array(self.option.positions) * length, [1.0, 0.0])
+            areas = np.array(self.option.portions) * face.outline.area
+            yield CondensedLocks(
+                f"{face.name}-{direction}",
+                Kind.LOCKED,
+                face.material,
+                face.below,
+                face.above,
+                np.array([face.axes[0], run, across]),
+                face.middle,
+                face.outline,
+                points,
+                areas,
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class NodeLimits:
+    """What nodes carry, in units: shear up to ``held`` + ``slope`` times compression.
+
+    ``torn``: the largest tension. All (N,).
+    """
+
+    held: Floats
+    slope: Floats
+    torn: Floats
+
+    @classmethod
+    def of(cls, structure: Structure) -> "NodeLimits":
+        """Friction where it is dry, the bonds' law where there are bonds."""
+        law = ContactLaw.of(structure.assembly)
+        return cls(
+            np.where(law.cohesive, law.shear_strength, 0.0) / structure.unit,
+            np.where(law.cohesive, law.bond_friction, law.friction),
+            np.where(law.cohesive, law.tensile_strength, 0.0) / structure.unit,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class CaseForces:
+    """Unknown forces of a case, in units: at ``nodes`` (N, 3), across locks (K,)."""
+
+    nodes: cp.Variable
+    locks: cp.Variable
+    constraints: list[cp.Constraint]
+    limits: tuple[cp.Constraint, cp.Constraint]  # of locks, either way
+
+
+def case_forces(
+    structure: Structure, case: Case, factor: cp.Expression | float, strength: cp.Expression
+) -> CaseForces:
+    """Forces that carry ``factor`` times a case, with locks of a ``strength`` for each of `rows`.
+
+    The strength is in units, and counts as it is.
+    """
+    limits = NodeLimits.of(structure)
+    nodes = cp.Variable((len(limits.held), 3))
+    locks = cp.Variable(structure.at_locks.shape[1])
+    size = cp.norm(nodes[:, 1:], 2, axis=1)
+    most = structure.portions @ strength
+    either = (locks <= most, -locks <= most)
+    constraints = [
+        structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
+        == structure.permanent(case) + factor * structure.variable(case),
+        size <= limits.held + cp.multiply(limits.slope, nodes[:, 0]),
+        nodes[:, 0] >= -limits.torn,
+        *either,
+    ]
+    return CaseForces(nodes, locks, constraints, either)

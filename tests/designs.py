@@ -1,0 +1,78 @@
+"""What tests of the design share."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from structures import dry
+
+from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
+from sidmacib.design.model import Case, Site, Structure
+from sidmacib.joint import DRY, INNER
+from sidmacib.mechanics.assembly import Assembly, Vector
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.loads import force_at
+from sidmacib.structure.structure import structure
+
+FRICTION = 0.3
+KIND = LockKind((0.05,), 0.02, INNER, DRY)
+T1 = 8e4 * 0.05 * 0.4  # N, a lock along x in the face of `two_blocks`
+
+
+def two_blocks(friction: float = FRICTION) -> Assembly:
+    return structure(
+        [
+            box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True),
+            box("block", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3),
+        ],
+        dry(friction),
+    )
+
+
+def design_on(
+    assembly: Assembly,
+    cases: Sequence[Case],
+    *,
+    angles: Sequence[float] = (0.0, 90.0),
+    weights: Weights | None = None,
+    kind: LockKind = KIND,
+    most: int = 10,
+) -> Structure:
+    sites = tuple(
+        Site(number, layouts_of(face, kind, directions_of(face, angles=angles), most))
+        for number, face in enumerate(assembly.faces)
+    )
+    return Structure(assembly, sites, tuple(cases), weights or Weights())
+
+
+def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> Case:
+    """A push at the foot of the block, so that nothing turns over."""
+    return Case("push", force_at(assembly, "block", (0.2, 0.3, 0.0), along), load)
+
+
+def row(count: int) -> list[Block]:
+    """Cubes side by side without a floor between two fixed walls: only locks hold them up."""
+    walls = [
+        box("left", (-0.4, 0.0, 0.0), (0.0, 0.4, 0.4), 2e3, fixed=True),
+        box("right", (0.4 * count, 0.0, 0.0), (0.4 * count + 0.4, 0.4, 0.4), 2e3, fixed=True),
+    ]
+    cubes = [
+        box(f"cube{k}", (0.4 * k, 0.0, 0.0), (0.4 * k + 0.4, 0.4, 0.4), 2e3) for k in range(count)
+    ]
+    return [*walls, *cubes]
+
+
+def stack() -> list[Block]:
+    """Two blocks on a base."""
+    return [
+        box("base", (0.0, 0.0, -0.3), (0.4, 0.6, 0.0), 2e3, fixed=True),
+        box("lower", (0.0, 0.0, 0.0), (0.4, 0.6, 0.3), 2e3),
+        box("upper", (0.0, 0.0, 0.3), (0.4, 0.6, 0.6), 2e3),
+    ]
+
+
+def working(structure_: Structure, parts: np.ndarray) -> list[int]:
+    """Locks that work at each site."""
+    found = np.zeros(len(structure_.sites))
+    counts = np.array([layout.working for layout in structure_.layouts])
+    np.add.at(found, structure_.site_of, counts * parts)
+    return [round(each) for each in found.tolist()]

@@ -1,0 +1,146 @@
+"""Order of placing blocks: what locks leave free."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from structures import dry
+
+from sidmacib.design.blocking import conflict, order_of
+from sidmacib.design.layouts import LockKind, layouts_of
+from sidmacib.design.model import Site
+from sidmacib.joint import DRY, INNER
+from sidmacib.mechanics.assembly import Assembly, Vector
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.structure import structure
+
+KIND = LockKind((0.04,), 0.02, INNER, DRY)
+X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+
+
+def sites(assembly: Assembly, runs: dict[str, Vector]) -> tuple[Site, ...]:
+    """A site for each face that is named in ``runs``, with locks along the direction there."""
+    return tuple(
+        Site(number, layouts_of(face, KIND, [runs[face.name]], 1))
+        for number, face in enumerate(assembly.faces)
+        if face.name in runs
+    )
+
+
+def all_locked(given: tuple[Site, ...]) -> list:
+    return [site.layouts[0] for site in given]
+
+
+def corner(walls: int) -> Assembly:
+    """A cube on the ground with so many fixed walls around it."""
+    around = [
+        box("east", (0.4, 0.0, 0.0), (0.6, 0.4, 0.4), 2e3, fixed=True),
+        box("west", (-0.2, 0.0, 0.0), (0.0, 0.4, 0.4), 2e3, fixed=True),
+        box("north", (0.0, 0.4, 0.0), (0.4, 0.6, 0.4), 2e3, fixed=True),
+    ]
+    ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3, fixed=True)
+    cube = box("cube", (0.0, 0.0, 0.0), (0.4, 0.4, 0.4), 2e3)
+    return structure([ground, cube, *around[:walls]], dry(0.5))
+
+
+def test_a_block_on_locks_comes_from_above_or_along_them() -> None:
+    assembly = corner(0)
+    here = sites(assembly, {"ground-cube": X})
+    order = order_of(assembly, here, all_locked(here))
+    assert order.stuck == ()
+    (step,) = order.steps
+    assert step.along[1] == 0.0  # not across the locks
+    assert step.along[2] < 0.0
+
+
+def test_locks_at_right_angles_in_two_faces_leave_one_way_and_in_three_none() -> None:
+    assembly = corner(1)
+    here = sites(assembly, {"ground-cube": X, "cube-east": Z})
+    # Along x or upwards for the ground, not towards the wall, upwards or along x for the wall.
+    assert order_of(assembly, here, all_locked(here)).stuck == ()
+    assembly = corner(2)
+    here = sites(assembly, {"ground-cube": X, "cube-east": Y})
+    cube = [piece.name for piece in assembly.pieces].index("cube")
+    assert order_of(assembly, here, all_locked(here)).stuck == (cube,)
+
+
+def test_of_the_locks_that_block_only_those_needed_for_it_are_named() -> None:
+    assembly = corner(3)
+    names = {"ground-cube": X, "cube-east": Y, "cube-north": Z}
+    here = sites(assembly, names)
+    found = conflict(assembly, here, all_locked(here))
+    assert found is not None
+    faces = {assembly.faces[here[site].face].name for site, _ in found}
+    assert len(found) <= 2
+    assert "cube-east" in faces
+    choice = [
+        None if k in {site for site, _ in found} else each
+        for k, each in enumerate(all_locked(here))
+    ]
+    assert conflict(assembly, here, choice) is None
+
+
+def voussoirs(count: int) -> list[Block]:
+    """A semicircle on two springers, t / R 0.2."""
+
+    def at(r: float, angle: float) -> Vector:
+        return r * math.cos(angle), 0.0, r * math.sin(angle)
+
+    angles = [math.pi * k / count for k in range(count + 1)]
+    found = [
+        prism(f"v{k}", [at(0.9, p), at(1.1, p), at(1.1, q), at(0.9, q)], (0.0, 0.3, 0.0), 2e3)
+        for k, (p, q) in enumerate(pairwise(angles))
+    ]
+    for name, low in (("right", 0.9), ("left", -1.1)):
+        found.append(box(name, (low, 0.0, -0.3), (low + 0.2, 0.3, 0.0), 2e3, fixed=True))
+    return found
+
+
+def test_an_arch_goes_up_without_locks_and_with_locks_along_its_depth() -> None:
+    arch = structure(voussoirs(5), dry(0.7))
+    every = {face.name: Y for face in arch.faces}
+    here = sites(arch, every)
+    for choice in ([None] * len(here), all_locked(here)):
+        order = order_of(arch, here, choice)
+        assert order.stuck == ()
+        assert {step.block for step in order.steps} == {0, 1, 2, 3, 4}
+    # With locks along y, each comes in along y; the last one between two others only so.
+    last = order_of(arch, here, all_locked(here)).steps[-1]
+    assert abs(last.along[1]) == pytest.approx(1.0)
+
+
+def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has_others() -> None:
+    arch = structure(voussoirs(5), dry(0.7))
+    radial: dict[str, Vector] = {
+        face.name: (face.middle[0], 0.0, face.middle[2]) for face in arch.faces
+    }
+    here = sites(arch, radial)
+    order = order_of(arch, here, all_locked(here))
+    assert order.stuck == ()
+    crown = arch.pieces[order.steps[-1].block].centre
+    assert np.dot(order.steps[-1].along, crown) < 0.0
+    # In turn along the depth and radial: whichever comes last is blocked, and every joint is why.
+    ordered = sorted(arch.faces, key=lambda face: face.middle[0])
+    for number, face in enumerate(ordered):
+        if number % 2:
+            radial[face.name] = Y
+    mixed = sites(arch, radial)
+    assert len(order_of(arch, mixed, all_locked(mixed)).stuck) == 5
+    found = conflict(arch, mixed, all_locked(mixed))
+    assert found is not None
+    assert len(found) == len(arch.faces) == 6
+
+
+def test_each_block_leaves_in_reverse_into_no_block_that_is_left() -> None:
+    arch = structure(voussoirs(7), dry(0.7))
+    here = sites(arch, {face.name: Y for face in arch.faces})
+    order = order_of(arch, here, all_locked(here))
+    there = {k for k, piece in enumerate(arch.pieces) if piece.fixed}
+    for step in order.steps:
+        for face in arch.faces:
+            if step.block in (face.below, face.above) and there & {face.below, face.above}:
+                towards = 1.0 if face.below == step.block else -1.0
+                into = towards * sum(a * b for a, b in zip(face.axes[0], step.along, strict=True))
+                assert into >= -1e-6  # moves towards the block that is there
+        there.add(step.block)
