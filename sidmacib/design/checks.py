@@ -56,7 +56,7 @@ def checks_of(
     assembly = assembly_of(designed(task, choice), folder=task.folder)
     for case in task.cases:
         note(f"checking {case.name} on {len(assembly.pieces)} pieces")
-        of_case = _of_case(assembly, case.loads(assembly), task.first_failure)
+        of_case = _of_case(assembly, case.loads(assembly), task)
         load = case.amount(assembly)
         found += [
             Check(case.name, model, value and value / load, words, decides)
@@ -66,22 +66,23 @@ def checks_of(
 
 
 def _of_case(
-    assembly: Assembly, loads: Loads, first_failure: bool
+    assembly: Assembly, loads: Loads, task: Task
 ) -> Iterator[tuple[str, float | None, str, bool]]:
     """Model, load (N), note, whether it decides."""
     yield LIMIT, *_answer(lambda: _limit(assembly, loads)), True
-    # Its rounds need not settle: without an answer it counts neither way.
-    load, words = _answer(lambda: _sliding(assembly, loads))
-    yield SLIDING, load, words, load is not None
+    if task.no_dilation:
+        # Its rounds need not settle: without an answer it counts neither way.
+        load, words = _answer(lambda: _sliding(assembly, loads))
+        yield SLIDING, load, words, load is not None
     try:
         solution = static_peak(assembly, loads)
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
-        yield FIRST, unlimited, _line(error), first_failure
-        yield PEAK, unlimited, _line(error), not first_failure
+        yield FIRST, unlimited, _line(error), task.first_failure
+        yield PEAK, unlimited, _line(error), not task.first_failure
         return
-    yield FIRST, solution.first_failure_load, "of a bond, or the peak", first_failure
-    yield PEAK, solution.peak.load, f"ends by: {solution.mode}", not first_failure
+    yield FIRST, solution.first_failure_load, "of a bond, or the peak", task.first_failure
+    yield PEAK, solution.peak.load, f"ends by: {solution.mode}", not task.first_failure
 
 
 def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:

@@ -106,6 +106,10 @@ def _once(task: Task, bound: float | None, raised: int, note: Callable[[str], No
             )
             for kind in (False, True)
         )
+        note(
+            f"mixed rows: cost {mixed.cost:.6g}, at least {mixed.bound:.6g}; "
+            f"whole rows: {whole.cost:.6g}, at least {whole.bound:.6g}"
+        )
         choice = choice_of(structure, whole.parts)
         assembly, sites = structure.assembly, structure.sites
         blocking = conflict(assembly, sites, choice) if task.buildable else None

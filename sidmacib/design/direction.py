@@ -19,7 +19,7 @@ from scipy.sparse import csr_array, eye_array, hstack
 
 from sidmacib.design.layouts import Layout
 from sidmacib.design.model import Case, CaseForces, Structure, case_forces
-from sidmacib.design.sizing import ACCURACIES, WHAT, Mechanism, least_cost, work_of
+from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
@@ -256,7 +256,7 @@ class _Lack:
     def of(self, strength: Floats) -> tuple[float, Floats]:
         """What is lacking, and by how much less it is for a unit more along each of the rows."""
         self._strength.value = strength
-        solve(self._problem, WHAT, *ACCURACIES)
+        solve(self._problem, WHAT, ENOUGH)
         return float(self._short.value), work_of(self.structure, self._forces)
 
 

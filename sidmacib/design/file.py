@@ -32,8 +32,8 @@ from sidmacib.structure.selection import ALL
 from sidmacib.validation import refused
 
 KEYS = (
-    *("angles", "runs", "between", "weights", "factor", "first_failure", "buildable"),
-    *("raised", "gap", "time_limit", "option"),
+    *("angles", "runs", "between", "weights", "factor", "first_failure", "no_dilation"),
+    *("buildable", "raised", "gap", "time_limit", "option"),
 )
 DIGITS = 9  # of lengths (m) in the file that is written
 MOST = 25  # locks that work in an interface, unless the file names fewer
@@ -81,8 +81,9 @@ class Task:
 
     ``description``: the structure without locks, as in a file; ``folder``: that its paths start
     from. ``factor``: that all cases are to be carried by; by the ``first_failure`` or the peak of
-    the static model. ``buildable``: whether an order of placing is needed. ``raised``: how often
-    strength may be raised after a check that fails.
+    the static model. ``no_dilation``: whether limit analysis without dilation, which takes up to 60
+    rounds, is a check, too. ``buildable``: whether an order of placing is needed. ``raised``: how
+    often strength may be raised after a check that fails.
     """
 
     description: Mapping[str, Any]
@@ -91,6 +92,7 @@ class Task:
     cases: tuple[CaseText, ...]
     factor: float
     first_failure: bool
+    no_dilation: bool
     buildable: bool
     raised: int
     gap: float
@@ -136,7 +138,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     }
     flags = {
         name: _flag(f"design.{name}", given.get(name, default))
-        for name, default in (("first_failure", False), ("buildable", True))
+        for name, default in (("first_failure", False), ("no_dilation", False), ("buildable", True))
     }
     return Task(
         plain,
@@ -145,6 +147,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         cases,
         numbers["factor"],
         flags["first_failure"],
+        flags["no_dilation"],
         flags["buildable"],
         int(numbers["raised"]),
         numbers["gap"],

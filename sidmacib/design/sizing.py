@@ -19,7 +19,8 @@ from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.optimisation import solve
 
 WHAT = "design"
-ACCURACIES = (1e-9, 1e-7, 1e-5)
+ACCURACIES = (1e-9, 1e-7, 1e-5)  # of factors, whose multipliers are sensitivities
+ENOUGH = 1e-6  # accuracy of costs
 LEAST_CASE = 1e-12  # over the unit: variable loads below are none
 Choice = Sequence[Layout | None]  # for each site
 
@@ -90,7 +91,7 @@ def least_cost(structure: Structure, factor: float, allowed: Flags | None = None
     scale = float(structure.costs.max())
     problem = cp.Problem(cp.Minimize((structure.costs / scale) @ parts), constraints)
     try:
-        solve(problem, WHAT, *ACCURACIES)
+        solve(problem, WHAT, ENOUGH)
     except InfeasibleError:
         raise InfeasibleError(f"{WHAT}: no locks carry {factor:g} times all cases") from None
     found = np.clip(np.asarray(parts.value), 0.0, 1.0)
@@ -150,7 +151,7 @@ def _needed(structure: Structure, choice: Choice, factor: float, case: Case) -> 
     row = np.repeat(np.arange(len(strength)), len(structure.option.portions))
     used = strength[row] > 0.0
     shares = cp.multiply(1.0 / np.where(used, strength[row], 1.0)[used], forces.locks[used])
-    solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, *ACCURACIES)
+    solve(cp.Problem(cp.Minimize(cp.sum_squares(shares)), forces.constraints), WHAT, ENOUGH)
     size = structure.unit * np.where(used, np.asarray(forces.locks.value), 0.0)
     sites = np.array([site for site, _ in structure.rows])[row]
     across, torque = (

@@ -1,0 +1,205 @@
+"""The key ``design`` of a structure's file, and the command that answers it."""
+
+import json
+import math
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from click.testing import CliRunner
+
+from sidmacib.command.main import main
+from sidmacib.design.blocking import conflict, order_of
+from sidmacib.design.designed import design_of
+from sidmacib.design.direction import Search, choice_of
+from sidmacib.design.file import designed, task_of
+from sidmacib.errors import InfeasibleError
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.structure.file import read_structure, structure_of
+
+
+def two_blocks() -> dict[str, Any]:
+    """A block on a base; one lock would do in limit analysis, not in the static model."""
+    return {
+        "blocks": {
+            "base": {"low": [0, 0, -0.3], "high": [0.4, 0.6, 0], "fixed": True},
+            "block": {"low": [0, 0, 0], "high": [0.4, 0.6, 0.3]},
+        },
+        "interfaces": {"friction": 0.3},
+        "design": {
+            "locks": {"width": 0.05, "height": 0.02},
+            "cases": {
+                "push": {
+                    "force": {"block": "block", "at": [0.2, 0, 0.05], "direction": [0, 1, 0]},
+                    "newtons": 2000,
+                }
+            },
+        },
+    }
+
+
+def run(path: Path, *more: str) -> tuple[int, dict[str, Any]]:
+    result = CliRunner().invoke(main, ["design", str(path), "--quiet", "--format", "json", *more])
+    assert "Traceback" not in result.output
+    return result.exit_code, json.loads(result.stdout)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "given.yaml"
+
+
+def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
+    notes: list[str] = []
+    found = design_of(task_of(two_blocks()), notes.append)
+    assert found.passes
+    assert (found.cost, found.bound, found.raised) == (2.0, 1.0, 1)
+    assert any("counting on" in note for note in notes)
+    once = two_blocks()
+    once["design"]["raised"] = 0
+    first = design_of(task_of(once))
+    assert not first.passes
+    assert first.cost == 1.0
+    assert {check.model for check in first.failing} == {"static, peak"}
+
+
+def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
+    given = two_blocks()
+    given["design"]["raised"] = 0
+    path.write_text(yaml.safe_dump(given))
+    code, answer = run(path)
+    assert code == 1
+    assert answer["verdict"].startswith("No: 1 locks that work in 1 of 1 interfaces do not do")
+    assert "static, peak, push: 0.9" in answer["verdict"]
+
+
+def test_what_is_written_is_a_structure_with_the_factors_of_the_checks(path: Path) -> None:
+    path.write_text(yaml.safe_dump(two_blocks()))
+    output = path.with_name("designed.yaml")
+    code, answer = run(path, "--output", str(output))
+    assert code == 0
+    assert answer["verdict"].startswith("Yes: 2 locks")
+    problem = read_structure(output)
+    assert len(problem.assembly.pieces) == 2 + 5
+    (limit,) = [row for row in answer["checks"] if row["model"] == "limit"]
+    assert limit_load(*problem, friction=True).load == pytest.approx(2000 * limit["factor"])
+    (row,) = answer["locks"]
+    assert 0.0 < row["utilisation"] < 1.0
+    (step,) = answer["order of placing"]
+    assert (step["block"], step["moves along"]) == ("block", "0 0 -1")
+
+
+def test_the_first_failure_may_decide() -> None:
+    given = two_blocks()
+    given["design"]["first_failure"] = True
+    found = design_of(task_of(given))
+    deciding = {check.model for check in found.checks if check.decides}
+    assert "static, first failure" in deciding
+    assert "static, peak" not in deciding
+
+
+def test_more_than_there_is_room_for_is_refused_with_the_largest_factor() -> None:
+    given = two_blocks()
+    given["design"]["cases"]["push"]["newtons"] = 100_000
+    with pytest.raises(InfeasibleError, match=r"a factor of 0\.\d+ is reached with all locks"):
+        design_of(task_of(given))
+
+
+def niche() -> dict[str, Any]:
+    """A block between a floor and a wall, pushed so that both want locks that block it in."""
+    given = two_blocks()
+    given["blocks"]["wall"] = {"low": [0.4, 0, 0], "high": [0.6, 0.6, 0.3], "fixed": True}
+    given["blocks"]["other"] = {"low": [-0.2, 0, 0], "high": [0, 0.6, 0.3], "fixed": True}
+    given["interfaces"] = {"friction": 0.0}
+    given["design"]["angles"] = [0, 90]
+    up = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 0, 1]}
+    side = {"block": "block", "at": [0.2, 0.3, 0.15], "direction": [0, 1, 0]}
+    given["design"]["cases"] = {
+        "up": {"force": up, "newtons": 3500},
+        "side": {"force": side, "newtons": 2500},
+    }
+    return given
+
+
+def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> None:
+    given = niche()
+    given["design"]["locks"]["most"] = 2
+    given["design"] |= {"buildable": False, "raised": 0}
+    task = task_of(given)
+    structure = task.structure
+    free = design_of(task)
+    assert free.order.stuck
+    assert conflict(structure.assembly, structure.sites, free.choice)
+    # Whatever carries both pushes locks the block in.
+    search, carrying = Search(structure, 1.0), 0
+    options = [
+        [None, *(k for k, s in enumerate(structure.site_of) if s == site)]
+        for site in range(len(structure.sites))
+    ]
+    for numbers in product(*options):
+        taken = np.zeros(len(structure.layouts))
+        taken[[k for k in numbers if k is not None]] = 1.0
+        if structure.costs @ taken >= free.cost and search.carries(taken):
+            carrying += 1
+            choice = choice_of(structure, taken)
+            assert order_of(structure.assembly, structure.sites, choice).stuck
+    assert carrying > 3
+    given["design"]["buildable"] = True
+    with pytest.raises(InfeasibleError, match="in any direction"):
+        design_of(task_of(given))
+
+
+@pytest.mark.parametrize(
+    ("keys", "value", "words"),
+    [
+        (("cases",), {}, "design.cases: an empty mapping is not allowed"),
+        (("cases", "push", "newtons"), -1, "design.cases.push.newtons: -1 is not allowed"),
+        (("cases", "push", "over_weight"), 1, "design.cases.push: must have either newtons or"),
+        (("cases", "push", "tilt"), 1, "design.cases.push: unknown key 'tilt'"),
+        (("cases", "push", "force", "block"), "x", "design.cases.push.load.force.block: 'x' is"),
+        (("locks", "width"), 0, "design.locks.width: 0 is not allowed"),
+        (("locks", "width"), [], "design.locks: widths: must have one or more numbers"),
+        (("locks", "inner"), {"cohesion": 0}, "design.locks: cohesion: 0.0 is not allowed"),
+        (("locks", "width"), 0.3, "design: no interface has room for locks"),
+        (("angles",), "all", "design.angles: 'all' is not allowed; it must be a list"),
+        (("runs",), [[0, 0, 0]], "design.runs: "),
+        (("weights",), {"number": 0}, "design.weights: one must be more than 0"),
+        (("factor",), 0, "design.factor: 0 is not allowed"),
+        (("buildable",), "yes", "design.buildable: 'yes' is not allowed"),
+        (("between",), [["base", "x"]], "design.between: 'base and x' is not allowed"),
+        (("option",), "option9", "design.option: 'option9' is not allowed"),
+        (("most",), 3, "design: unknown key 'most'"),
+    ],
+)
+def test_every_fault_is_one_line_that_names_the_key(
+    path: Path, keys: tuple[str, ...], value: Any, words: str
+) -> None:
+    given = two_blocks()
+    inside = given["design"]
+    for key in keys[:-1]:
+        inside = inside[key]
+    inside[keys[-1]] = value
+    path.write_text(yaml.safe_dump(given))
+    result = CliRunner().invoke(main, ["design", str(path)])
+    assert result.exit_code == 1
+    assert result.stderr.startswith(f"Error: {words}"), result.stderr
+    assert result.stderr.count("\n") == 1
+
+
+def test_a_file_with_locks_or_without_a_design_is_refused() -> None:
+    given = two_blocks()
+    with pytest.raises(ValueError, match=r"^locks: must not be there"):
+        task_of(given | {"locks": []})
+    del given["design"]
+    with pytest.raises(ValueError, match=r"^the file: lacks the key design"):
+        task_of(given)
+
+
+def test_a_structure_file_with_a_design_is_a_structure_for_other_models() -> None:
+    given = two_blocks() | {"load": {"acceleration": [0, 1, 0]}}
+    assert math.isfinite(limit_load(*structure_of(given), friction=True).load)
+    task = task_of(given)
+    assert designed(task, [None])["load"] == given["load"]
