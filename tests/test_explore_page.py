@@ -266,9 +266,9 @@ def test_two_joints_stand_beside_each_other(opened: Opened) -> None:
     page.fill("#locks-value", "6")
     page.keyboard.press("Tab")
     opened.settle()
-    told = page.text_content("#kept") or ""
-    assert "5 locks, " in told
-    assert "Changed since: n 5 → 6." in told
+    text = page.text_content("#kept") or ""
+    assert "5 locks, " in text
+    assert "Changed since: n 5 → 6." in text
     names = page.evaluate("document.getElementById('curve').data.map(each => each.name)")
     assert any(name.startswith("kept: 5 locks, ") for name in names)
     page.click("#forget")

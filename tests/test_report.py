@@ -87,9 +87,9 @@ def test_its_configuration_starts_the_same_study_again(study: Study) -> None:
 
 def test_the_versions_of_engines_are_those_of_the_cases() -> None:
     rows = pd.DataFrame({"versions": ["yade 2022.01a", None, "liggghts 3.8.0, yade 2022.01a"]})
-    told = dict(versions_of({"cases": rows}))
-    assert (told["YADE"], told["LIGGGHTS"]) == ("2022.01a", "3.8.0")
-    assert {"multilock", "Python", "numpy"} <= set(told)
+    versions = dict(versions_of({"cases": rows}))
+    assert (versions["YADE"], versions["LIGGGHTS"]) == ("2022.01a", "3.8.0")
+    assert {"multilock", "Python", "numpy"} <= set(versions)
 
 
 def test_what_is_missing_or_infinite_is_plain() -> None:
@@ -167,8 +167,8 @@ def test_an_empty_plot_says_why(opened: Opened) -> None:
     page = opened.page
     for box in page.locator("#curve-models input, #curve-options input").all():
         box.uncheck()
-    told = page.evaluate("document.getElementById('curve-plot').layout.annotations[0].text")
-    assert told.replace("<br>", " ").startswith("Nothing is chosen")
+    annotation = page.evaluate("document.getElementById('curve-plot').layout.annotations[0].text")
+    assert annotation.replace("<br>", " ").startswith("Nothing is chosen")
 
 
 @needs_browser

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Make the environment .venv anew, from requirements.txt and this project. An environment has its own
-# path in its programs, so it is made in its place; the one that was there comes back if that fails.
+# Rebuild the environment .venv from requirements.txt and this project. Programs of an environment contain
+# its path, so it is built in place; if that fails, the previous environment is restored.
 set -eu
 old=.venv.old
 

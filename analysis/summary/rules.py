@@ -86,10 +86,10 @@ def safest(fit: pd.DataFrame, leading: Mapping[str, str], reduction: str) -> Ite
     """Of each sample's rows by ``reduction`` the best that is safe, else the least unsafe."""
     rows = fit[fit["reduction"].eq(reduction) & fit["model"].eq(fit["sample"].map(leading))]
     for sample in rows["sample"].unique():
-        own = rows[rows["sample"] == sample]
-        safe = own[own["largest_unsafe_error"] <= PEAK_ACCURACY]
+        sample_rows = rows[rows["sample"] == sample]
+        safe = sample_rows[sample_rows["largest_unsafe_error"] <= PEAK_ACCURACY]
         by = "largest_unsafe_error" if safe.empty else "misfit"
-        yield (own if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
+        yield (sample_rows if safe.empty else safe).sort_values(by, kind="stable").iloc[0]
 
 
 def least_safe(capacity: pd.DataFrame, row: pd.Series) -> tuple[float, str, float]:
@@ -112,8 +112,11 @@ def _of_model(
     """The error of a model for each sample where it is not the leading one."""
     here = capacity[capacity["variant"].eq(REFERENCE)]
     for sample, first in leading.items():
-        own = here[here["sample"].eq(sample)].dropna(subset=["load_N"])
-        promised, carried = own[own["model"].eq(model)], own[own["model"].eq(first)]
+        sample_rows = here[here["sample"].eq(sample)].dropna(subset=["load_N"])
+        promised, carried = (
+            sample_rows[sample_rows["model"].eq(model)],
+            sample_rows[sample_rows["model"].eq(first)],
+        )
         if first == model or not set(promised["case"]) & set(carried["case"]):
             continue
         error, case, mesh_error = _largest(promised, carried)

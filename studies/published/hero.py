@@ -112,7 +112,7 @@ def draw(axes: Axes, film: Film, point: Equilibrium, scale: float) -> None:
         piece = assembly.cuboids[place]
         low, high = np.array(piece.low[:2]), np.array(piece.high[:2])
         corners = np.array([low, (high[0], low[1]), high, (low[0], high[1])])
-        own = assembly.nodes.face == index
+        on_face = assembly.nodes.face == index
         centre, move = (low + high) / 2.0, np.asarray(moves[place])
         colour = BLUE if piece.name in upper else GREY
         outline = MM * moved(corners, centre, move, scale)[:, ::-1]
@@ -125,9 +125,9 @@ def draw(axes: Axes, film: Film, point: Equilibrium, scale: float) -> None:
                 lw=0.8,
             )
         )
-        nodes = MM * moved(assembly.nodes.position[own, :2], centre, move, scale)[:, ::-1]
-        bonded = point.state.bonded[own]
-        used = shear[own] / face.material.cohesion
+        nodes = MM * moved(assembly.nodes.position[on_face, :2], centre, move, scale)[:, ::-1]
+        bonded = point.state.bonded[on_face]
+        used = shear[on_face] / face.material.cohesion
         look = {"marker": "s", "s": 26, "cmap": "viridis", "vmin": 0.0, "vmax": 1.0}
         axes.scatter(*nodes[bonded].T, c=used[bonded], linewidths=0, **look)
         axes.scatter(*nodes[~bonded].T, marker="x", s=24, color=VERMILION, lw=1.5)

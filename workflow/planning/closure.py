@@ -87,7 +87,7 @@ def _imports(module: str) -> tuple[str, ...]:
         if isinstance(node, ast.Import):
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
-            # Relative imports start at the module's own package, or at one above it.
+            # Relative imports start at the package of the module, or at one above it.
             package = [*module.split("."), *(["__init__"] if _is_package(module) else [])]
             above = package[: -node.level] if node.level else []
             base = ".".join([*above, *([node.module] if node.module else [])])
