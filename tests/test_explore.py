@@ -1,10 +1,13 @@
 """The joint to play with: its state, what is copied, and the page in a browser."""
 
+from dataclasses import replace
+
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
+from analysis.explore.covered import covered
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
@@ -16,7 +19,7 @@ from analysis.explore.state import (
     from_query,
 )
 from sidmacib.joint import Direction
-from sidmacib.rule.law import law
+from sidmacib.rule.law import MOST_ECCENTRIC_PAIR, law
 from workflow.configuration import read_study
 
 STATES = (
@@ -131,3 +134,32 @@ def test_the_curve_states_the_spread_of_the_peak_and_the_load_used_where_it_is_t
     far = legend(Settings(locks=13, eccentricity=1.0))
     assert "peaks spread by 5 % or more: use the first failure, V = 101" in far
     assert legend(Settings(young=10.0)) == ""
+
+
+@pytest.mark.parametrize("name", ["a", "b", "h", "H"])
+def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_beyond(
+    name: str,
+) -> None:
+    state, slider = Settings(locks=5), SLIDERS[name]
+    span = covered(state)[name]
+    assert span is not None
+    tenth = (slider.most - slider.least) / 10
+    for end in span:
+        assert law(replace(state, **{name: end}).joint, Direction(0.3)).load > 0
+    for beyond in (span[0] - tenth, span[1] + tenth):
+        if slider.least <= beyond <= slider.most:
+            with pytest.raises(ValueError, match="where the rule was tested"):
+                law(replace(state, **{name: beyond}).joint, Direction(0.3))
+
+
+def test_two_locks_are_covered_within_their_only_dry_face() -> None:
+    assert covered(Settings(locks=2, eccentricity=0.3))["eccentricity"] == (
+        0.0,
+        MOST_ECCENTRIC_PAIR,
+    )
+
+
+def test_nothing_of_one_size_brings_a_joint_back_that_another_size_takes_out() -> None:
+    flat = Settings(h=40.0, b=20.0)
+    assert covered(flat)["eccentricity"] is None
+    assert covered(flat)["h"] is not None

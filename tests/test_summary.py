@@ -8,7 +8,8 @@ import pandas as pd
 import pytest
 from made_up_results import record_with, tables_of
 
-from analysis.summary.summary import summary
+from analysis.summary.rules import rule_errors, worst_of
+from analysis.summary.summary import leading_models, summary
 from analysis.tables.fit import fit_table
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
@@ -127,3 +128,41 @@ def test_lobatto_nodes_are_not_advised_to_a_study_that_has_them(
     assert "Use a finer mesh." in summary("there", coarse, [0.02, 0.01])
     other = {**coarse, "cases": tables["cases"].assign(nodes="centres")}
     assert "Use a finer mesh or nodes: lobatto." in summary("there", other, [0.02, 0.01])
+
+
+def test_errors_of_rules_are_those_of_the_fit(tables: dict[str, pd.DataFrame]) -> None:
+    fit, leading = tables["fit"], leading_models(tables["fit"])
+    errors = [error for error in rule_errors(tables, leading, 0.01) if error.option is not None]
+    assert {error.rule for error in errors} == set(fit["reduction"])
+    for error in errors:
+        rows = fit[fit["reduction"].eq(error.rule) & fit["sample"].eq(error.sample)]
+        rows = rows[rows["option"].eq(error.option) & rows["friction"].eq(error.friction)]
+        (unsafe,) = rows.loc[np.isclose(rows["mesh_m"], 0.01), "largest_unsafe_error"]
+        assert max(error.error, 0.0) == pytest.approx(unsafe, abs=1e-9)
+
+
+def test_the_worst_sample_of_each_rule_is_shown(tables: dict[str, pd.DataFrame]) -> None:
+    errors = rule_errors(tables, leading_models(tables["fit"]), 0.01)
+    worst = worst_of(errors)
+    assert [each.rule for each in worst] == list(dict.fromkeys(error.rule for error in errors))
+    for each in worst:
+        assert each.error == max(error.error for error in errors if error.rule == each.rule)
+    by_rule = {each.rule: each for each in worst}
+    assert (by_rule["half"].sample, by_rule["half"].safe) == ("weak", False)
+    assert {"law", "safe"} <= set(by_rule)
+
+
+def test_a_rule_that_promises_less_everywhere_is_safe_by_its_smallest_margin(
+    tables: dict[str, pd.DataFrame],
+) -> None:
+    capacity = tables["capacity"].copy()
+    static = capacity[capacity["model"].eq("static")].set_index("case")["load_N"]
+    safe = capacity["model"].eq("safe")
+    capacity.loc[safe, "load_N"] = 0.9 * static.reindex(capacity.loc[safe, "case"]).to_numpy()
+    first = safe & capacity["case"].eq("weak-mesh0.01-torsion")
+    capacity.loc[first, "load_N"] *= 0.95 / 0.9
+    errors = rule_errors({**tables, "capacity": capacity}, {"weak": "static"}, 0.01)
+    (own,) = [error for error in errors if error.rule == "safe"]
+    assert own.error == pytest.approx(-0.05)
+    assert np.isinf(own.ratio)
+    assert own.safe

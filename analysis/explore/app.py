@@ -16,6 +16,7 @@ from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, Not
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
+from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
 from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
@@ -45,8 +46,9 @@ MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 ABOUT = (
     "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
-    "Law and safe rule are those of docs/law.md, within the spans of their study; the tensile "
-    "strength goes with the cohesion; the first lock is on the left. Nothing leaves this machine."
+    "Law and safe rule are those of docs/law.md, within the ranges they were tested in: "
+    "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
+    "the first lock is on the left. Nothing leaves this machine."
 )
 
 
@@ -128,6 +130,7 @@ class Explorer:
             "shear": [point.shear for point in known],
             "torque": [point.torque for point in known],
             "spread": spread,
+            "covered": covered(state),
         }
 
 

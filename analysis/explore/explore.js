@@ -65,8 +65,20 @@ function showAnswer(answer) {
   ask("curve");
 }
 
+// Where law and safe rule answer, below each slider: as a bar, and in words where that is not everywhere.
+function showCovered(covered) {
+  for (const [name, span] of Object.entries(covered)) {
+    const { min, max } = at(name), share = (value) => (100 * (value - min)) / (max - min);
+    const [low, high] = span || [min, min];
+    Object.assign(at(`${name}-span`).firstElementChild.style, { left: `${share(low)}%`, width: `${share(high) - share(low)}%` });
+    const everywhere = span && low === Number(min) && high === Number(max);
+    at(`${name}-words`).textContent = everywhere ? "" : span ? `law tested from ${low} to ${high}` : "law tested at none of these";
+  }
+}
+
 function showCurve(curve) {
   if (curve.number !== shown.number) return; // a curve of another joint than the numbers'
+  showCovered(curve.covered);
   line = curve;
   drawCurve();
   at("curve").ariaBusy = String(curve.number !== latest);

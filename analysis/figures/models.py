@@ -138,8 +138,8 @@ def _path(axes: Axes, material: Material) -> str:
     if len(behind) == 1:
         return "Star: the peak; behind it no equilibrium is left. "
     return (
-        "Star: the peak; dotted: what is left behind it if the displacement is held and not the "
-        "load, bond after bond. "
+        "Star: the peak; dotted: what is left behind it if the load is let down as bonds fail, "
+        "one after the other. "
     )
 
 

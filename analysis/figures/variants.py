@@ -46,11 +46,12 @@ def stiffness(material: Material) -> Figure:
         shares,
         fitted.assign(share=1.0 / (1.0 + fitted["largest_unsafe_error"])),
         "share",
-        "carried / what (n \N{MINUS SIGN} 1)/2 promises, least of all directions",
+        "carried / promised by (n \N{MINUS SIGN} 1)/2, worst direction",
     )
     if fitted.empty:
         shares.set_axis_off()
     shares.axhline(1.0, color="0.3", lw=1.0, ls=":")
+    shares.set_ylim(0.0, 1.05)
     for axes in (loads, weights, shares):
         if axes.axison:
             _stiffness_axis(axes, sorted(set(rows["stiffness_ratio"].dropna())), stiffest)

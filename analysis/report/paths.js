@@ -23,7 +23,7 @@ function behindWords({ behind, curve }) {
   if (behind === null) return "Behind the peak is not followed on this mesh: choose a coarser one, or pure shear.";
   if (!behind.length) return "Behind the peak no equilibrium is left: the joint fails as a whole, at once.";
   const most = Math.max(...behind.map(([, load]) => load));
-  return `Behind the peak, with the displacement held, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${short(most)} N (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
+  return `Behind the peak, if the load is let down as bonds fail, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${short(most)} N (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
 }
 
 function drawStress(path, step) {
@@ -72,18 +72,20 @@ function loadTraces(path, step, pieces) {
   const { a, V, M, e } = loadOf(path, step), upper = pieces.filter((p) => p.block === "upper" && p.name !== "plate");
   const low = [0, 1, 2].map((k) => Math.min(...upper.map((p) => p.low[k]))), high = [0, 1, 2].map((k) => Math.max(...upper.map((p) => p.high[k])));
   const size = high[1] - low[1], top = high[2] + 0.12 * a, middle = (low[1] + high[1]) / 2, z = (low[2] + high[2]) / 2;
-  const line = (points, text) => ({ type: "scatter3d", mode: "lines+text", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), text: points.map((_, k) => (k === 0 ? text : "")), textposition: "top center", textfont: { size: 14 }, line: { color: V_COLOUR, width: 6 }, hoverinfo: "skip" });
+  // A new trace for each text: one whose text changes is drawn too small.
+  const said = ([x, y, z], text) => ({ uid: `said-${text}`, type: "scatter3d", mode: "text", x: [x], y: [y], z: [z], text: [text], textposition: "top center", textfont: { size: 16 }, hoverinfo: "skip" });
+  const line = (points, uid) => ({ uid: `line-${uid}`, type: "scatter3d", mode: "lines", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), line: { color: V_COLOUR, width: 6 }, hoverinfo: "skip" });
   const head = (p, d, length) => ({ type: "cone", x: [p[0]], y: [p[1]], z: [p[2]], u: [d[0]], v: [d[1]], w: [d[2]], anchor: "tip", sizemode: "absolute", sizeref: length, showscale: false, colorscale: [[0, V_COLOUR], [1, V_COLOUR]], hoverinfo: "skip" });
   const found = [];
   if (V > 0) {
     const x = path.push * e, from = path.push > 0 ? low[1] : high[1];
-    found.push(line([[x, from - path.push * 0.3 * size, z], [x, from, z]], `V = ${short(V)} N`), head([x, from, z], [0, path.push, 0], 0.18 * a));
-    if (Math.abs(x) > a / 2) found.push(line([[x, from, z], [0, from, z]], ""));
+    found.push(line([[x, from - path.push * 0.3 * size, z], [x, from, z]], "V"), said([x, from - path.push * 0.3 * size, z], `V = ${short(V)} N`), head([x, from, z], [0, path.push, 0], 0.18 * a));
+    if (Math.abs(x) > a / 2) found.push(line([[x, from, z], [0, from, z]], "e"));
   }
   if (M > 0) {
     const r = 0.35 * a, turn = [...Array(25).keys()].map((k) => (-0.75 + (k / 24) * 1.5) * Math.PI);
     const arc = turn.map((t) => [r * Math.cos(t), middle + r * Math.sin(t), top]), end = turn.at(-1);
-    found.push(line(arc, `M = ${short(M)} N m`), head(arc.at(-1), [-Math.sin(end), Math.cos(end), 0], 0.18 * a));
+    found.push(line(arc, "M"), said(arc[0], `M = ${short(M)} N m`), head(arc.at(-1), [-Math.sin(end), Math.cos(end), 0], 0.18 * a));
   }
   return found;
 }
@@ -94,7 +96,7 @@ function lockNumbers(path, pieces, step, scale) {
     const centre = piece.low.map((v, c) => (v + piece.high[c]) / 2);
     return shifted([piece.high[0] + 0.08 * (piece.high[0] - piece.low[0]), centre[1], centre[2]], centre, step.moved[k], scale);
   });
-  return { type: "scatter3d", mode: "text", x: places.map((p) => p[0]), y: places.map((p) => p[1]), z: places.map((p) => p[2]), text: found.map(({ piece }) => piece.name.replace("lock", "")), textfont: { size: 16 }, hoverinfo: "skip" };
+  return { uid: "numbers", type: "scatter3d", mode: "text", x: places.map((p) => p[0]), y: places.map((p) => p[1]), z: places.map((p) => p[2]), text: found.map(({ piece }) => piece.name.replace("lock", "")), textfont: { size: 16 }, hoverinfo: "skip" };
 }
 
 function drawJoint(path, step) {

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from analysis.drawing.labels import rule_name
 from analysis.figures import style
@@ -84,6 +85,8 @@ def _errors(axes: Axes, points: pd.DataFrame) -> None:
         axes.plot(middles, bands[share], color="0.1", lw=1.0, ls="--", label=label)
     axes.axhline(0.0, color="0.4", lw=0.8)
     axes.set_xscale("log")
+    axes.xaxis.set_major_formatter("{x:g}")
+    axes.xaxis.set_minor_formatter(NullFormatter())
     axes.set_ylim(-REACH, REACH)
     axes.set_xlabel("first failure / T0, static model")
     axes.set_ylabel("law over first failure, less 1 (%)")
@@ -138,7 +141,7 @@ def rules(points: pd.DataFrame) -> Figure:
             axes.set_title(f"{rule_name(rule)}: {words}", loc="left", fontsize=9)
         row[0].set_ylabel("over the peak (%)")
     panels[0, 0].set_ylim(SAFE, UNSAFE)
-    panels[0, 0].legend(fontsize=7, loc="upper left")
+    panels[0, 0].legend(fontsize=7, loc="lower right")
     for axes in panels[-1]:
         axes.set_xlabel("locks n")
     style.caption(

@@ -65,9 +65,9 @@ class Film:
         for _ in range(STILL):
             yield peak, f"V = {share * peak.load:.0f} N: the peak"
         for point in self.behind[:: -(-len(self.behind) // BEHIND)]:
-            yield point, "Behind the peak, if the displacement is held"
+            yield point, "Behind the peak: the load is let down as bonds fail"
         for _ in range(STILL):
-            yield self.behind[-1], "Behind the peak, if the displacement is held"
+            yield self.behind[-1], "Behind the peak: the load is let down as bonds fail"
 
     def first_lock(self, point: Equilibrium) -> int:
         """The lock that has most failed nodes at ``point``."""

@@ -1,10 +1,11 @@
-"""What brittle bonds still carry behind the peak, if the displacement is held and not the load.
+"""What brittle bonds still carry behind the peak, if the load is let down as they fail.
 
-Under a load that stays, a joint at its peak fails as a whole. A testing machine that holds the
-displacement lets the load fall: to the load at which the next node reaches its strength, once the
-nodes before it have lost theirs. Each such point is an equilibrium, reached from no load with the
-bonds that are left; between them the load may fall further, which is not followed (sequentially
-linear analysis: Rots, J.G., 2001, Heron 46(2), 69-90). Friction has no history here.
+Under a load that stays, a joint at its peak fails as a whole. Here the load goes down, or up, to
+the one at which the next node reaches its strength, once the nodes before it have lost theirs.
+Each such point is an equilibrium, reached from no load with the bonds that are left, as in
+sequentially linear analysis (Rots, J.G., 2001, Heron 46(2), 69-90). The displacement may decrease
+from one point to the next: a test that holds the displacement would jump over such points. Friction
+has no history here.
 """
 
 from collections.abc import Iterator

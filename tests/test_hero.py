@@ -1,0 +1,40 @@
+"""The moving picture of README.md."""
+
+import pytest
+from conftest import ROOT
+from PIL import Image
+
+from studies.published import hero
+
+
+@pytest.fixture(scope="module")
+def film() -> hero.Film:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hero, "MESH", 0.02)
+        return hero.film()
+
+
+def test_it_names_the_lock_that_fails_first_and_goes_on_behind_the_peak(film: hero.Film) -> None:
+    words = list(dict.fromkeys(words for _, words in film.frames()))
+    assert words[0] == "The load rises: all bonds are whole"
+    assert any(each.endswith("lock 2 is the first to fail") for each in words)
+    assert words[-2].endswith("the peak")
+    assert words[-1].startswith("Behind the peak")
+
+
+def test_what_is_shown_rises_to_the_peak_and_loses_bonds_behind_it(film: hero.Film) -> None:
+    points = [point for point, _ in film.frames()]
+    loads = [point.load for point in points]
+    top = loads.index(max(loads))
+    assert loads[: top + 1] == sorted(loads[: top + 1])
+    bonds = [int(point.state.bonded.sum()) for point in points]
+    assert bonds == sorted(bonds, reverse=True)
+    assert bonds[-1] < bonds[top]
+
+
+def test_the_picture_is_light_and_ends() -> None:
+    path = ROOT / "docs/images/first_failure.gif"
+    assert path.stat().st_size < 1_000_000
+    with Image.open(path) as gif:
+        assert gif.n_frames > 10
+        assert gif.info["loop"] == 2  # after the first time
