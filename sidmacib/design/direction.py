@@ -27,7 +27,7 @@ from sidmacib.mechanics.optimisation import solve
 from sidmacib.validation import require_positive
 
 GAP = 0.01  # of the cost, over the cost
-TIME_LIMIT = 600.0  # s
+TIME_LIMIT = 600.0  # s of a processor
 SHORT = 1e-6  # over their largest strength: what locks lack at most, as conic programmes round
 INWARDS = (1.0, 0.5, 0.2)  # steps from strengths that carry all to those asked for: where to cut
 MIXED = 1e-3  # cost of further directions of a site over that of the first, that counts as mixed
@@ -83,16 +83,18 @@ class Search:
         """The cheapest choice: ``whole`` rows, or mixtures of rows of one direction at each site.
 
         ``barred``: sets of sites with directions of which at least one must be otherwise. ``gap``:
-        when to stop, over the cost; ``time_limit`` in s: after it the best rows found are given
-        with the bound reached. `InfeasibleError` if no rows do; `SolverError` if none are found in
-        time.
+        when to stop, over the cost; ``time_limit`` in s of a processor: after it the best rows
+        found are given with the bound reached. `InfeasibleError` if no rows do; `SolverError` if
+        none are found in time.
         """
         require_positive(gap=gap, time_limit=time_limit)
-        end = time.monotonic() + time_limit
+        end = time.process_time() + time_limit
         best = self._dive(whole, barred, end)
         cost = np.inf if best is None else float(self.structure.costs @ best)
         bound, rounds = self.relaxed.cost, 0
-        while (best is None or cost - bound > gap * cost) and (left := end - time.monotonic()) > 0:
+        while (best is None or cost - bound > gap * cost) and (
+            left := end - time.process_time()
+        ) > 0:
             parts, low = self._master(whole, barred, gap / 2, left)
             bound, rounds = max(bound, low), rounds + 1
             if parts is None:
@@ -232,12 +234,12 @@ class Search:
             for start in range(0, len(order), size):
                 less = taken.copy()
                 less[np.isin(structure.site_of, order[start : start + size])] = 0.0
-                if time.monotonic() < end and less.any() and self.carries(less):
+                if time.process_time() < end and less.any() and self.carries(less):
                     taken = less
             size //= 2
         for site in order:
             fewer = _less(structure, taken, site)
-            while fewer is not None and time.monotonic() < end and self.carries(fewer):
+            while fewer is not None and time.process_time() < end and self.carries(fewer):
                 taken = fewer
                 fewer = _less(structure, taken, site)
         return taken
