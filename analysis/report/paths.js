@@ -73,7 +73,7 @@ function loadTraces(path, step, pieces) {
   const low = [0, 1, 2].map((k) => Math.min(...upper.map((p) => p.low[k]))), high = [0, 1, 2].map((k) => Math.max(...upper.map((p) => p.high[k])));
   const size = high[1] - low[1], top = high[2] + 0.12 * a, middle = (low[1] + high[1]) / 2, z = (low[2] + high[2]) / 2;
   // A new trace for each text: one whose text changes is drawn too small.
-  const said = ([x, y, z], text) => ({ uid: `said-${text}`, type: "scatter3d", mode: "text", x: [x], y: [y], z: [z], text: [text], textposition: "top center", textfont: { size: 16 }, hoverinfo: "skip" });
+  const said = ([x, y, z], text) => ({ uid: `said-${text.replace(/[^\w]/g, "-")}`, type: "scatter3d", mode: "text", x: [x], y: [y], z: [z], text: [text], textposition: "top center", textfont: { size: 16 }, hoverinfo: "skip" });
   const line = (points, uid) => ({ uid: `line-${uid}`, type: "scatter3d", mode: "lines", x: points.map((p) => p[0]), y: points.map((p) => p[1]), z: points.map((p) => p[2]), line: { color: V_COLOUR, width: 6 }, hoverinfo: "skip" });
   const head = (p, d, length) => ({ type: "cone", x: [p[0]], y: [p[1]], z: [p[2]], u: [d[0]], v: [d[1]], w: [d[2]], anchor: "tip", sizemode: "absolute", sizeref: length, showscale: false, colorscale: [[0, V_COLOUR], [1, V_COLOUR]], hoverinfo: "skip" });
   const found = [];
