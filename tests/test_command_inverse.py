@@ -20,7 +20,7 @@ def test_the_fewest_locks_are_those_of_the_library() -> None:
     found = fewest_locks(JOINT, Demand(300.0, ratio=0.3))
     assert [row["locks"] for row in rows] == [each.joint.locks for each in found.tried]
     assert found.found is not None and rows[-1]["safe V (N)"] == found.found.shear
-    assert rows[-1]["note"] == "does"
+    assert rows[-1]["note"] == "strong enough"
     assert all(str(row["note"]).startswith("too weak") for row in rows[:-1])
 
 
@@ -36,8 +36,10 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
 
 def test_all_joints_are_shown_with_what_is_wrong_with_them() -> None:
     rows = answers("joint", "-V", "300", "-H", "0.06", "--vary", "a=0.04,0.1,0.2", "--all")
-    weak, does, refused = (str(row["note"]) for row in rows)
-    assert weak.startswith("too weak: at most") and does == "does" and "a / b: 4" in refused
+    weak, meets, refused = (str(row["note"]) for row in rows)
+    assert (
+        weak.startswith("too weak: at most") and meets == "strong enough" and "a / b: 4" in refused
+    )
 
 
 def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
@@ -94,10 +96,10 @@ def test_the_chart_shows_each_joint_once_by_what_it_does(tmp_path: Path) -> None
     found, tried = sought(JOINT, Demand(300.0), values, Prices(), Push.PLUS_Y, every=True)
     (axes,) = chart(found, tried, values).axes
     shown = {each.get_label(): len(each.get_offsets()) for each in axes.collections}
-    does = sum(each.does for each in tried)
+    meets = sum(each.meets for each in tried)
     refused = sum(each.load is None for each in tried)
-    weak = len(tried) - does - refused
-    assert shown == {"does": does, "too weak": weak, "refused": refused, "cheapest": 1}
+    weak = len(tried) - meets - refused
+    assert shown == {"strong enough": meets, "too weak": weak, "refused": refused, "cheapest": 1}
     picture = tmp_path / "joints.svg"
     assert run("joint", "-V", "300", "-H", "0.06", "--picture", str(picture)).exit_code == 0
     assert "fewest locks" in picture.read_text() or picture.stat().st_size > 1000

@@ -70,11 +70,11 @@ def test_the_volume_cut_is_that_of_all_locks() -> None:
 def test_the_fewest_locks_do_and_one_lock_fewer_does_not(demand: Demand) -> None:
     found = fewest_locks(WEIGHTLESS, demand).found
     assert found is not None and found.joint.locks > 2
-    for joint, does in (
+    for joint, meets in (
         (found.joint, True),
         (replace(found.joint, locks=found.joint.locks - 1), False),
     ):
-        assert (safe(joint, demand.direction(joint)).load >= demand.load(joint)) is does
+        assert (safe(joint, demand.direction(joint)).load >= demand.load(joint)) is meets
 
 
 def test_a_larger_load_never_needs_fewer_locks() -> None:
@@ -99,14 +99,14 @@ def test_columns_that_let_no_load_through_have_no_number_of_locks() -> None:
     search = fewest_locks(Joint(5), Demand(1e4))
     assert search.found is None
     assert [each.joint.locks for each in search.tried] == list(range(2, 32))
-    assert not any(each.does for each in search.tried)
+    assert not any(each.meets for each in search.tried)
 
 
 def test_elastic_blocks_are_sought_up_to_the_locks_that_the_rule_takes() -> None:
     joint = Joint(5, elastic=Elastic(1e10), upper_body=UpperBody.MONOLITHIC)
     search = fewest_locks(joint, Demand(300.0))
     assert search.found is not None and search.found.joint.locks == 4
-    assert [each.does for each in search.tried] == [False, False, True]
+    assert [each.meets for each in search.tried] == [False, False, True]
 
 
 @pytest.mark.parametrize(
@@ -141,14 +141,14 @@ def test_the_cheapest_is_that_of_trying_all(demand: Demand, prices: Prices) -> N
     assert search.found is not None
     assert prices.of(search.found.joint) == min(price for price, _ in priced)
     assert search.found == cheapest_of(all_candidates(WEIGHTLESS, demand, VALUES), prices)
-    assert not any(each.does for each in search.tried[:-1])
+    assert not any(each.meets for each in search.tried[:-1])
 
 
 def test_a_joint_that_the_rule_refuses_is_no_answer_and_has_a_reason() -> None:
     values = {"a": (0.08, 0.16)}  # a / b of 3.2 was not tested
     weak, refused = all_candidates(WEIGHTLESS, Demand(700.0), values)
-    assert not weak.does and weak.load is not None and not weak.reason
-    assert refused.load is None and not refused.does and "a / b: 3.2" in refused.reason
+    assert not weak.meets and weak.load is not None and not weak.reason
+    assert refused.load is None and not refused.meets and "a / b: 3.2" in refused.reason
     assert cheapest(WEIGHTLESS, Demand(700.0), values).found is None
 
 

@@ -136,10 +136,10 @@ def candidate_rows(
 
 
 def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
-    """Whether a joint does, or why not."""
+    """Whether a joint meets the demand, or why not."""
     if each.load is None:
         return each.reason
-    if not each.does:
+    if not each.meets:
         most = each.shear or 0.0, each.torque or 0.0
         words = "too weak"
         return words if each.exact else f"{words}: at most {most[0]:.4g} N, {most[1]:.4g} N m"
@@ -148,7 +148,9 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
         for name, among in values.items()
         if len(among) > 2 and getattr(each.joint, name) in (min(among), max(among))
     ]
-    return f"does; at the end of the values: {', '.join(ends)}" if ends else "does"
+    return (
+        f"strong enough; at the end of the values: {', '.join(ends)}" if ends else "strong enough"
+    )
 
 
 def why_none(tried: Sequence[Candidate]) -> str:
@@ -170,7 +172,7 @@ def chart(
     """All joints that were tried over the first two names of ``values``.
 
     With one name or none: needed over safe load against it. A point stands for several joints where
-    more than two names vary; it does if one of them does.
+    more than two names vary; it is strong enough if one of them is.
     """
     from matplotlib.figure import Figure
 
@@ -184,8 +186,10 @@ def chart(
         place = getattr(each.joint, x), height
         if place not in points or (each.usage or math.inf) < (points[place].usage or math.inf):
             points[place] = each
-    _scatter(axes, {place: each for place, each in points.items() if each.does}, "does", GREEN)
-    weak = {place: each for place, each in points.items() if each.load and not each.does}
+    _scatter(
+        axes, {place: each for place, each in points.items() if each.meets}, "strong enough", GREEN
+    )
+    weak = {place: each for place, each in points.items() if each.load and not each.meets}
     _scatter(axes, weak, "too weak", ORANGE, hollow=True)
     _scatter(axes, {p: each for p, each in points.items() if not each.load}, "refused", GREY, "x")
     if found is not None:
@@ -200,7 +204,7 @@ def chart(
             axis.get_major_locator().set_params(integer=True)
     if y is None:
         axes.axhline(1.0, color=GREY, linewidth=1)
-    axes.set_title("joints beside the load", loc="left", fontsize=10)
+    axes.set_title("by the safe rule", loc="left", fontsize=10)
     axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     return figure
 

@@ -1,4 +1,4 @@
-"""What is asked of a joint, whether it does that by the safe rule, and what it costs."""
+"""A demand on a joint, whether the joint meets it by the safe rule, and its cost."""
 
 import math
 from dataclasses import dataclass
@@ -108,7 +108,7 @@ class Candidate:
     reason: str = ""
 
     @property
-    def does(self) -> bool:
+    def meets(self) -> bool:
         """Whether the joint carries the demand by the safe rule."""
         return self.load is not None and self.load >= self.needed
 
@@ -137,7 +137,7 @@ def candidate(
     """``joint`` beside ``demand``: what the safe rule says of it.
 
     ``exact``: whether the safe load is wanted even where the law, of which it is a fraction,
-    already says that the joint does not do; that takes several times as long.
+    already says that the joint is too weak; that takes several times as long.
     """
     needed, direction = demand.load(joint), demand.direction(joint)
     try:

@@ -2,7 +2,7 @@
 
 What a joint carries is what the safe rule says; a joint that the rule refuses is no answer. Nothing
 is assumed of how the safe load depends on sizes and locks: joints are tried from the fewest locks,
-or from the cheapest, until one does.
+or from the cheapest, until one meets the demand.
 """
 
 import math
@@ -23,7 +23,7 @@ AREA = Prices()
 
 @dataclass(frozen=True)
 class Search:
-    """``found``: the first joint that does, None if none does; ``tried``: all, it included."""
+    """``found``: the first joint that meets the demand, or None; ``tried``: all, it included."""
 
     found: Candidate | None
     tried: tuple[Candidate, ...]
@@ -32,7 +32,7 @@ class Search:
 def fewest_locks(joint: Joint, demand: Demand, push: Push = Push.PLUS_Y) -> Search:
     """The fewest locks with which a joint of these sizes and materials carries ``demand``.
 
-    All numbers from 2 up to the first that does are tried, as more locks need not carry more.
+    All numbers from 2 up to the answer are tried, as more locks need not carry more.
     ``joint.locks`` counts for nothing. ValueError for locks that differ.
     """
     least, most = SPANS["locks"]
@@ -41,7 +41,7 @@ def fewest_locks(joint: Joint, demand: Demand, push: Push = Push.PLUS_Y) -> Sear
     tried = []
     for each in variants(joint, {"locks": range(int(least), int(most) + 1)}):
         tried.append(candidate(each, demand, push, exact=False))
-        if tried[-1].does:
+        if tried[-1].meets:
             return Search(tried[-1], tuple(tried))
     return Search(None, tuple(tried))
 
@@ -56,14 +56,14 @@ def cheapest(
     """The cheapest joint that carries ``demand``, of all combinations of ``values``.
 
     ``values``: of the numbers that vary, by name: locks, a, b, h, H (m); all others are those of
-    ``joint``. Cheapest first, so the first that does is the answer, and ``tried`` shows why each
+    ``joint``. Cheapest first, so the first that meets it is the answer; ``tried`` shows why each
     cheaper one is none. At equal prices fewer locks and smaller sizes come first. Errors of
     `variants`.
     """
     tried = []
     for each in sorted(variants(joint, values), key=lambda one: _order(one, prices)):
         tried.append(candidate(each, demand, push, exact=False))
-        if tried[-1].does:
+        if tried[-1].meets:
             return Search(tried[-1], tuple(tried))
     return Search(None, tuple(tried))
 
@@ -82,8 +82,8 @@ def all_candidates(
 
 
 def cheapest_of(candidates: Sequence[Candidate], prices: Prices = AREA) -> Candidate | None:
-    """The cheapest of ``candidates`` that does, as `cheapest` finds it; None if none does."""
-    found = [each for each in candidates if each.does]
+    """The cheapest of ``candidates`` that meets the demand, as `cheapest` finds it, or None."""
+    found = [each for each in candidates if each.meets]
     return min(found, key=lambda one: _order(one.joint, prices), default=None)
 
 
