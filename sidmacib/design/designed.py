@@ -63,15 +63,23 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
     that there is room for carry the cases in the design's model, or can be built.
     """
     best: Design | None = None
-    share, bound = 1.0, None
+    last: Design | None = None
+    share = 1.0
     for raised in range(task.raised + 1):
         try:
-            found = _once(with_share(task, share), bound, raised, note)
-        except (InfeasibleError, SolverError):
+            found = _once(with_share(task, share), last, raised, note)
+        except InfeasibleError as error:
             if best is None:
                 raise
+            note(f"no locks do with {share:.3g} of the strength: {error}")
             break
-        bound = found.bound
+        except SolverError as error:  # of this share; the next one may be solved
+            if best is None and raised == task.raised:
+                raise
+            note(f"no answer with {share:.3g} of the strength: {error}")
+            share *= LEAST_CUT
+            continue
+        last = found
         if best is None or _worst(found) > _worst(best):
             best = found
         if best.passes:
@@ -81,7 +89,8 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
         if ratio >= 1.0 or share < LEAST_SHARE:
             break
         note(f"a check fails at {ratio:.3g} of the factor: counting on {share:.3g} of the strength")
-    assert best is not None
+    if best is None:
+        raise SolverError(f"design: no answer in {task.raised + 1} rounds")
     return best
 
 
@@ -92,7 +101,8 @@ def _worst(design: Design) -> float:
     return min([*failing, *known])
 
 
-def _once(task: Task, bound: float | None, raised: int, note: Callable[[str], None]) -> Design:
+def _once(task: Task, last: Design | None, raised: int, note: Callable[[str], None]) -> Design:
+    """A design with the share of the strength that ``task`` has; ``last``: of the round before."""
     structure = task.structure
     try:
         search = Search(structure, task.factor)
@@ -122,14 +132,14 @@ def _once(task: Task, bound: float | None, raised: int, note: Callable[[str], No
         task,
         choice,
         whole.cost,
-        max(mixed.bound, whole.bound) if bound is None else bound,
+        max(mixed.bound, whole.bound) if last is None else last.bound,
         mixed,
         whole,
         structure.share,
         carried(sure, choice),
         needed(sure, choice, task.factor),
         order_of(assembly, sites, choice),
-        checks_of(task, choice, note),
+        last.checks if last and last.choice == choice else checks_of(task, choice, note),
         raised,
     )
 
