@@ -18,7 +18,9 @@ from sidmacib.design.direction import Search, choice_of
 from sidmacib.design.file import designed, task_of
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.limit import limit_load
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.file import read_structure, structure_of
+from sidmacib.structure.structure import refined
 
 
 def two_blocks() -> dict[str, Any]:
@@ -72,8 +74,62 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
     path.write_text(yaml.safe_dump(given))
     code, answer = run(path)
     assert code == 1
-    assert answer["verdict"].startswith("No: 1 locks that work in 1 of 1 interfaces do not do")
+    assert answer["verdict"].startswith(
+        "No: the best design found, of 1 locks that work in 1 of 1 interfaces"
+    )
     assert "static, peak, push: 0.9" in answer["verdict"]
+
+
+def in_a_slot() -> dict[str, Any]:
+    """A block between a base, which is longer than the block, and a roof without friction."""
+    given = two_blocks()
+    given["blocks"] = {
+        "base": {"low": [-0.4, 0, -0.3], "high": [1.2, 0.6, 0], "fixed": True},
+        "roof": {"low": [-0.4, 0, 0.3], "high": [1.2, 0.6, 0.5], "fixed": True},
+        "block": {"low": [0.2, 0, 0], "high": [0.6, 0.6, 0.3]},
+    }
+    given["interfaces"]["friction"] = 0.0
+    given["design"] |= {"angles": [0], "between": [["base", "block"]]}
+    return given
+
+
+@pytest.mark.parametrize(("length", "placed"), [(1.2, False), (0.6, True)])
+def test_a_block_is_not_pushed_along_grooves_that_are_closed(length: float, placed: bool) -> None:
+    """Locks along x in a base that goes on behind the block at both ends, or at one."""
+    given = in_a_slot()
+    given["blocks"]["base"]["high"][0] = length
+    task = task_of(given)
+    if placed:
+        (step,) = design_of(task).order.steps
+        assert step.along == pytest.approx((-1.0, 0.0, 0.0))
+    else:
+        with pytest.raises(InfeasibleError, match="leave every block a way to its place"):
+            design_of(task)
+
+
+def test_the_static_model_decides_less_its_mesh_error() -> None:
+    design = design_of(task_of(two_blocks()))
+    (check,) = (check for check in design.checks if check.decides and "static" in check.model)
+    plain = designed(design.task, design.choice)
+    problem = structure_of(plain)
+    fine = static_peak(refined(problem.assembly), problem.loads)
+    assert check.factor is not None and check.factor < fine.peak.load / 2000.0
+    assert "less its mesh error" in check.note
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("option", [1], "design.option"),
+        ("angles", [], "design.angles: must have at least one direction"),
+        ("runs", [], "design.runs: must have at least one direction"),
+    ],
+)
+def test_values_that_mean_nothing_are_refused(key: str, value: list[int], words: str) -> None:
+    given = two_blocks()
+    given["design"][key] = value
+    with pytest.raises(ValueError, match=words):
+        task_of(given)
 
 
 def test_what_is_written_is_a_structure_with_the_factors_of_the_checks(path: Path) -> None:
@@ -148,7 +204,7 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
             assert order_of(structure.assembly, structure.sites, choice).stuck
     assert carrying > 3
     given["design"]["buildable"] = True
-    with pytest.raises(InfeasibleError, match="in any direction"):
+    with pytest.raises(InfeasibleError, match="leave every block a way"):
         design_of(task_of(given))
 
 

@@ -28,7 +28,11 @@ def verdict(design: Design) -> str:
         stuck = _names(design, design.order.stuck)
         reasons.append(f"{', '.join(stuck[:5])} cannot be placed")
     asked = f"{design.task.factor:g} times all cases are asked for"
-    return f"No: {what} do not do; {asked}; {'; '.join(reasons)}."
+    if not design.cost:
+        what = "the design's model needs no locks, but other models do"
+    else:
+        what = f"the best design found, of {what}, fails a check"
+    return f"No: {what}; {asked}; {'; '.join(reasons)}."
 
 
 def design_tables(design: Design) -> dict[str, list[Row]]:

@@ -2,9 +2,11 @@
 
 Blocks that touch block each other's way (directional blocking graphs, Wilson & Latombe 1994,
 doi:10.1016/0004-3702(94)90048-5): a block cannot move into another across an interface, and locks
-let it move along them, or away from the interface, but not across them. A block can be placed last
-if it can be taken away, by a translation, however small. Without it no other block is blocked by
-more, so it does not matter which of several is taken first: an order is found if there is one.
+let it move along them, or away from the interface, but not across them. Where a block reaches
+beyond the interface, the grooves for the other one's locks end in a wall, into which these cannot
+move. A block can be placed last if it can be taken away, by a translation, however small. Without
+it no other block is blocked by more, so it does not matter which of several is taken first: an
+order is found if there is one.
 
 Not seen: blocks that would meet others on a longer way, two blocks placed at once, and whether
 what stands so far holds; formwork is taken for granted.
@@ -12,15 +14,21 @@ what stands so far holds; formwork is taken for granted.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
+import shapely
 
 from sidmacib.design.layouts import Layout
 from sidmacib.design.model import Site
 from sidmacib.mechanics.assembly import Assembly, Floats, Vector
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import Block
 
 CLEAR = 1e-7  # cosine that counts as a way into a block
+BEYOND = 1e-4  # over an edge's length: how far beyond the interface a wall is looked for
+ALONG = np.linspace(0.01, 0.99, 15)  # of an edge, where it is looked for
+DEPTHS = (0.02, 0.5, 0.98)  # of the grooves, where it is looked for
 Choice = Sequence[Layout | None]  # for each site
 
 
@@ -45,7 +53,7 @@ def order_of(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> Order
 
     Fixed blocks are there before. Blocks are taken away from the highest down.
     """
-    across = _across(assembly, sites, choice)
+    rows = _rows(assembly, sites, choice)
     left = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
     fixed = set(range(len(assembly.pieces))) - left
     touching = _touching(assembly)
@@ -54,7 +62,7 @@ def order_of(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> Order
     while True:
         for block in ranked:
             here = left | fixed
-            if block in left and (out := _way_out(assembly, across, touching, block, here)):
+            if block in left and (out := _way_out(assembly, rows, touching, block, here)):
                 left.remove(block)
                 taken.append(Step(block, (-out[0] + 0.0, -out[1] + 0.0, -out[2] + 0.0)))
                 break
@@ -90,29 +98,80 @@ def _touching(assembly: Assembly) -> dict[int, list[tuple[int, int, Floats]]]:
     return found
 
 
-def _across(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> dict[int, Floats]:
-    """By face: the direction across its locks."""
-    return {
-        site.face: np.cross(assembly.faces[site.face].axes[0], layout.run)
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """What locks bar, by face: motion ``across`` them, (3,), either way.
+
+    ``walls``: directions, (K, 3), into which the block above must move by 0 or more, as seen from
+    the block below.
+    """
+
+    across: dict[int, Floats]
+    walls: dict[int, Floats]
+
+
+def _rows(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> _Rows:
+    chosen = [
+        (site.face, layout)
         for site, layout in zip(sites, choice, strict=True)
         if layout is not None
-    }
+    ]
+    return _Rows(
+        {k: np.cross(assembly.faces[k].axes[0], layout.run) for k, layout in chosen},
+        {k: _walls(assembly, k, layout.kind.height / 2.0) for k, layout in chosen},
+    )
+
+
+def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
+    """`_Rows.walls` of the grooves of a ``depth`` (m) on either side of a face.
+
+    A groove ends at the outline of the face. It is closed where its block goes on behind that.
+    """
+    face = assembly.faces[number]
+    assert isinstance(face, Polygon)
+    ring = face.outline.exterior
+    corners = shapely.get_coordinates(ring if shapely.is_ccw(ring) else ring.reverse())
+    walls = []
+    for start, end in pairwise(corners):
+        edge = end - start
+        length = float(np.linalg.norm(edge))
+        outward = np.array([edge[1], -edge[0]]) / length
+        places = face.at(start + ALONG[:, None] * edge + BEYOND * length * outward)
+        for block, side in ((face.below, -1.0), (face.above, 1.0)):
+            deep = [places + side * depth * share * face.axes[0] for share in DEPTHS]
+            if _any_inside(assembly.pieces[block], np.concatenate(deep)):
+                walls.append(side * outward @ face.axes[1:])
+    return np.array(walls).reshape(-1, 3)
+
+
+def _any_inside(piece: object, places: Floats) -> bool:
+    """Whether any of ``places`` (m), (K, 3), is inside a convex block."""
+    assert isinstance(piece, Block)
+    heights = [
+        (places - corners[0]) @ normal
+        for corners, normal in zip(piece.outlines, piece.normals, strict=True)
+    ]
+    return bool((np.max(heights, axis=0) < 0.0).any())
 
 
 def _way_out(
     assembly: Assembly,
-    across: dict[int, Floats],
+    rows: _Rows,
     touching: dict[int, list[tuple[int, int, Floats]]],
     block: int,
     here: set[int],
 ) -> Vector | None:
     """A unit vector along which a block can leave those that are here; None if it is blocked."""
     faces = [each for each in touching.get(block, []) if each[1] in here]
+    locked = [number for number, _, _ in faces if number in rows.across]
     away = np.array([each[2] for each in faces]).reshape(-1, 3)
-    along = np.array([across[each[0]] for each in faces if each[0] in across]).reshape(-1, 3)
-    flat = away - (away @ np.linalg.pinv(along)) @ along if len(along) else away
-    ways = np.array([*_ways(np.concatenate([away, along])), *_units(flat)])
-    free = (ways @ away.T >= -CLEAR).all(axis=1) & (np.abs(ways @ along.T) <= CLEAR).all(axis=1)
+    along = np.array([rows.across[number] for number in locked]).reshape(-1, 3)
+    sides = [1.0 if assembly.faces[number].above == block else -1.0 for number in locked]
+    walls = [side * rows.walls[number] for side, number in zip(sides, locked, strict=True)]
+    open_to = np.concatenate([away, *walls])
+    flat = open_to - (open_to @ np.linalg.pinv(along)) @ along if len(along) else open_to
+    ways = np.array([*_ways(np.concatenate([open_to, along])), *_units(flat)])
+    free = (ways @ open_to.T >= -CLEAR).all(axis=1) & (np.abs(ways @ along.T) <= CLEAR).all(axis=1)
     if not free.any():
         return None
     # The ways out are a convex cone: the sum of its edges is one, too.

@@ -7,7 +7,7 @@ roots and the history of friction.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 
 from sidmacib.design.file import Task, designed
@@ -18,6 +18,8 @@ from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.file import assembly_of
+from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.structure import refined
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
 FIRST, PEAK = "static, first failure", "static, peak"
@@ -56,8 +58,8 @@ def checks_of(
     assembly = assembly_of(designed(task, choice), folder=task.folder)
     for case in task.cases:
         note(f"checking {case.name} on {len(assembly.pieces)} pieces")
-        of_case = _of_case(assembly, case.loads(assembly), task)
         load = case.amount(assembly)
+        of_case = _of_case(assembly, case.loads(assembly), load, task)
         found += [
             Check(case.name, model, value and value / load, words, decides)
             for model, value, words, decides in of_case
@@ -66,23 +68,50 @@ def checks_of(
 
 
 def _of_case(
-    assembly: Assembly, loads: Loads, task: Task
+    assembly: Assembly, loads: Loads, amount: float, task: Task
 ) -> Iterator[tuple[str, float | None, str, bool]]:
-    """Model, load (N), note, whether it decides."""
+    """Model, load (N), note, whether it decides; ``amount``: of the case (N)."""
     yield LIMIT, *_answer(lambda: _limit(assembly, loads)), True
     if task.no_dilation:
         # Its rounds need not settle: without an answer it counts neither way.
         load, words = _answer(lambda: _sliding(assembly, loads))
         yield SLIDING, load, words, load is not None
     try:
-        solution = static_peak(assembly, loads)
+        found = _static(assembly, loads, task.first_failure, amount * task.factor)
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
         yield FIRST, unlimited, _line(error), task.first_failure
         yield PEAK, unlimited, _line(error), not task.first_failure
         return
-    yield FIRST, solution.first_failure_load, "of a bond, or the peak", task.first_failure
-    yield PEAK, solution.peak.load, f"ends by: {solution.mode}", not task.first_failure
+    for model, load, words in found:
+        yield model, load, words, task.first_failure == (model == FIRST)
+
+
+def _static(
+    assembly: Assembly, loads: Loads, first_failure: bool, needed: float
+) -> Iterable[tuple[str, float, str]]:
+    """Model, load (N) and note of the first failure and the peak.
+
+    If that which decides is as large as ``needed`` (N), both are found again on cells of half the
+    size, less their mesh errors.
+    """
+    coarse = static_peak(assembly, loads)
+    loads_found = Failures(coarse.first_failure_load, coarse.peak.load)
+    notes = "of a bond, or the peak", f"ends by: {coarse.mode}"
+    if (loads_found.first if first_failure else loads_found.peak) < needed:
+        return zip((FIRST, PEAK), loads_found, notes, strict=True)
+    fine = static_peak(refined(assembly), loads)
+    loads_found, before = Failures(fine.first_failure_load, fine.peak.load), loads_found
+    errors = structure_mesh_errors(assembly, before, loads_found, of_fine=True)
+    notes = notes[0], f"ends by: {fine.mode}"
+    return [
+        (
+            model,
+            load * (1.0 - (error or 0.0)),
+            f"{words}; less its mesh error of {error or 0.0:.2g}",
+        )
+        for model, load, error, words in zip((FIRST, PEAK), loads_found, errors, notes, strict=True)
+    ]
 
 
 def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:

@@ -86,7 +86,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
             break
         ratio = _worst(found) / task.factor
         share *= min(LEAST_CUT, max(ratio, 0.3))
-        if ratio >= 1.0 or share < LEAST_SHARE:
+        if ratio >= 1.0 or share < LEAST_SHARE or not found.cost:  # which no strength changes
             break
         note(f"a check fails at {ratio:.3g} of the factor: counting on {share:.3g} of the strength")
     if best is None:

@@ -152,7 +152,8 @@ class Search:
             options={"mip_rel_gap": gap, "time_limit": max(time_limit, 1.0)},
         )
         if answer.status == _INFEASIBLE:
-            raise InfeasibleError(f"{WHAT}: no rows of locks carry all cases in any direction")
+            placed = " and leave every block a way to its place" if barred else ""
+            raise InfeasibleError(f"{WHAT}: no rows of locks carry all cases{placed}")
         bound = float(structure.costs.max() * (answer.mip_dual_bound or 0.0))
         if answer.x is None:
             return None, bound

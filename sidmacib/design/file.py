@@ -118,7 +118,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     kind, most = _kind(given["locks"])
     sites = _sites(assembly, given, kind, most)
     option = given.get("option", "option3")
-    if option not in OPTIONS:
+    if not isinstance(option, str) or option not in OPTIONS:
         raise refused("design.option", option, f"one of {', '.join(OPTIONS)}")
     structure = Structure(
         assembly,
@@ -213,6 +213,9 @@ def _sites(
     """The interfaces that may get locks: those that are dry, whole and between convex blocks."""
     if "angles" in given and "runs" in given:
         raise ValueError("design: must have either angles or runs")
+    for name in ("angles", "runs"):
+        if name in given and not listed(f"design.{name}", given[name]):
+            raise ValueError(f"design.{name}: must have at least one direction")
     angles = [
         read_number("design.angles", each, _ANGLE)
         for each in listed("design.angles", given.get("angles", [0.0, 90.0]))

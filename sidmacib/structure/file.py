@@ -209,7 +209,7 @@ def _condensed(key: str, value: Any) -> Condensed:
     if "working" in given:
         working = read_number(f"{key}.working", given["working"], POSITIVE)
     option = given.get("option", "option3")
-    if option not in OPTIONS:
+    if not isinstance(option, str) or option not in OPTIONS:
         raise refused(f"{key}.option", option, f"one of {', '.join(OPTIONS)}")
     return Condensed(working, OPTIONS[option])
 
