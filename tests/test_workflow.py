@@ -40,7 +40,7 @@ WORDS = {
     "Fit SiDMACIB": "fit",
     "Compare with": "validation",
     "Draw": "figures",
-    "Sum up": "summary",
+    "Write the summary": "summary",
     "Write the report": "report",
     "Check that every case": "complete",
 }
@@ -211,9 +211,11 @@ def test_snakemakes_own_report_has_figures_and_tables_with_captions(solved: Work
         assert words in text
 
 
-def test_a_change_to_what_figures_show_draws_them_and_no_more(solved: Workspace) -> None:
+def test_a_change_to_what_figures_show_draws_them_and_reports_it_and_no_more(
+    solved: Workspace,
+) -> None:
     solved.configure({**SOLVED, "figures": {"eccentricity": 0.4}})
-    assert solved.planned() == {"figures"}
+    assert solved.planned() == {"figures", "report"}  # which has the configuration
 
 
 def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(

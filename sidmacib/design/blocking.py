@@ -26,9 +26,9 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block
 
 CLEAR = 1e-7  # cosine that counts as a way into a block
-BEYOND = 1e-4  # over an edge's length: how far beyond the interface a wall is looked for
-ALONG = np.linspace(0.01, 0.99, 15)  # of an edge, where it is looked for
-DEPTHS = (0.02, 0.5, 0.98)  # of the grooves, where it is looked for
+# Where a wall is looked for: how far beyond the interface and how deep, both over the depth of the
+# groove, and along an edge. Wedges that begin at the edge, as of voussoirs, are not seen.
+BEYOND, DEEP, ALONG = 0.1, 0.02, np.linspace(0.01, 0.99, 15)
 Choice = Sequence[Layout | None]  # for each site
 
 
@@ -125,7 +125,8 @@ def _rows(assembly: Assembly, sites: Sequence[Site], choice: Choice) -> _Rows:
 def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
     """`_Rows.walls` of the grooves of a ``depth`` (m) on either side of a face.
 
-    A groove ends at the outline of the face. It is closed where its block goes on behind that.
+    A groove ends at the outline of the face. It is closed where its block goes on behind that; a
+    wedge that begins there is taken to be cut away.
     """
     face = assembly.faces[number]
     assert isinstance(face, Polygon)
@@ -136,10 +137,9 @@ def _walls(assembly: Assembly, number: int, depth: float) -> Floats:
         edge = end - start
         length = float(np.linalg.norm(edge))
         outward = np.array([edge[1], -edge[0]]) / length
-        places = face.at(start + ALONG[:, None] * edge + BEYOND * length * outward)
+        places = face.at(start + ALONG[:, None] * edge + BEYOND * depth * outward)
         for block, side in ((face.below, -1.0), (face.above, 1.0)):
-            deep = [places + side * depth * share * face.axes[0] for share in DEPTHS]
-            if _any_inside(assembly.pieces[block], np.concatenate(deep)):
+            if _any_inside(assembly.pieces[block], places + side * DEEP * depth * face.axes[0]):
                 walls.append(side * outward @ face.axes[1:])
     return np.array(walls).reshape(-1, 3)
 
