@@ -329,7 +329,7 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
     workspace.configure({**SMALL, "overrides": {"n3-mesh0.03-torsion": {"ramp_periods": 42}}})
     assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
 
-    # Another time limit only makes the report, which has the configuration; going back does nothing.
+    # Another time limit only makes the report, which shows the configuration; going back nothing.
     workspace.configure({**SMALL, "dem": {"engines": ["yade"], "time_limit": 500}})
     assert workspace.planned() == {"report"}
     workspace.configure(SMALL)
