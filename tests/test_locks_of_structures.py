@@ -9,14 +9,15 @@ from structures import dry
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem, posed
+from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.cutting import cut
 from sidmacib.structure.locks import Condensed, Locks
@@ -90,6 +91,64 @@ def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float | 
         variable[1, 1], variable[1, 5] = direction.shear, direction.torque * joint.a
         found = limit_load(two, Loads(permanent, variable, joint.T0), friction=True)
         assert found.load == pytest.approx(capacity(model, direction).load, rel=1e-7)
+
+
+@pytest.mark.parametrize("rule", ["law", "safe"])
+@pytest.mark.parametrize(
+    ("locks", "eccentricity"), [(4, 0.0), (5, -math.tan(math.pi / 6)), (5, math.inf)]
+)
+@pytest.mark.parametrize("push", [Push.PLUS_Y, Push.MINUS_Y])
+def test_condensed_locks_carry_what_a_rule_says(
+    rule: str, locks: int, eccentricity: float, push: Push
+) -> None:
+    joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
+    condensed = Condensed(rule=rule)
+    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
+    joint = replace(joint, H=joint.H + joint.h / 2)  # the block reaches to the middle of the locks
+    direction = Direction(eccentricity)
+    permanent, variable = np.zeros((2, 2, 6))
+    permanent[1, 2] = -PUSH
+    sign = 1.0 if push is Push.PLUS_Y else -1.0
+    variable[1, 1], variable[1, 5] = sign * direction.shear, direction.torque * joint.a
+    # Not overturned: the load acts in the plane of the interface.
+    variable[1, 3] = variable[1, 1] * (two.pieces[1].centre[2] - joint.h / 2)
+    found = limit_load(two, Loads(permanent, variable, joint.T0)).load
+    allowed = RULES[rule](joint, direction, push).load
+    # The loads of four locks in all directions are no convex polygon: the one inside is smaller.
+    assert (0.98 if locks == 4 else 1.0 - 1e-6) * allowed <= found <= (1.0 + 1e-6) * allowed
+
+
+def test_a_rule_under_pressure_counts_only_where_the_interface_is_compressed_as_much() -> None:
+    joint = Joint(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, dry=replace(DRY, friction=0.0))
+    area = joint.a * joint.total_width
+    variable = np.zeros((2, 6))
+    variable[1, 1] = 1.0
+    variable[1, 3] = (joint.H - joint.h / 2) / 2  # in the plane of the interface
+
+    def carried(pressure: float, pushed: float) -> float:
+        locks = locks_of(joint, Condensed(rule="law", hold_down=HoldDown.pressure(pressure)))
+        two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
+        permanent = np.zeros((2, 6))
+        permanent[1, 2] = -pushed * area
+        return limit_load(two, Loads(permanent, variable, joint.T0)).load
+
+    assert carried(2e4, pushed=3e4) == pytest.approx(carried(2e4, pushed=2.1e4))
+    with pytest.raises(InfeasibleError):
+        carried(2e4, pushed=1.9e4)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"widths": (0.04, 0.05, 0.05, 0.05, 0.06)}, "widths: .* equal with condensed.rule"),
+        ({"height": 0.04}, "condensed.rule: safe has no answer: h / b: 0.8 is not allowed"),
+    ],
+)
+def test_a_rule_for_locks_that_it_was_not_tested_on_is_refused(change: dict, message: str) -> None:
+    joint = Joint(5, upper_body=UpperBody.MONOLITHIC)
+    locks = replace(locks_of(joint, Condensed(rule="safe")), **change)
+    with pytest.raises(ValueError, match=message):
+        structure(two_blocks(joint), joint.dry, locked={PAIR: locks})
 
 
 def test_the_parts_of_a_cut_block_have_its_volume_and_centroid() -> None:

@@ -53,7 +53,32 @@ def test_static_loads_have_mesh_errors_that_cover_a_finer_mesh(path: Path) -> No
     for model, most in (("static, first failure", 0.01), ("static, peak", 0.5)):
         change = abs(coarse[model]["load (N)"] / fine[model]["load (N)"] - 1.0)
         assert change <= coarse[model]["mesh error / load"] < most
-    assert fine["limit"]["mesh error / load"] is None
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_limit_loads_of_twisted_bonds_have_mesh_errors_that_cover_a_finer_mesh(
+    path: Path, friction: float
+) -> None:
+    bonded = {"cohesion": 2e4, "tensile_strength": 1e4, "friction": friction}
+    twist = {"force": {"block": "block", "at": [0.4, 0.0, 0.0], "direction": [0, 1, 0]}}
+    found = {}
+    for mesh in (0.2, 0.025):
+        given = ON_GROUND | {"interfaces": bonded, "load": twist, "mesh": mesh}
+        path.write_text(json.dumps(given))
+        found[mesh] = {str(row["model"]): row for row in answers("assembly", str(path))}["limit"]
+    change = abs(found[0.2]["load (N)"] / found[0.025]["load (N)"] - 1.0)
+    assert 1e-5 < change <= found[0.2]["mesh error / load"] < 0.05
+
+
+def test_the_limit_load_of_dry_blocks_has_no_mesh_error(path: Path) -> None:
+    twist = {"force": {"block": "block", "at": [0.4, 0.0, 0.0], "direction": [0, 1, 0]}}
+    loads = set()
+    for mesh in (0.6, 0.1):
+        path.write_text(json.dumps(ON_GROUND | {"load": twist, "mesh": mesh}))
+        limit = answers("assembly", str(path))[0]
+        assert limit["mesh error / load"] == 0.0
+        loads.add(round(limit["load (N)"], 3))
+    assert len(loads) == 1
 
 
 def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) -> None:
@@ -201,6 +226,22 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
         ),
         ({"locks": [LOCKS | {"row": [0, 0, 1]}]}, "ground: row: .* not across the interface"),
         ({"locks": [LOCKS | {"condensed": {"option": "x"}}]}, "condensed.option: 'x' is not"),
+        (
+            {"locks": [LOCKS | {"condensed": {"rule": "best"}}]},
+            "condensed.rule: 'best' .* law, safe",
+        ),
+        (
+            {"locks": [LOCKS | {"condensed": {"hold_down": "plate"}}]},
+            r"condensed.hold_down: is for a rule; give .*condensed.rule as well",
+        ),
+        (
+            {"locks": [LOCKS | {"condensed": {"rule": "law", "hold_down": "glue"}}]},
+            r"condensed.hold_down: 'glue' is not allowed",
+        ),
+        (
+            {"locks": [LOCKS | {"condensed": {"rule": "law", "working": 2}}]},
+            "condensed.working: must not be given beside rule",
+        ),
         ({"locks": [LOCKS | {"condensed": {"working": 4}}]}, r"working: 4.* at most 3"),
         ({"load": {}}, "load: must have one key, acceleration, force or tilt"),
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),

@@ -171,7 +171,7 @@ def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
     assert static["first_interface"] == "left-lintel"
     assert limit["load_N"] == pytest.approx(8075.0, rel=1e-3)
     assert 0.0 < static["first_failure_mesh_error"] < static["mesh_error"] < 0.2
-    assert pd.isna(limit["mesh_error"])
+    assert 0.0 <= limit["mesh_error"] < 0.01
     assert limit["difference_to_static"] == pytest.approx(8075.0 / 7848.0 - 1.0, abs=1e-3)
     dry = table.loc[("trilith-load-dry", "static")]
     assert pd.isna(dry["first_interface"])

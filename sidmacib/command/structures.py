@@ -6,10 +6,12 @@ from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Kind
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.limit_tilt import limit_tilt
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
@@ -34,7 +36,7 @@ def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = 
     ``limit``: by `limit_of` if that was asked before, as it is solved once.
     """
     if problem.loads.axis is not None:
-        return list(_tilts(problem.assembly, Tilt(problem.loads.axis)))
+        return list(_tilts(problem, Tilt(problem.loads.axis)))
     return list(_rows(problem, limit_of(problem) if limit is None else limit))
 
 
@@ -78,7 +80,8 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
         yield row("limit", None, reason(limit))
     elif limit is not None:
         moves = f"{moves_most(problem.assembly, limit.mechanism)} moves most"
-        yield row("limit", limit.load, f"{_assumes(problem.assembly)}; {moves}")
+        error = limit_mesh_error(problem, limit.load)
+        yield row("limit", limit.load, f"{_assumes(problem.assembly)}; {moves}", error)
         try:
             sliding = sliding_limit(*problem).state
             yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
@@ -102,21 +105,28 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
 
 def _assumes(assembly: Assembly) -> str:
     """What limit analysis assumes that may put its load too high or too low."""
+    if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
+        return (
+            "locks as a rule allows where they are held down as given; first lock to fail decides"
+        )
     if any(face.kind is Kind.INNER for face in assembly.faces):
         return "bonds yield and never rub: no bound for brittle ones"
     return "associated friction: may overestimate"
 
 
-def _tilts(assembly: Assembly, tilt: Tilt) -> Iterator[Row]:
+def _tilts(problem: Problem, tilt: Tilt) -> Iterator[Row]:
+    assembly = problem.assembly
+
     def row(model: str, angle: float | None, note: str, error: float | None = None) -> Row:
         return {"model": model, "tilt (degrees)": angle, "mesh error / tilt": error, "note": note}
 
     try:
         limit = limit_tilt(assembly, tilt)
-        note = _assumes(assembly)
-        if limit.mechanism is not None:
-            note += f"; {moves_most(assembly, limit.mechanism)} moves most"
-        yield row("limit", limit.angle, note)
+        if limit.mechanism is None:
+            note = "forces that balance gravity exist however far it turns"
+        else:
+            note = f"{_assumes(assembly)}; {moves_most(assembly, limit.mechanism)} moves most"
+        yield row("limit", limit.angle, note, limit_mesh_error(problem, limit.angle))
     except CapacityError as error:
         yield row("limit", None, reason(error))
     try:

@@ -25,6 +25,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
+from sidmacib.mechanics.polygons import CondensedLocks, ResultantLimits
 
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
 # kept. With an even number of locks, rounding loses the last ones.
@@ -174,6 +175,7 @@ class _Programme:
         self.smooth, self.locked = np.flatnonzero(dry & ~rough), np.flatnonzero(of_locks)
         self.along = friction * contact_law.friction[of_locks]
         self.sliding = sliding
+        self.resultants = _resultants(assembly)
 
     def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
         """Equilibrium under ``load``, and the strengths of the nodes."""
@@ -193,6 +195,7 @@ class _Programme:
             normal[smooth] >= 0,
             *([] if self.sliding is None else [normal[rough] >= 0]),
             *self._locks(normal, shear),
+            *self._limited(normal, shear),
         ]
 
     def _friction_limit(self, rough: Integers, normal: cp.Expression) -> cp.Expression:
@@ -223,11 +226,38 @@ class _Programme:
             -across <= strength,
         ]
 
+    def _limited(self, normal: cp.Expression, shear: cp.Expression) -> list[cp.Constraint]:
+        """The limits of the resultants of locks that a rule speaks for, and what these rest on."""
+        constraints = []
+        for nodes, limits, along, across in self.resultants:
+            unit = self.unit[nodes]
+            used = (along * unit) @ shear[nodes, 0] + (across * unit) @ shear[nodes, 1]
+            constraints.append(used <= 1.0)
+            if limits.compression > 0.0:
+                constraints.append(unit / limits.compression @ normal[nodes] >= 1.0)
+        return constraints
+
     def _held(self, inner: Integers, normal: cp.Expression) -> Floats | cp.Expression:
         """Shear strength of inner nodes, which may depend on their normal force."""
         if not self.bond_friction[inner].any():
             return np.asarray(self.shear[inner])
         return self.shear[inner] + cp.multiply(self.bond_friction[inner], normal[inner])
+
+
+def _resultants(assembly: Assembly) -> list[tuple[Integers, ResultantLimits, Floats, Floats]]:
+    """Of each face whose resultant is limited its nodes, and their coefficients in the limits.
+
+    Coefficients of the forces along and across the locks, (K, nodes) in 1/N.
+    """
+    found = []
+    for number, face in enumerate(assembly.faces):
+        if isinstance(face, CondensedLocks) and (limits := face.limits):
+            nodes = np.flatnonzero(assembly.nodes.face == number)
+            run, row = face.places.T
+            shear, torque = limits.shear[:, None], limits.torque[:, None]
+            # What the block below exerts on that above is opposite to V and M.
+            found.append((nodes, limits, torque * row, -shear - torque * run))
+    return found
 
 
 def _scaled(matrix: csr_array, rows: Floats, columns: Floats) -> csr_array:

@@ -75,15 +75,30 @@ class Polygon:
 
 
 @dataclass(frozen=True, eq=False)
+class ResultantLimits:
+    """Limits of the shear V across locks (N) and the torque M (N m) about the middle of a face.
+
+    ``shear`` V + ``torque`` M <= 1: coefficients in 1/N and 1/(N m), (K,). V is positive where the
+    block above is pushed along the row of locks, from the first one on. The limits hold where the
+    face is compressed by ``compression`` (N) at least.
+    """
+
+    shear: Floats
+    torque: Floats
+    compression: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
 class CondensedLocks(Polygon):
     """A face whose locks are condensed into contact points: its nodes.
 
     The tangents are along the locks and across them. ``places`` along these (m), (K, 2), and
-    ``areas`` (m2), (K,): of the points.
+    ``areas`` (m2), (K,): of the points. ``limits``: of the resultant of their forces, if any.
     """
 
     places: Floats
     areas: Floats
+    limits: ResultantLimits | None = None
 
     def nodes(self, mesh: float, layout: NodeLayout, divided: int = 1) -> tuple[Floats, Floats]:
         """The contact points, whatever the mesh."""

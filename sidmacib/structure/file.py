@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.contact_points.options import OPTIONS
-from sidmacib.joint import DRY, INNER
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
+from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.compas import DENSITIES, NAME, read_compas
 from sidmacib.structure.interfaces import NEAR, interfaces
@@ -204,14 +206,27 @@ def _locks(key: str, given: dict[str, Any]) -> Locks:
 
 
 def _condensed(key: str, value: Any) -> Condensed:
-    given = mapping(key, value, (), ("working", "option"))
-    working = None
+    given = mapping(key, value, (), ("working", "option", "rule", "hold_down"))
+    working, hold_down = None, FIXED_PLATE
     if "working" in given:
         working = read_number(f"{key}.working", given["working"], POSITIVE)
     option = given.get("option", "option3")
     if not isinstance(option, str) or option not in OPTIONS:
         raise refused(f"{key}.option", option, f"one of {', '.join(OPTIONS)}")
-    return Condensed(working, OPTIONS[option])
+    rule = given.get("rule")
+    if "rule" in given and (not isinstance(rule, str) or rule not in RULES):
+        raise refused(f"{key}.rule", rule, f"one of {', '.join(RULES)}")
+    if "hold_down" in given:
+        if rule is None:
+            raise ValueError(f"{key}.hold_down: is for a rule; give {key}.rule as well")
+        try:
+            hold_down = HoldDown.read(given["hold_down"])
+        except ValueError as error:
+            raise ValueError(f"{key}.hold_down: {error}") from None
+    try:
+        return Condensed(working, OPTIONS[option], rule, hold_down)
+    except ValueError as error:
+        raise ValueError(f"{key}.{error}") from None
 
 
 def _load(assembly: Assembly, load: dict[str, Any]) -> Loads:

@@ -13,8 +13,10 @@ import numpy as np
 import shapely
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
-from sidmacib.joint import DRY, INNER
+from sidmacib.hold_down import HoldDown
+from sidmacib.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
+from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.cutting import clipped, cut, require_convex
 from sidmacib.structure.interfaces import Interface
@@ -69,15 +71,25 @@ class Condensed:
     """Contact points of SiDMACIB in place of locks.
 
     ``working``: how many locks work, at most all; None for all. ``option``: where the points are.
-    ValueError unless some lock works.
+    ``rule``: a name in `sidmacib.rule.law.RULES`, of the rule whose V and M limit the resultant of
+    the points' forces, for a joint that is held down by ``hold_down``. ValueError unless some lock
+    works, or if both ``working`` and ``rule`` are given.
     """
 
     working: float | None = None
     option: ContactOption = field(default=OPTIONS["option3"])
+    rule: str | None = None
+    hold_down: HoldDown = FIXED_PLATE
 
     def __post_init__(self) -> None:
         if self.working is not None:
             require_positive(working=self.working)
+        if self.rule is not None and self.rule not in RULES:
+            raise refused("rule", self.rule, f"one of {', '.join(RULES)}")
+        if self.rule is not None and self.working is not None:
+            raise ValueError(
+                "working: must not be given beside rule, which says how many locks work"
+            )
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,6 +27,7 @@ from sidmacib.structure.interfaces import (
     touching,
 )
 from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points, cut_out
+from sidmacib.structure.rule_limits import rule_limits
 from sidmacib.validation import refused
 
 MOST_CELLS = 200_000  # of all interfaces
@@ -211,7 +212,8 @@ def _faces(
             of_lock = next(filter(None, (parts.row[end] for end in ends)))
             yield _face(each, name, Kind.INNER, rows[of_lock].locks.inner)
         elif row and row.locks.condensed:
-            yield _condensed(row, row.locks.condensed, name)
+            solids = [parts.pieces[end] for end in ends]
+            yield _condensed(row, row.locks.condensed, solids, name)
         elif row:
             yield _face(each, name, Kind.DRY, row.locks.dry)
         else:
@@ -225,7 +227,9 @@ def _face(each: Interface, name: str, kind: Kind, law: FaceMaterial) -> Polygon:
     return Polygon(name, kind, law, *ends, each.axes, each.middle, each.outline)
 
 
-def _condensed(row: Row, condensed: Condensed, name: str) -> CondensedLocks:
+def _condensed(
+    row: Row, condensed: Condensed, solids: Sequence[Block | Compound], name: str
+) -> CondensedLocks:
     """The face of locks that are condensed: as strong as those that work."""
     locks, each = row.locks, row.interface
     share = 1.0 if condensed.working is None else condensed.working / locks.count
@@ -235,4 +239,9 @@ def _condensed(row: Row, condensed: Condensed, name: str) -> CondensedLocks:
         shapely.get_coordinates(each.outline.exterior) @ each.axes[1:] @ axes[1:].T
     )
     ends, points = (each.below, each.above), condensed_points(row, condensed)
-    return CondensedLocks(name, Kind.LOCKED, law, *ends, axes, each.middle, outline, *points)
+    limits = None
+    if condensed.rule is not None:
+        limits = rule_limits(row, condensed.rule, condensed.hold_down, solids, name)
+    return CondensedLocks(
+        name, Kind.LOCKED, law, *ends, axes, each.middle, outline, *points, limits
+    )

@@ -3,7 +3,9 @@
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.problem import Problem
+from sidmacib.structure.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.limit_tilt import limit_tilt
+from sidmacib.structure.mesh_error import MeshErrors
 from sidmacib.structure.tilt import Tilt, load_of_tilt
 from workflow.outcome import Outcome, State
 from workflow.structures.found import MECHANISM, Found
@@ -15,8 +17,12 @@ def solve(problem: Problem) -> Found:
     if loads.axis is not None:
         tilt = limit_tilt(assembly, Tilt(loads.axis))
         load = load_of_tilt(tilt.angle, loads)
-        return Found(Outcome((State(load),), failed_load=load), tilt.mechanism, MECHANISM)
+        outcome = Outcome((State(load),), failed_load=load)
+        errors = MeshErrors(None, limit_mesh_error(problem, tilt.angle))
+        return Found(outcome, tilt.mechanism, MECHANISM, mesh_errors=errors)
     require_standing(*problem, friction=True)
     found = limit_load(*problem, friction=True)
     state = State(found.load, force=found.force, bonded=ContactLaw.of(assembly).cohesive)
-    return Found(Outcome((state,), failed_load=found.load), found.mechanism, MECHANISM)
+    outcome = Outcome((state,), failed_load=found.load)
+    errors = MeshErrors(None, limit_mesh_error(problem, found.load))
+    return Found(outcome, found.mechanism, MECHANISM, mesh_errors=errors)
