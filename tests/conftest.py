@@ -6,6 +6,7 @@ import importlib
 import json
 import os
 import shutil
+import signal
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -45,6 +46,15 @@ from workflow.results.record import CaseRecord
 from workflow.run.job import paths
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
+
+# Programs that tests start, and then ask to end, would inherit that nohup or a background job
+# ignores these signals.
+for number, usual in (
+    (signal.SIGINT, signal.default_int_handler),
+    (signal.SIGHUP, signal.SIG_DFL),
+):
+    if signal.getsignal(number) is signal.SIG_IGN:
+        signal.signal(number, usual)
 
 # The same examples on every machine, and no limit on their time: that is for benchmarks.
 settings.register_profile("repeatable", deadline=None, derandomize=True)
