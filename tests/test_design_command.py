@@ -59,7 +59,7 @@ def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     found = design_of(task_of(two_blocks()), notes.append)
     assert found.passes
     assert (found.cost, found.bound, found.raised) == (2.0, 1.0, 1)
-    assert any("counting on" in note for note in notes)
+    assert any("static, peak of push fails at" in note for note in notes)
     once = two_blocks()
     once["design"]["raised"] = 0
     first = design_of(task_of(once))
@@ -78,6 +78,14 @@ def test_the_command_says_no_and_why_where_a_check_fails(path: Path) -> None:
         "No: the best design found, of 1 locks that work in 1 of 1 interfaces"
     )
     assert "static, peak, push: 0.9" in answer["verdict"]
+
+
+def test_locks_that_would_cut_through_a_block_are_refused_before_the_search() -> None:
+    given = two_blocks()
+    given["design"]["locks"]["height"] = 0.6
+    allowed = r"design.locks.height: 0.6 .* less than 0.6 m, as base is 0.3 m deep there"
+    with pytest.raises(ValueError, match=allowed):
+        task_of(given)
 
 
 def in_a_slot() -> dict[str, Any]:

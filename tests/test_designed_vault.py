@@ -45,6 +45,9 @@ def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_pat
     locks = sum(len(row.widths) for row in choice if row)
     assert len(found.pieces) == len(structure.assembly.pieces) + locks
     assert all(isinstance(face, Polygon) for face in found.faces)
+    head = (tmp_path / "out" / "designed.yaml").read_text().splitlines()[:3]
+    cases = yaml.safe_load("".join(line.removeprefix("#   ") + "\n" for line in head[1:]))
+    assert cases == design["design"]["cases"]
 
 
 def test_between_narrows_the_sites() -> None:

@@ -88,7 +88,9 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
         share *= min(LEAST_CUT, max(ratio, 0.3))
         if ratio >= 1.0 or share < LEAST_SHARE or not found.cost:  # which no strength changes
             break
-        note(f"a check fails at {ratio:.3g} of the factor: counting on {share:.3g} of the strength")
+        worst = min(found.failing, key=lambda check: check.factor or 0.0, default=None)
+        which = f"{worst.model} of {worst.case}" if worst else "a check"
+        note(f"{which} fails at {ratio:.3g} of the factor: counting on {share:.3g} of the strength")
     if best is None:
         raise SolverError(f"design: no answer in {task.raised + 1} rounds")
     return best

@@ -6,13 +6,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import Case, Site, Structure
 from sidmacib.joint import DRY, INNER
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads
+from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import Block
@@ -55,6 +56,14 @@ class CaseText:
     load: Any
     newtons: float | None
     over_weight: float | None
+
+    @property
+    def line(self) -> str:
+        """The case in a line of YAML."""
+        amount = "newtons" if self.over_weight is None else "over_weight"
+        values = {**self.load, amount: getattr(self, amount)}
+        flow = yaml.safe_dump({self.name: values}, default_flow_style=True, width=1000)
+        return flow.strip().removeprefix("{").removesuffix("}")
 
     def of(self, assembly: Assembly) -> Case:
         """The case on an ``assembly``, whose locks may be cut out; ValueError."""
@@ -240,9 +249,19 @@ def _sites(
         convex = all(isinstance(each, Block) and each.reentrant is None for each in solids)
         whole = pairs.count(pair) == 1 and not len(face.outline.interiors)
         if convex and whole and face.kind is Kind.DRY and (wanted is None or pair in wanted):
+            _require_room(face, solids, kind.height)
             ways = directions_of(face, angles=() if runs else angles, runs=runs)
             found.append(Site(number, layouts_of(face, kind, ways, most)))
     return tuple(found)
+
+
+def _require_room(face: Polygon, solids: Sequence[Any], height: float) -> None:
+    """ValueError if locks of this ``height`` (m) would cut through a block: half lies in each."""
+    for solid in solids:
+        depth = float(np.ptp(solid.vertices @ face.axes[0]))
+        if height / 2 >= depth * (1.0 - CLOSE):
+            allowed = f"less than {2.0 * depth:g} m, as {solid.name} is {depth:g} m deep there"
+            raise refused("design.locks.height", height, allowed)
 
 
 def _pairs(value: Any) -> set[frozenset[str]] | None:
@@ -303,7 +322,8 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
         return {**value, "file": Path(there).as_posix()}
 
     blocks = {name: moved(value) for name, value in description["blocks"].items()}
-    head = "# With the locks that multilock design found.\n"
+    cases = "".join(f"#   {case.line}\n" for case in task.cases)
+    head = f"# With the locks that multilock design found for these cases:\n{cases}"
     text = yaml.safe_dump({**description, "blocks": blocks}, sort_keys=False, width=120)
     try:
         path.write_text(head + text, encoding="utf-8")
