@@ -10,12 +10,22 @@ from workflow import reference  # noqa: E402
 
 project = "multilock"
 author = "the multilock developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "workflow.site.mathml",
+]
 html_theme = "furo"
 html_title = "multilock"
+html_math_renderer = "mathml"  # no script, no network
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
 html_show_copyright = False
 html_show_sourcelink = False
 myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+myst_fence_as_directive = ["math"]  # GitHub draws these fences too
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
