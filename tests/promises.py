@@ -13,7 +13,7 @@ NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d*)?(?:e[-+]?\d+)?(?![\w])")
 
 
 def require_kept(code: str, names: dict[str, Any]) -> None:
-    """Run ``code`` in ``names``; fail unless prints give the numbers in the comments behind them."""
+    """Run ``code`` in ``names``; fail unless prints give the numbers in comments behind them."""
     outputs, promises = printed(code, names), promised(code)
     assert promises, "an example that promises nothing"
     for line, numbers in promises.items():
