@@ -7,7 +7,7 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from workflow import reference  # noqa: E402
-from workflow.site import gallery  # noqa: E402
+from workflow.site import gallery, options  # noqa: E402
 
 project = "multilock"
 author = "the multilock developers"
@@ -34,6 +34,7 @@ exclude_patterns = ["_build", "paper"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 
-# The pages of keys and columns are made from the code each time, pictures where code has changed.
+# Pages of keys, columns and options are made each time, pictures where code has changed.
 reference.write_pages(Path(__file__).parent)
+options.write_options(Path(__file__).parent)
 gallery.write_gallery(Path(__file__).parent / "gallery")

@@ -27,7 +27,7 @@ from workflow.schema.assembly import AssemblySection
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery" / "made"
 MADE = {  # by the site, from the code
-    *(DOCS / name for name in ("configuration.md", "columns.md")),
+    *(DOCS / name for name in ("configuration.md", "columns.md", "options.md")),
     *(GALLERY / f"{script.stem}.md" for script in GALLERY.parent.glob("*.py")),
     GALLERY / "index.md",
 }
@@ -106,6 +106,17 @@ def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.M
         monkeypatch.chdir(ROOT if words[0] in ("cases", "assembly", "design") else tmp_path)
         found = CliRunner().invoke(main, list(words))
         assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
+
+
+def test_the_command_prints_what_pages_show() -> None:
+    shown = [block for page in PAGES for block in blocks(page, "console")]
+    assert len(shown) >= 4
+    for block in shown:
+        typed, _, expected = block.partition("\n")
+        dollar, program, *words = shlex.split(typed)
+        assert (dollar, program) == ("$", "multilock")
+        output = CliRunner().invoke(main, words).output
+        assert "\n".join(map(str.rstrip, output.splitlines())) == expected.rstrip("\n"), typed
 
 
 @pytest.mark.study

@@ -1,16 +1,23 @@
 """The site: what `make docs` makes from the code, and the examples of its gallery."""
 
 import json
+import re
 from pathlib import Path
 
+import click
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import pytest
 from conftest import ROOT
 from promises import require_kept
 
+from sidmacib.command.main import main
+from sidmacib.parameters import PARAMETERS
+from workflow.site import rule_graph
 from workflow.site.gallery import examples, index, page, read, run, write_gallery
 from workflow.site.mathml import mathml
+from workflow.site.options import page as page_of_options
+from workflow.site.rule_graph import before, layout, reduced, rules, svg
 
 GALLERY = ROOT / "docs" / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
@@ -101,3 +108,48 @@ def test_a_script_that_fails_or_says_nothing_is_refused(tmp_path: Path) -> None:
     (tmp_path / "bad.py").write_text("1 / 0")
     with pytest.raises(RuntimeError, match="ZeroDivisionError"):
         run(tmp_path, "bad", tmp_path)
+
+
+def test_every_option_of_every_command_is_on_its_page_once() -> None:
+    text = page_of_options()
+    assert re.findall("^## (.*)", text, re.M) == ["A joint", *sorted(main.commands)]
+    for command in main.commands.values():
+        for param in command.params:
+            name = param.opts[0] if isinstance(param, click.Option) else param.human_readable_name
+            assert f"| `{name}`" in text
+    assert text.count("Young's modulus of elastic pieces, Pa. Default: rigid pieces.") == 1
+    joint = text[: text.index("## assembly")]
+    assert joint.count("\n| `-") == len(PARAMETERS) + 2  # push and file
+
+
+GRAPH = """
+	0[label = "all", color = "red"];
+	1[label = "solve", color = "red"];
+	2[label = "collect", color = "red"];
+	1 -> 2
+	1 -> 0
+	2 -> 0
+"""
+
+
+def test_an_arrow_that_others_imply_is_left_out() -> None:
+    graph = rule_graph.read(GRAPH)
+    assert before(graph, "all") == {"solve", "collect"}
+    assert reduced(graph) == {
+        "all": frozenset({"collect"}),
+        "collect": frozenset({"solve"}),
+        "solve": frozenset(),
+    }
+
+
+def test_a_long_arrow_passes_beside_the_rules_between() -> None:
+    places = layout(rule_graph.read(GRAPH))
+    (gap,) = set(places) - {"all", "solve", "collect"}
+    assert places[gap][1] == places["collect"][1]
+    assert abs(places[gap][0] - places["collect"][0]) > rule_graph.BOX[0] / 2
+    assert places["solve"][1] < places["collect"][1] < places["all"][1]
+
+
+@pytest.mark.study
+def test_the_drawing_of_the_rules_is_current() -> None:
+    assert (ROOT / "docs" / "images" / "rules.svg").read_text() == svg(reduced(rules()))
