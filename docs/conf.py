@@ -7,15 +7,26 @@ ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
 from workflow import reference  # noqa: E402
+from workflow.site import gallery, options  # noqa: E402
 
 project = "multilock"
 author = "the multilock developers"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.viewcode",
+    "workflow.site.mathml",
+]
 html_theme = "furo"
 html_title = "multilock"
+html_math_renderer = "mathml"  # no script, no network
+html_static_path = ["static"]
+html_css_files = ["pages.css"]
 html_show_copyright = False
 html_show_sourcelink = False
 myst_heading_anchors = 3
+myst_enable_extensions = ["dollarmath"]
+myst_fence_as_directive = ["math"]  # GitHub draws these fences too
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
@@ -23,5 +34,7 @@ exclude_patterns = ["_build", "paper"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
 
-# The pages of keys and columns are made from the code each time.
+# Pages of keys, columns and options are made each time, pictures where code has changed.
 reference.write_pages(Path(__file__).parent)
+options.write_options(Path(__file__).parent)
+gallery.write_gallery(Path(__file__).parent / "gallery")

@@ -32,7 +32,6 @@ NOT_IMPORTED = {
         "pytest-xdist",
         "ruff",
         "snakefmt",
-        "sphinx",
         "types-pyyaml",
         "uv",
     ),

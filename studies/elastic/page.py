@@ -32,7 +32,7 @@ def _by_locks(table: pd.DataFrame, cell: Callable[[Any], str], ratio: bool = Fal
         stiffness = "∞" if math.isinf(giga) else f"{part['stiffness_ratio'].iloc[0]:g}"
         cells = [cell(by_count[count]) for count in counts]
         rows.append([_young(giga), *([stiffness] * ratio), body(str(upper)), *cells])
-    head = ["E (GPa)", *(["E / (Kn·b)"] * ratio), "body", *(f"n = {n}" for n in counts)]
+    head = ["E (GPa)", *(["$E / (K_n b)$"] * ratio), "body", *(f"n = {n}" for n in counts)]
     return markdown(head, rows)
 
 
