@@ -145,7 +145,7 @@ def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     )
     tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
     assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model, mesh error 1 %)."
-    assert found["keyed"].endswith("(limit analysis).")
+    assert found["keyed"].endswith("(limit analysis, mesh error 0 %).")
     assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
     failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))
     kinds = {each["title"]: each["kind"] for each in structures_verdict(failed)}
