@@ -15,16 +15,23 @@ def solve(problem: Problem) -> Outcome:
     return solve_with_path(problem)[0]
 
 
-def solve_with_path(problem: Problem) -> tuple[Outcome, tuple[Equilibrium, ...]]:
-    """The outcome of `solve`, and the equilibria; raises the same errors."""
+def solve_with_path(
+    problem: Problem, *, spread: bool = True
+) -> tuple[Outcome, tuple[Equilibrium, ...]]:
+    """The outcome of `solve`, or of `solve_once` without ``spread``, and the equilibria.
+
+    Raises the same errors.
+    """
+    if not spread:
+        once = static_peak(*problem)
+        return _outcome(once, once.path, None), once.path
     found = static_capacity(*problem)
     return _outcome(found.solution, found.path, found.spread), found.path
 
 
 def solve_once(problem: Problem) -> Outcome:
     """The equilibria on the way to the peak, whose spread is not asked; raises as `solve` does."""
-    found = static_peak(*problem)
-    return _outcome(found, found.path, None)
+    return solve_with_path(problem, spread=False)[0]
 
 
 def _outcome(

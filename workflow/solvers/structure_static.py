@@ -1,5 +1,6 @@
 """The static model of a structure."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -25,19 +26,27 @@ def solve(problem: Problem) -> Found:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
+    found, failures = solve_on_these_cells(problem)
+    return replace(found, mesh_errors=_mesh_errors(problem, failures))
+
+
+def solve_on_these_cells(problem: Problem, *, spread: bool = True) -> tuple[Found, Failures]:
+    """What `solve` finds but for mesh errors, and the failures that these compare.
+
+    Without ``spread`` the peak counts, however far peaks spread.
+    """
     if problem.loads.axis is not None:
         return _tilted(problem, Tilt(problem.loads.axis))
-    outcome, path = solve_with_path(problem)
+    outcome, path = solve_with_path(problem, spread=spread)
     motion = np.zeros((len(problem.assembly.pieces), 6))
     free = [number for number, piece in enumerate(problem.assembly.pieces) if not piece.fixed]
     motion[free] = path[-1].unknowns.reshape(len(free), 6)
-    coarse = Failures(outcome.first_failure_load or 0.0, outcome.path[-1].load)
-    errors = _mesh_errors(problem, coarse)
-    return Found(outcome, motion, AT_THE_PEAK, _broken_at(problem, path), errors)
+    failures = Failures(outcome.first_failure_load or 0.0, outcome.path[-1].load)
+    return Found(outcome, motion, AT_THE_PEAK, _broken_at(problem, path)), failures
 
 
-def _tilted(problem: Problem, tilt: Tilt) -> Found:
-    """The outcome of `solve` where gravity turns."""
+def _tilted(problem: Problem, tilt: Tilt) -> tuple[Found, Failures]:
+    """The outcome of `solve_on_these_cells` where gravity turns."""
     assembly, loads = problem
     found = static_tilt(assembly, tilt)
     states = tuple(
@@ -50,8 +59,8 @@ def _tilted(problem: Problem, tilt: Tilt) -> Found:
         str(found.motion),
     )
     lost = {face: load_of_tilt(at, loads) for face, at in _lost(assembly, found.path).items()}
-    errors = _mesh_errors(problem, Failures(found.first_failure, found.angle))
-    return Found(outcome, found.mechanism, MECHANISM, lost, errors)
+    failures = Failures(found.first_failure, found.angle)
+    return Found(outcome, found.mechanism, MECHANISM, lost), failures
 
 
 def _mesh_errors(problem: Problem, coarse: Failures) -> MeshErrors:
@@ -60,13 +69,13 @@ def _mesh_errors(problem: Problem, coarse: Failures) -> MeshErrors:
     if FINER * len(assembly.nodes.area) > MOST_NODES:
         return UNKNOWN
     try:
-        fine = _failures(refined(assembly), loads, first_only=coarse.peak == coarse.first)
+        fine = failures_of(refined(assembly), loads, first_only=coarse.peak == coarse.first)
     except CapacityError:
         return UNKNOWN
     return structure_mesh_errors(assembly, coarse, fine)
 
 
-def _failures(assembly: Assembly, loads: Loads, *, first_only: bool) -> Failures:
+def failures_of(assembly: Assembly, loads: Loads, *, first_only: bool = False) -> Failures:
     """First failure and peak; the first failure in place of the peak if only that counts."""
     if loads.axis is not None:
         tilt = static_tilt(assembly, Tilt(loads.axis))
