@@ -3,12 +3,16 @@
 REPORT = "report.html"
 PARTS = ("joints", "structures")  # of which each has a template and a script
 FOLDER = "analysis/report"
+SHARED = "analysis/drawing"  # with the explorer
 STYLE = f"{FOLDER}/report.css"
-SCRIPTS = ("analysis/drawing/chart.js", f"{FOLDER}/report.js")
-TEMPLATES = tuple(f"{FOLDER}/{name}.html.j2" for name in ("page", "answer", "end", *PARTS))
+SCRIPTS = (f"{SHARED}/chart.js", f"{SHARED}/parts.js", f"{FOLDER}/report.js")
+TEMPLATES = (
+    *(f"{FOLDER}/{name}.html.j2" for name in ("page", "answer", "end", *PARTS)),
+    f"{SHARED}/structure.html.j2",
+)
 SCRIPTS_OF_PARTS = {
     "joints": tuple(f"{FOLDER}/{name}.js" for name in ("joints", "answer", "paths")),
-    "structures": (f"{FOLDER}/structures.js",),
+    "structures": (f"{SHARED}/structure.js", f"{FOLDER}/structures.js"),
 }
 FILES = (
     *TEMPLATES,

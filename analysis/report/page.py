@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from analysis.report.content import content
-from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, STYLE
+from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYLE
 from analysis.report.provenance import as_yaml
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
@@ -38,7 +38,7 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
 
     ``configuration``: as YAML. ``summary``: as text.
     """
-    files = FileSystemLoader(HERE)
+    files = FileSystemLoader([HERE, CHECKOUT / SHARED])
     environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
     # Data may hold whatever a configuration does: nothing in it ends the script it is in.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")

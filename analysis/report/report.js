@@ -5,12 +5,7 @@ const MARKS = ["circle-open", "x", "square-open", "diamond-open", "triangle-up-o
 const DASHES = ["solid", "dash", "dot", "dashdot", "longdash"];
 const unique = (values) => [...new Set(values)];
 const records = (table) => table.rows.map((row) => Object.fromEntries(table.columns.map((name, k) => [name, row[k]])));
-const short = (value) => (typeof value === "number" ? Number(value.toPrecision(4)).toString() : String(value));
 const labelOf = (model) => DATA.labels[model];
-
-function fill(select, values, chosen, text = short) {
-  select.replaceChildren(...values.map((value) => new Option(text(value), value, value === chosen, value === chosen)));
-}
 
 function boxes(fieldset, names, chosen, onchange, text = (name) => name) {
   for (const name of names) {
@@ -27,14 +22,6 @@ function boxes(fieldset, names, chosen, onchange, text = (name) => name) {
 }
 
 const ticked = (fieldset) => [...fieldset.querySelectorAll("input:checked")].map((box) => box.value);
-
-// A point (m) of a piece that moves by a displacement (m) and a small rotation (rad) about its centre.
-function shifted(p, centre, moved, scale) {
-  const r = p.map((v, k) => v - centre[k]);
-  const w = moved.slice(3);
-  const turn = [w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]];
-  return p.map((v, k) => v + scale * (moved[k] + turn[k]));
-}
 
 // --- tables ----------------------------------------------------------------------------------
 let sorted = { column: null, down: false };
@@ -73,25 +60,6 @@ function drawTable() {
   const body = rows.slice(0, 500).map((row) => tableRow(row));
   at("table").tBodies[0].replaceChildren(...body);
   at("table-count").textContent = `${rows.length} rows${rows.length > 500 ? ", the first 500 are shown" : ""}.`;
-}
-
-function tableRow(row) {
-  const line = document.createElement("tr");
-  for (const value of row) {
-    const cell = document.createElement("td");
-    cell.textContent = value === null ? "" : short(value);
-    if (typeof value === "number") cell.className = "number";
-    line.append(cell);
-  }
-  return line;
-}
-
-function save(text, type, name) {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type }));
-  link.download = name;
-  link.click();
-  URL.revokeObjectURL(link.href);
 }
 
 function download() {

@@ -1,24 +1,8 @@
-// The report's structures in three dimensions, and how they move.
+// The report's structures: which one is drawn, and what its models say.
 const STRUCTURES = DATA.structures;
-const VIEWS = { // from where, in directions
-  "from the left": [-1.0, -1.7, 0.8], "from the right": [1.0, -1.7, 0.8], "along x": [-2.3, 0, 0.1],
-  "along y": [0, -2.3, 0.1], "from above": [0, -0.01, 2.4], "from below": [-0.5, -1.2, -1.6],
-};
-const WHOLE = 0.15; // of the structure's size: the largest displacement that is drawn
-const LONGEST = 1; // of the mean diagonal of free blocks: the line of the largest resultant
-const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey, without a line
-const AWAY = 1.0; // of the diagonal of the box around it: how far the eye is
-const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
-const STEEP = 2.5; // times the height from which flat structures are seen
-const PERIOD = 4000; // ms, from rest to rest
-const MARKED = "#d55e00", FORCE = "#0072b2";
-const AT_REST = [0, 0, 0, 0, 0, 0];
-
 const structureRows = records(DATA.tables.structures);
 const interfacesOf = byCase(DATA.tables.interfaces);
 const blocksOf = byCase(DATA.tables.blocks);
-let drawn = null; // what is chosen, prepared for drawing
-let playing = null; // the moment at which the animation began, less what it had gone through
 
 function byCase(table) {
   const found = new Map();
@@ -30,12 +14,6 @@ function byCase(table) {
   return found;
 }
 
-const named = (rows, column) => new Map((rows || []).map((row) => [row[column], row]));
-const plus = (p, q, factor = 1) => p.map((v, k) => v + factor * q[k]);
-const toXyz = ([x, y, z]) => ({ x, y, z });
-const norm = (p) => Math.hypot(...p);
-const extent = (points) => [0, 1, 2].map((k) => points.reduce(([lo, hi], p) => [Math.min(lo, p[k]), Math.max(hi, p[k])], [Infinity, -Infinity]));
-
 // --- what is chosen --------------------------------------------------------------------------
 function chosenRow() {
   const value = (part) => at(`structure-${part}`).value;
@@ -44,174 +22,11 @@ function chosenRow() {
 
 function prepared(row) {
   const known = STRUCTURES.cases.find((each) => each.structure === row.structure && each.load === row.load && each.variant === row.variant);
-  const shape = known.shape === null ? null : STRUCTURES.shapes[known.shape];
-  if (!shape) return { row, shape };
   const key = `${row.model}/${row.case}`;
-  const blocks = named(blocksOf.get(key), "block"), interfaces = named(interfacesOf.get(key), "interface");
-  const moves = shape.blocks.map((block) => {
-    const own = blocks.get(block.name);
-    if (!own || own.move_x_m === null) return { centre: [0, 0, 0], moved: AT_REST };
-    return { centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
-  });
-  const points = shape.blocks.flatMap((block) => block.points);
-  const size = diagonal(points);
-  const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(place(p, moves[k], 1), p, -1)))));
-  const turn = Math.max(...moves.map((move) => norm(move.moved.slice(3))));
-  const moving = largest > 1e-12 * size;
-  const factor = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
-  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => place(p, moves[k], factor)));
-  const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
-  return { row, shape, interfaces, moves, size, factor, motion, ranges: extent([...points, ...far]), forces: forcesOf(shape, interfaces) };
-}
-
-const place = (p, { centre, moved }, factor) => shifted(p, centre, moved, factor);
-
-// A point of an interface moves as the mean of the two blocks there do.
-function placeBetween(p, [below, above], moves, factor) {
-  return plus(place(p, moves[below], factor), place(p, moves[above], factor)).map((v) => v / 2);
-}
-
-const diagonal = (points) => norm(extent(points).map(([lo, hi]) => hi - lo));
-
-function forcesOf(shape, interfaces) {
-  const found = [], free = shape.blocks.filter((block) => !block.fixed);
-  const longest = (LONGEST * free.reduce((sum, block) => sum + diagonal(block.points), 0)) / free.length;
-  for (const each of shape.interfaces) {
-    const row = interfaces.get(each.name);
-    if (!row) continue;
-    const force = [row.force_x_N, row.force_y_N, row.force_z_N];
-    const point = row.at_x_m === null ? null : [row.at_x_m, row.at_y_m, row.at_z_m];
-    const acts = point !== null && norm(plus(point, each.middle, -1)) <= diagonal(each.points);
-    found.push({ each, row, force, size: norm(force), acts, point: acts ? point : each.middle });
-  }
-  const most = Math.max(0, ...found.map((one) => one.size));
-  const felt = found.filter((one) => one.size > NEXT_TO_NOTHING * most);
-  return felt.map((one) => ({ ...one, half: one.force.map((v) => (0.5 * longest * v) / most) }));
-}
-
-// --- drawing ---------------------------------------------------------------------------------
-const newMesh = () => ({ x: [], y: [], z: [], i: [], j: [], k: [], text: [] });
-const newLines = () => ({ x: [], y: [], z: [], text: [] });
-
-function addMesh(mesh, points, triangles, text) {
-  const first = mesh.x.length;
-  for (const [x, y, z] of points) { mesh.x.push(x); mesh.y.push(y); mesh.z.push(z); mesh.text.push(text); }
-  for (const [i, j, k] of triangles) { mesh.i.push(first + i); mesh.j.push(first + j); mesh.k.push(first + k); }
-}
-
-function addLine(lines, points, text = "") {
-  for (const p of [...points, [null, null, null]]) { lines.x.push(p[0]); lines.y.push(p[1]); lines.z.push(p[2]); lines.text.push(text); }
-}
-
-const closedLine = (points, edge) => [...edge, edge[0]].map((number) => points[number]);
-const solid = (mesh, more) => ({ type: "mesh3d", flatshading: true, hoverinfo: "text", lighting: { ambient: 0.75, diffuse: 0.5, specular: 0.05 }, ...mesh, ...more });
-const lineTrace = (lines, line, more) => ({ type: "scatter3d", mode: "lines", line, hoverinfo: "skip", ...lines, ...more });
-
-function blockTraces({ shape, moves, factor }, share) {
-  const free = newMesh(), fixed = newMesh(), edges = newLines();
-  shape.blocks.forEach((block, k) => {
-    const points = block.points.map((p) => place(p, moves[k], share * factor));
-    addMesh(block.fixed ? fixed : free, points, block.triangles, block.fixed ? `${block.name}, fixed` : block.name);
-    for (const edge of block.edges) addLine(edges, closedLine(points, edge));
-  });
-  const shown = at("structure-blocks").checked;
-  return [
-    solid(fixed, { color: "#6b7280", opacity: 0.55 }),
-    solid(free, { color: "#c9ced8", opacity: shown ? 0.3 : 0, hoverinfo: shown ? "text" : "skip" }),
-    lineTrace(edges, { color: "#7a8394", width: 1.5 }),
-  ];
-}
-
-function toldOf(name, row) {
-  if (!row) return name;
-  const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  return `${name}${used}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
-}
-
-function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
-  const carrying = new Set(forces.map((one) => one.row));
-  const known = newMesh(), unknown = newMesh(), marked = newLines(), intensity = [];
-  for (const each of shape.interfaces) {
-    const own = interfaces.get(each.name);
-    const points = each.points.map((p) => placeBetween(p, each.between, moves, share * factor));
-    const used = own && own.utilisation !== null && carrying.has(own);
-    addMesh(used ? known : unknown, points, each.triangles, toldOf(each.name, own));
-    if (used) intensity.push(...each.triangles.map(() => own.utilisation));
-    if (each.name === row.first_interface) for (const edge of each.edges) addLine(marked, closedLine(points, edge));
-  }
-  const bar = { orientation: "h", x: 0.5, y: 0, yanchor: "bottom", len: 0.7, thickness: 12, title: { text: "utilisation", side: "top" } };
-  return [
-    solid(known, { intensity, intensitymode: "cell", colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: bar, showscale: intensity.length > 0, lighting: { ambient: 1, diffuse: 0 } }),
-    solid(unknown, { color: "#9aa0aa" }),
-    lineTrace(marked, { color: MARKED, width: 9 }),
-  ];
-}
-
-function forceTraces({ forces, moves, factor }, share) {
-  const lines = newLines(), acting = newLines(), elsewhere = newLines();
-  if (at("structure-forces").checked) {
-    for (const { each, row, size, acts, point, half } of forces) {
-      const here = placeBetween(point, each.between, moves, share * factor);
-      addLine(lines, [plus(here, half, -1), plus(here, half)]);
-      const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside, drawn at the middle"}`;
-      addLine(acts ? acting : elsewhere, [here], text);
-    }
-  }
-  return [
-    lineTrace(lines, { color: FORCE, width: 5 }),
-    lineTrace(acting, {}, { mode: "markers", marker: { size: 2, color: FORCE }, hoverinfo: "text" }),
-    lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 4, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
-  ];
-}
-
-// What is flat is looked at more from above.
-function seenFrom([x, y, z]) {
-  const name = at("structure-view").value, view = VIEWS[name];
-  return name.startsWith("from the") && z < 0.5 * Math.min(x, y) ? [view[0], view[1], STEEP * view[2]] : view;
-}
-
-function drawStructure() {
-  const share = Number(at("structure-motion").value) / 100;
-  tellMotion(share);
-  if (!drawn.shape) return Promise.resolve();
-  const ranges = drawn.ranges.map(([lo, hi]) => [lo - 0.02 * drawn.size, hi + 0.02 * drawn.size]);
-  const lengths = ranges.map(([lo, hi]) => hi - lo), most = Math.max(...lengths);
-  const ratio = lengths.map((v) => v / most), view = seenFrom(lengths);
-  const plot = at("structure-plot"), away = AWAY * norm(ratio) * Math.max(1, plot.clientHeight / plot.clientWidth);
-  const eye = view.map((v) => (away * v) / norm(view));
-  const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, gridcolor: "#e5e8ee", nticks: Math.max(2, Math.round(6 * ratio[k])) });
-  const scene = { aspectmode: "manual", aspectratio: toXyz(ratio), dragmode: "orbit", camera: { eye: toXyz(eye) }, domain: { y: [0.14, 1] }, xaxis: side("x", 0), yaxis: side("y", 1), zaxis: side("z", 2) };
-  const traces = [...blockTraces(drawn, share), ...interfaceTraces(drawn, share), ...forceTraces(drawn, share)];
-  return chart("structure-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: `${drawn.row.structure} ${at("structure-view").value}` });
+  return preparedStructure(row, known.shape === null ? null : STRUCTURES.shapes[known.shape], blocksOf.get(key), interfacesOf.get(key));
 }
 
 // --- words -----------------------------------------------------------------------------------
-function tellMotion(share) {
-  const moves = Boolean(drawn.shape) && drawn.factor > 0;
-  for (const part of ["motion", "play"]) at(`structure-${part}`).disabled = !moves;
-  const size = share > 0 ? `× ${short(Number((share * drawn.factor).toPrecision(2)))} (${drawn.motion})` : "undeformed";
-  at("structure-factor").textContent = moves ? size : "this model tells no motion";
-}
-
-const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${short(row.first_failure_load_N)} N` : `${short(row.first_failure_tilt_degrees)}°`);
-
-const reasonOf = (row, column) => (row[column] === null ? null : row[column].replace(`${row.model}: `, ""));
-
-function orderOf({ row, interfaces }) {
-  if (row.refused !== null) return `${labelOf(row.model).name} refuses it: ${reasonOf(row, "refused")}.`;
-  if (row.error !== null) return `${labelOf(row.model).name} has no result: ${reasonOf(row, "error")}.`;
-  const all = [...(interfaces || [])].map(([, own]) => own);
-  const bonded = all.filter((own) => own.cohesion_Pa > 0 || own.tensile_strength_Pa > 0);
-  const used = row.most_used_interface === null ? "" : ` Used most: ${row.most_used_interface}.`;
-  if (!all.length) return "This model tells no forces at interfaces.";
-  if (!bonded.length) return `All interfaces are dry: no bond fails.${used}`;
-  if (row.first_interface === null) return `No first failure of a bond is told.${used}`;
-  const broken = bonded.filter((own) => own.fails_at !== null).sort((one, other) => one.fails_at - other.fails_at);
-  const others = broken.map((own) => `${own.interface} (${Math.round(100 * own.fails_at)} %)`);
-  const first = `The first bond to fail is that of ${row.first_interface}, outlined in red, at ${firstFailure(row)}.`;
-  return `${first} ${others.length > 1 ? `Order of failure, in per cent of the peak load: ${others.join(", ")}.` : "No other bond fails before the peak."}`;
-}
-
 const percent = (share) => (share === null ? null : Number((100 * share).toFixed(2)));
 const COLUMNS = [
   ["model", (row) => labelOf(row.model).name], ["load (N)", (row) => row.load_N], ["load / weight", (row) => row.load_over_weight],
@@ -238,8 +53,6 @@ function tellStructure() {
   const answers = drawn.row.load_N !== null || drawn.row.tilt_degrees !== null;
   const hasRoom = !answers || STRUCTURES.told.includes(`${drawn.row.model}/${drawn.row.case}`);
   at("structure-order").textContent = drawn.shape && hasRoom ? orderOf(drawn) : "There is no room for this case on the page: its tables and its files for ParaView are in the results.";
-  const most = drawn.shape ? drawn.forces.reduce((one, other) => (other.size > (one ? one.size : 0) ? other : one), null) : null;
-  at("structure-longest").textContent = most ? `The longest is ${short(most.size)} N, at ${most.each.name}; where a force acts outside of its interface, its line goes through the middle, with an open dot.` : "";
   tellModels();
 }
 
@@ -255,48 +68,16 @@ function chooseStructure() {
 }
 
 function chooseCase() {
-  stop();
-  at("structure-motion").value = 0;
-  drawn = prepared(chosenRow());
-  at("structure-plot").hidden = !drawn.shape;
-  drawStructure();
+  showStructure(prepared(chosenRow()));
   tellStructure();
-}
-
-function frame(now) {
-  if (playing === null) return;
-  const gone = ((now - playing) % PERIOD) / PERIOD;
-  at("structure-motion").value = 50 * (1 - Math.cos(2 * Math.PI * gone));
-  drawStructure().then(() => requestAnimationFrame(frame));
-}
-
-function stop() {
-  playing = null;
-  at("structure-play").textContent = "Play";
-  at("structure-play").ariaPressed = "false";
-}
-
-function play() {
-  if (playing !== null) {
-    stop();
-    return;
-  }
-  const share = Number(at("structure-motion").value) / 100;
-  playing = performance.now() - (PERIOD * Math.acos(1 - 2 * share)) / (2 * Math.PI);
-  at("structure-play").textContent = "Stop";
-  at("structure-play").ariaPressed = "true";
-  requestAnimationFrame(frame);
 }
 
 function startStructures() {
   const names = unique(structureRows.map((row) => row.structure));
-  fill(at("structure-view"), Object.keys(VIEWS), "from the left");
+  startDrawing();
   fill(at("structure-name"), names, names[0]);
   at("structure-name").addEventListener("change", chooseStructure);
   for (const part of ["load", "variant", "model"]) at(`structure-${part}`).addEventListener("change", chooseCase);
-  at("structure-motion").addEventListener("input", () => { stop(); drawStructure(); });
-  for (const part of ["view", "blocks", "forces"]) at(`structure-${part}`).addEventListener("change", drawStructure);
-  at("structure-play").addEventListener("click", play);
   chooseStructure();
 }
 
