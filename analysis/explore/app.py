@@ -3,12 +3,12 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from threading import Thread
-from typing import Any
+from typing import Any, Generic
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs, get_plotlyjs_version
@@ -16,29 +16,36 @@ from werkzeug.exceptions import BadRequest, HTTPException, MethodNotAllowed, Not
 from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
+from analysis.drawing.labels import label_of
 from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
+from analysis.explore.examples import EXAMPLES, Chosen, checked_choice, choice_in, defaults
+from analysis.explore.examples import MODELS as STRUCTURE_MODELS
+from analysis.explore.examples import SLIDERS as STRUCTURE_SLIDERS
 from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
     Checked,
     Settings,
+    State,
     as_configuration,
     as_python,
     as_query,
     checked,
     from_query,
 )
+from analysis.explore.structures import STAGES, same, structure_answer
 
 HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
+DRAWING = HERE.parent / "drawing"
 FILES = (
-    (HERE / "explore.js", SCRIPT),
+    *((HERE / f"{name}.js", SCRIPT) for name in ("controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),
-    (HERE.parent / "drawing" / "chart.js", SCRIPT),
+    *((DRAWING / f"{name}.js", SCRIPT) for name in ("chart", "parts", "structure")),
 )
 LONGEST_ID = 40  # letters, of a page
 SUPERSEDED = 204  # no content: a browser takes it for no error
@@ -60,6 +67,11 @@ class Explorer:
         self._posts: dict[str, Callable[[Request], Any]] = {
             "/answer": self._answer,
             "/curve": self._curve,
+            "/structure": self._structure,
+        }
+        self._pages: dict[str, Callable[[str], str]] = {
+            "/": lambda query: page(from_query(query)),
+            "/structures": lambda query: structures_page(choice_in(query)),
         }
 
     def __call__(self, environ: dict[str, Any], start_response: Any) -> Iterable[bytes]:
@@ -80,6 +92,8 @@ class Explorer:
         """Compile the static model before the first request needs it."""
         with self._desk.turn("", 0):
             answers(Settings())
+        with self._desk.turn("", 0):
+            structure_answer(checked_choice({}).state)
 
     def _respond(self, request: Request) -> Response:
         if request.path in self._posts:
@@ -89,25 +103,26 @@ class Explorer:
             return Response(json.dumps(found, allow_nan=False), mimetype="application/json")
         if request.method == "POST":
             raise NotFound(f"A post goes to {' or '.join(self._posts)}.")
-        if request.path == "/":
-            link = from_query(request.query_string.decode("ascii", "replace"))
-            return Response(page(link), mimetype="text/html")
+        if request.path in self._pages:
+            query = request.query_string.decode("ascii", "replace")
+            return Response(self._pages[request.path](query), mimetype="text/html")
         if request.path == PLOTLY:
             kept = {"Cache-Control": "max-age=86400"}
             return Response(_plotly(), mimetype=SCRIPT, headers=kept)
         for file, kind in FILES:
             if request.path == f"/{file.name}":
                 return Response(file.read_bytes(), mimetype=kind)
-        raise NotFound("There is one page only, /.")
+        raise NotFound(f"There are {len(self._pages)} pages, {' and '.join(self._pages)}.")
 
     def _answer(self, request: Request) -> dict[str, Any]:
         """What follows the sliders at once."""
-        asked = _asked(request)
-        state = asked.joint.state
+        asked = _asked(request, checked)
+        state = asked.checked.state
         with self._desk.turn(*asked.turn):
             results = answers(state)
         return {
             **asked.echo,
+            "values": state.values,
             "words": results.words,
             **pictures(state, results),
             "yaml": as_configuration(state),
@@ -117,8 +132,8 @@ class Explorer:
 
     def _curve(self, request: Request) -> dict[str, Any]:
         """The curve, which takes as long as all else for each of its directions."""
-        asked = _asked(request)
-        state, points = asked.joint.state, []
+        asked = _asked(request, checked)
+        state, points = asked.checked.state, []
         for ratio in ratios(state):
             with self._desk.turn(*asked.turn):
                 points.append(peak(state.joint, ratio))
@@ -127,20 +142,33 @@ class Explorer:
         known = [point for point in points if point is not None]
         return {
             **asked.echo,
+            "values": state.values,
             "shear": [point.shear for point in known],
             "torque": [point.torque for point in known],
             "spread": spread,
             "covered": covered(state),
         }
 
+    def _structure(self, request: Request) -> dict[str, Any]:
+        """What follows the choices of the other page; a newer request ends it between stages."""
+        asked = _asked(request, checked_choice)
+        chosen = asked.checked.state
+        for stage in STAGES:
+            with self._desk.turn(*asked.turn):
+                stage(same(chosen))
+        with self._desk.turn(*asked.turn):
+            found = structure_answer(chosen)
+        link = f"{request.host_url}structures?{chosen.query}"
+        return {**asked.echo, **found, "values": dict(chosen.values), "link": link}
+
 
 @dataclass(frozen=True)
-class _Asked:
-    """What a page asks for: a joint, and which of its requests this is."""
+class _Asked(Generic[State]):
+    """What a page asks for, and which of its requests this is."""
 
     page: str
     number: int
-    joint: Checked
+    checked: Checked[State]
 
     @property
     def turn(self) -> tuple[str, int]:
@@ -149,16 +177,14 @@ class _Asked:
 
     @property
     def echo(self) -> dict[str, Any]:
-        """What each answer begins with: what it was computed for."""
-        return {
-            "number": self.number,
-            "values": self.joint.state.values,
-            "notes": list(self.joint.notes),
-        }
+        """What each answer begins with: which request it is for, and what was changed in it."""
+        return {"number": self.number, "notes": list(self.checked.notes)}
 
 
-def _asked(request: Request) -> _Asked:
-    """The request's JSON; `BadRequest` for any other."""
+def _asked(
+    request: Request, read: Callable[[Mapping[str, object]], Checked[State]]
+) -> _Asked[State]:
+    """The request's JSON, its values by ``read``; `BadRequest` for any other."""
     try:
         sent = json.loads(request.get_data(cache=False))
     except (ValueError, RecursionError):
@@ -171,17 +197,34 @@ def _asked(request: Request) -> _Asked:
     if not isinstance(number, int) or isinstance(number, bool) or number < 0:
         raise BadRequest("number must be a whole number of at least 0.")
     if not isinstance(values, dict):
-        raise BadRequest("values must be an object with a number for each slider.")
-    return _Asked(page, number, checked(values))
+        raise BadRequest("values must be an object with a value for each slider.")
+    return _Asked(page, number, read(values))
 
 
-def page(link: Checked) -> str:
-    """The page as HTML, with the sliders as ``link`` has them."""
-    files = FileSystemLoader(HERE)
-    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
-    return environment.get_template("page.html.j2").render(
-        sliders=SLIDERS, values=link.state.values, notes=link.notes, about=ABOUT, plotly=PLOTLY
+def page(link: Checked[Settings]) -> str:
+    """The page of a joint as HTML, with the sliders as ``link`` has them."""
+    return _rendered(
+        "page", sliders=SLIDERS, values=link.state.values, notes=link.notes, about=ABOUT
     )
+
+
+def structures_page(link: Checked[Chosen]) -> str:
+    """The page of structures as HTML, with the sliders as ``link`` has them."""
+    return _rendered(
+        "structures",
+        examples={name: (each, defaults(name)) for name, each in EXAMPLES.items()},
+        sliders=STRUCTURE_SLIDERS,
+        models={name: label_of(name).name for name in STRUCTURE_MODELS},
+        chosen=link.state,
+        values=dict(link.state.values),
+        notes=link.notes,
+    )
+
+
+def _rendered(name: str, **content: Any) -> str:
+    files = FileSystemLoader([HERE, DRAWING])
+    environment = Environment(loader=files, undefined=StrictUndefined, autoescape=True)
+    return environment.get_template(f"{name}.html.j2").render(plotly=PLOTLY, **content)
 
 
 @cache

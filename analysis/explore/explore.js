@@ -1,20 +1,13 @@
 "use strict";
 // The sliders' values go to the server, one request at a time; the latest wins. Everything shown is
 // from one answer, and grey while the sliders have other values.
-const BROKEN = "The server does not answer. Start it again with make explore.";
-const SUPERSEDED = 204;
-const PAGE = crypto.randomUUID();
-const sliders = [...at("sliders").querySelectorAll("[data-value]")]; // and choices
 const inFlight = new Set();
-const waitingForCurve = []; // the same, as soon as the curve is
-const waiting = []; // what is done as soon as the answer is that of the sliders
+const waitingForCurve = []; // what is done as soon as the curve is that of the sliders
 let latest = 0; // number of the sliders' last change
 let shown = null; // the answer on the page
 let line = null; // the curve on the page
 let kept = null; // the joint that others are compared with, and its curve
 
-const typed = (slider) => at(`${slider.id}-value`); // the field beside a slider; a choice has none
-const values = () => Object.fromEntries(sliders.map((slider) => [slider.id, Number(slider.value)]));
 const isJointOf = (one, other) => Object.keys(one).every((name) => name === "eccentricity" || one[name] === other[name]);
 
 function changed() {
@@ -28,28 +21,12 @@ async function ask(kind) {
   if (inFlight.has(kind)) return; // which asks again as soon as it is back
   inFlight.add(kind);
   const number = latest;
-  const found = await post(kind, { page: PAGE, number, values: values() });
+  const found = await post(kind, { page: PAGE, number, values: values() }, "joint");
   inFlight.delete(kind);
   const show = { answer: showAnswer, curve: showCurve }[kind];
   if (found) show(found);
   if (number === latest) return;
   if (kind === "answer" || shown?.number === latest) ask(kind);
-}
-
-async function post(kind, asked) {
-  try {
-    const headers = { "Content-Type": "application/json" };
-    const response = await fetch(`/${kind}`, { method: "POST", headers, body: JSON.stringify(asked) });
-    if (response.status === SUPERSEDED) return null;
-    if (response.ok) {
-      at("problem").textContent = "";
-      return await response.json();
-    }
-    at("problem").textContent = `This joint could not be computed: ${response.status} ${response.statusText}.`;
-  } catch {
-    at("problem").textContent = BROKEN;
-  }
-  return null;
 }
 
 function showAnswer(answer) {
@@ -180,30 +157,5 @@ at("forget").addEventListener("click", () => {
   drawCurve();
 });
 
-// --- copies ----------------------------------------------------------------------------------
-async function copy(button) {
-  await navigator.clipboard.writeText(at(button.dataset.copy).textContent);
-  button.textContent = "Copied";
-  setTimeout(() => { button.textContent = "Copy"; }, 2000);
-}
-
-for (const button of document.querySelectorAll("[data-copy]")) {
-  button.addEventListener("click", () => {
-    if (at("answer").ariaBusy === "true") waiting.push(() => copy(button));
-    else copy(button);
-  });
-}
-for (const slider of sliders) {
-  slider.addEventListener("input", () => {
-    at("notes").textContent = "";
-    changed();
-  });
-  typed(slider)?.addEventListener("change", (event) => {
-    const field = event.target;
-    at("notes").textContent = field.validity.valid && field.value !== "" ? "" : `${slider.id}: from ${field.min} to ${field.max} in steps of ${field.step}; the nearest is shown.`;
-    slider.value = field.value === "" ? slider.value : field.value; // which rounds it
-    field.value = slider.value;
-    changed();
-  });
-}
+listen(changed);
 changed();

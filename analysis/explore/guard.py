@@ -13,6 +13,7 @@ from werkzeug.wrappers import Request
 
 NAMES = ("127.0.0.1", "localhost", "[::1]")
 MOST_BYTES = 4096  # of a post
+PAGES = ("/", "/structures")
 METHODS = ("GET", "HEAD", "POST")
 HTTP_PORT = 80  # which browsers leave out
 POLICY = (
@@ -59,10 +60,10 @@ def _is_from_page(headers: Headers) -> bool:
 
 
 def _is_visit(request: Request) -> bool:
-    """Whether a browser opens the page itself, from a link for example."""
+    """Whether a browser opens a page itself, from a link for example."""
     return (
         request.method == "GET"
-        and request.path == "/"
+        and request.path in PAGES
         and request.headers.get("Sec-Fetch-Mode") == "navigate"
         and request.headers.get("Sec-Fetch-Dest") == "document"
     )

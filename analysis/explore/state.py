@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from typing import Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.hold_down import HoldDown
@@ -87,38 +88,48 @@ class Settings:
         return {name: float(value) for name, value in asdict(self).items()}
 
 
-@dataclass(frozen=True)
-class Checked:
-    """The settings that answer a request, and a note for each value that had to be changed."""
+State = TypeVar("State")
 
-    state: Settings
+
+@dataclass(frozen=True)
+class Checked(Generic[State]):
+    """The state that answers a request, and a note for each value that had to be changed."""
+
+    state: State
     notes: tuple[str, ...]
 
 
-def checked(given: Mapping[str, object]) -> Checked:
+def checked(given: Mapping[str, object]) -> Checked[Settings]:
     """The settings nearest to ``given`` that the sliders allow; others have their default."""
-    first = Settings().values
+    values, notes = nearest_values(given, Settings().values, SLIDERS)
+    state = Settings(
+        **values | {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}  # type: ignore[arg-type]
+    )
+    return Checked(state, tuple(notes))
+
+
+def nearest_values(
+    given: Mapping[str, object], first: Mapping[str, float], sliders: Mapping[str, Slider]
+) -> tuple[dict[str, float], list[str]]:
+    """The values nearest to ``given`` that ``sliders`` allow, ``first`` for others; and notes."""
     values, notes = dict(first), []
     for name, value in given.items():
-        if name not in SLIDERS:
-            notes.append(f"{_short(name)} is no parameter.")
+        if name not in sliders:
+            notes.append(f"{in_note(name)} is no parameter.")
             continue
         number = _number(value)
-        slider = SLIDERS[name]
+        slider = sliders[name]
         values[name] = first[name] if number is None else slider.nearest(number)
         shown = f"; {values[name]:g} is shown."
         if number is None:
-            notes.append(f"{name}: {_short(value)} is not a number{shown}")
+            notes.append(f"{name}: {in_note(value)} is not a number{shown}")
         elif not slider.least <= number <= slider.most:
             notes.append(
                 f"{name}: {number:g} is outside {slider.least:g} to {slider.most:g}{shown}"
             )
         elif not math.isclose(values[name], number, abs_tol=1e-9):
             notes.append(f"{name}: {number:g} lies between steps of {slider.step:g}{shown}")
-    state = Settings(
-        **values | {"locks": int(values["locks"]), "one_piece": bool(values["one_piece"])}  # type: ignore[arg-type]
-    )
-    return Checked(state, tuple(notes))
+    return values, notes
 
 
 def _number(value: object) -> float | None:
@@ -134,7 +145,7 @@ def _number(value: object) -> float | None:
     return None if math.isnan(number) else number
 
 
-def _short(value: object) -> str:
+def in_note(value: object) -> str:
     """``value`` in a note: printable, and cut if it is long."""
     text = value if isinstance(value, str) else type(value).__name__
     text = "".join(letter if letter.isprintable() else "?" for letter in text[: SHORT + 1])
@@ -147,15 +158,21 @@ def as_query(state: Settings) -> str:
     return urlencode({k: f"{v:g}" for k, v in state.values.items() if v != first[k]})
 
 
-def from_query(query: str) -> Checked:
+def from_query(query: str) -> Checked[Settings]:
     """The settings in the query of a link."""
     try:
-        given = dict(
-            parse_qsl(query.lstrip("?"), keep_blank_values=True, max_num_fields=MOST_NAMES)
-        )
+        return checked(in_query(query))
+    except ValueError as error:
+        return Checked(Settings(), (str(error),))
+
+
+def in_query(query: str) -> dict[str, str]:
+    """Names and values in the query of a link; ValueError for too many."""
+    try:
+        found = parse_qsl(query.lstrip("?"), keep_blank_values=True, max_num_fields=MOST_NAMES)
     except ValueError:
-        return Checked(Settings(), (f"The link has more than {MOST_NAMES} parameters.",))
-    return checked(given)
+        raise ValueError(f"The link has more than {MOST_NAMES} parameters.") from None
+    return dict(found)
 
 
 def as_configuration(state: Settings) -> str:

@@ -1,0 +1,175 @@
+"""The explorer's data for a structure: what its models say, and what is drawn of it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from analysis.drawing.labels import label_of
+from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
+from analysis.report.plain import plain_value
+from analysis.report.solids import shape_of
+from analysis.tables.structures import blocks_table, interfaces_table, structures_table
+from sidmacib.errors import CapacityError
+from sidmacib.problem import Problem
+from sidmacib.structure.file import structure_of
+from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.structure import refined
+from workflow.results.record import ResultError
+from workflow.solvers import structure_limit
+from workflow.solvers.structure_static import failures_of, solve_on_these_cells
+from workflow.structures.case import StructureCase
+from workflow.structures.found import Found
+from workflow.structures.record import StructureRecord, record_without_result, structure_record
+
+KEPT = 64  # structures that are not computed again
+FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)
+ASSUMES = "bonds yield, and sliding opens joints: may be too high"
+
+
+@lru_cache(maxsize=KEPT)
+def limit(chosen: Chosen) -> StructureRecord:
+    """Limit analysis on the cells of the file."""
+
+    def solve(problem: Problem) -> tuple[Problem, Found]:
+        return problem, structure_limit.solve(problem)
+
+    return _record("limit", chosen, solve)
+
+
+@lru_cache(maxsize=KEPT)
+def coarse(chosen: Chosen) -> Failures | str:
+    """First failure and peak of the static model on the cells of the file, or why there is none."""
+    try:
+        return failures_of(*structure_of(chosen.description))
+    except FAULTS as error:
+        return _reason(error)
+
+
+@lru_cache(maxsize=KEPT)
+def static(chosen: Chosen) -> StructureRecord:
+    """The static model on cells of half the size, as `multilock assembly` has it."""
+
+    def solve(problem: Problem) -> tuple[Problem, Found]:
+        before = coarse(chosen)
+        if isinstance(before, str):
+            raise CapacityError(before)
+        fine = Problem(refined(problem.assembly), problem.loads)
+        found, failures = solve_on_these_cells(fine, spread=False)
+        if not failures.peak > 0.0:
+            raise CapacityError("does not stand before the load is raised")
+        errors = structure_mesh_errors(problem.assembly, before, failures, of_fine=True)
+        return fine, replace(found, mesh_errors=errors)
+
+    return _record("static", chosen, solve)
+
+
+STAGES = (limit, coarse, static)  # what an answer needs, in this order
+
+
+def structure_answer(chosen: Chosen) -> dict[str, Any]:
+    """What the page shows: rows of models, and blocks and interfaces of the one that is drawn."""
+    records = {"limit": limit(same(chosen)), "static": static(same(chosen))}
+    table = structures_table([*records.values()])
+    rows = {row["model"]: row for row in _plain(table)}
+    drawn = records[chosen.model]
+    return {
+        "words": _words(chosen, rows),
+        "unit": "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)",
+        "lines": _lines(rows, _end(chosen)),
+        "row": rows[chosen.model],
+        "shape": _shape(chosen.example, dict(chosen.values).get("locks")),
+        "blocks": _plain(blocks_table([drawn])),
+        "interfaces": _plain(interfaces_table([drawn])),
+        "yaml": chosen.text,
+    }
+
+
+def same(chosen: Chosen) -> Chosen:
+    """The structure whatever is drawn of it: what results are kept by."""
+    return replace(chosen, model=MODELS[0])
+
+
+def _end(chosen: Chosen) -> str:
+    """What the static model's largest load or tilt is called, as the command calls it."""
+    return "last equilibrium" if EXAMPLES[chosen.example].tilts else "peak"
+
+
+def _lines(rows: dict[str, dict[str, Any]], end: str) -> list[list[Any]]:
+    """What, load or tilt, load over weight, mesh error (%), remark: a line for each result."""
+    limit_row, static_row = rows["limit"], rows["static"]
+    name = label_of("static").name
+    if static_row["error"]:
+        failures = [[name, None, None, None, _why(static_row)]]
+    else:
+        bond = static_row["first_interface"]
+        first = f"bond of {bond}" if bond else f"no bond fails before the {end}"
+        failures = [
+            _line(f"{name}, first failure", static_row, "first_failure_", first),
+            _line(f"{name}, {end}", static_row, "", f"ends by: {static_row['mode']}"),
+        ]
+    remark = _why(limit_row) if limit_row["error"] else ASSUMES
+    return [_line(label_of("limit").name, limit_row, "", remark), *failures]
+
+
+def _line(what: str, row: dict[str, Any], part: str, remark: str) -> list[Any]:
+    load, tilt, error = (row[f"{part}{name}"] for name in ("load_N", "tilt_degrees", "mesh_error"))
+    share = row["load_over_weight"]
+    if part and share is not None and load is not None:
+        share *= load / row["load_N"]
+    percent = None if error is None else 100.0 * error
+    return [what, load if tilt is None else tilt, plain_value(share), plain_value(percent), remark]
+
+
+def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
+    """The answer in a line."""
+    row = rows["static"]
+    title = EXAMPLES[chosen.example].title
+    title = title[0].upper() + title[1:]
+    if row["error"]:
+        return f"{title}: no answer of the {label_of('static').name}: {_why(row)}."
+    load, weight = row["load_N"], row["load_over_weight"]
+    at = (
+        f"{row['tilt_degrees']:.4g}°"
+        if load is None
+        else f"{load:.4g} N, {weight:.3g} of the weight"
+    )
+    return f"{title}: {_end(chosen)} at {at}; ends by: {row['mode']}."
+
+
+def _why(row: dict[str, Any]) -> str:
+    return str(row["error"]).removeprefix(f"{row['model']}: ")
+
+
+def _record(
+    model: str, chosen: Chosen, solve: Callable[[Problem], tuple[Problem, Found]]
+) -> StructureRecord:
+    """The record of ``chosen`` by ``solve``, which may choose cells; its error if there is one."""
+    case = StructureCase(
+        chosen.example, model, chosen.example, "load", "", chosen.description, None
+    )
+    try:
+        return structure_record(case, *solve(structure_of(chosen.description)), {})
+    except FAULTS as error:
+        return record_without_result(case, error=f"{model}: {_reason(error)}")
+
+
+def _reason(error: BaseException) -> str:
+    return str(error) or type(error).__name__
+
+
+@lru_cache(maxsize=KEPT)
+def _shape(example: str, locks: float | None) -> dict[str, Any]:
+    """What is drawn of an example with so many locks: no other slider changes blocks."""
+    values = defaults(example) | ({} if locks is None else {"locks": locks})
+    return shape_of(structure_of(Chosen(example, tuple(values.items())).description).assembly)
+
+
+def _plain(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """The rows of a table by column, for JSON."""
+    return [
+        {str(name): plain_value(value) for name, value in row.items()}
+        for row in table.to_dict("records")
+    ]
