@@ -1,7 +1,7 @@
 # make study   run the whole study: tables, figures, report and a summary in $(RESULTS)
 # make case    run one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
 # make report  write only the report, report.html in $(RESULTS)
-# make explore open a page with sliders for any joint; it is served to this machine only
+# make explore open pages with sliders for any joint and for structures, served to this machine only
 # make calibrate  find the geometry and friction that fit the published numbers
 # make locks   run the study of the law on 640 joints; takes hours, continues where it stopped
 # make study PROFILE=slurm  run the study on a SLURM cluster, see docs/howto/cluster.md
