@@ -331,9 +331,9 @@ def test_friction_in_degrees_is_doubted() -> None:
 
 
 def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
-    found = run("capacity", "-n", "300", "-m", "limit")
+    found = run("capacity", "-n", "300", "-m", "limit", "-a", "0.1")
     assert found.exit_code == 1
-    assert "GiB; at most 1 GiB are allowed" in found.output
+    assert "GiB; at most 2 GiB are allowed" in found.output
 
 
 def test_studies_are_shown_in_the_project_only(

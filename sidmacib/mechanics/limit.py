@@ -38,7 +38,7 @@ LARGEST = 10.0  # approximate force of a node over its share of the scale, where
 MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
-MOST_MEMORY = 2**30  # bytes; so large a programme takes many minutes
+MOST_MEMORY = 2**31  # bytes; so large a programme takes some twenty minutes
 
 
 @dataclass(frozen=True)
