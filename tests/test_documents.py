@@ -42,7 +42,10 @@ EXAMPLES = {  # a study for what a page changes of one
 }
 # Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
 WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
-CALIBRATION = {"calibration.csv", "calibration.png", "map.csv", "friction.csv"}
+CALIBRATION = {
+    *("calibration.csv", "map.csv", "friction.csv"),
+    *(f"calibration_{part}.png" for part in ("friction", "geometry", "curves")),
+}
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
