@@ -1,10 +1,10 @@
 """How the first failure of a joint depends on its sizes and materials, by the static model."""
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sidmacib.hold_down import AMOUNTS, HoldDown
+from sidmacib.hold_down import AMOUNTS
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
@@ -17,41 +17,50 @@ STEP = 1e-5  # of a parameter, over itself, in the differences of what is assemb
 
 @dataclass(frozen=True)
 class Field:
-    """A parameter: where a joint has it, its unit, and its ``size`` where the value is 0."""
+    """A parameter: its ``places`` in a joint, its unit, and its ``size`` where the value is 0.
+
+    A place is a field, or a part and a field as in ``inner.cohesion``. Several keep their ratios.
+    """
 
     name: str
-    part: str
-    field: str
+    places: tuple[str, ...]
     unit: str
     size: float = 1.0
 
     def of(self, joint: Joint) -> float:
-        """Its value in ``joint``."""
-        return float(getattr(getattr(joint, self.part) if self.part else joint, self.field))
+        """Its value in ``joint``, at the first place."""
+        return _value(joint, self.places[0])
 
     def put(self, joint: Joint, value: float) -> Joint:
         """``joint`` with another ``value``."""
-        changed: dict[str, Any] = {self.field: value}
-        if self.part == "hold_down":
-            return replace(joint, hold_down=HoldDown(joint.hold_down.kind, value))
-        if not self.part:
-            return replace(joint, **changed)
-        part = replace(getattr(joint, self.part), **changed)
-        whole: dict[str, Any] = {self.part: part}
-        return replace(joint, **whole)
+        before = self.of(joint)
+        for place in self.places:
+            part, _, field = place.rpartition(".")
+            changed: dict[str, Any] = {
+                field: value * _value(joint, place) / before if before else value
+            }
+            if part:
+                changed = {part: replace(getattr(joint, part), **changed)}
+            joint = replace(joint, **changed)
+        return joint
+
+
+def _value(joint: Joint, place: str) -> float:
+    part, _, field = place.rpartition(".")
+    return float(getattr(getattr(joint, part) if part else joint, field))
 
 
 FIELDS = (
-    *(Field(name, "", name, "m") for name in ("a", "b", "h", "H")),
-    Field("cohesion", "inner", "cohesion", "Pa"),
-    Field("tensile_strength", "inner", "tensile_strength", "Pa", 1e5),
-    Field("normal_stiffness", "inner", "normal_stiffness", "Pa/m"),
-    Field("shear_stiffness", "inner", "shear_stiffness", "Pa/m"),
-    Field("bond_friction", "inner", "bond_friction", ""),
-    Field("dry_normal_stiffness", "dry", "normal_stiffness", "Pa/m"),
-    Field("dry_shear_stiffness", "dry", "shear_stiffness", "Pa/m"),
-    Field("friction", "dry", "friction", ""),
-    Field("density", "", "density", "kg/m3", 1e3),
+    *(Field(name, (name,), "m") for name in ("a", "b", "h", "H")),
+    Field("cohesion", ("inner.cohesion",), "Pa"),
+    Field("tensile_strength", ("inner.tensile_strength",), "Pa", 1e5),
+    Field("normal_stiffness", ("inner.normal_stiffness",), "Pa/m"),
+    Field("shear_stiffness", ("inner.shear_stiffness",), "Pa/m"),
+    Field("bond_friction", ("inner.bond_friction",), ""),
+    Field("dry_normal_stiffness", ("dry.normal_stiffness",), "Pa/m"),
+    Field("dry_shear_stiffness", ("dry.shear_stiffness",), "Pa/m"),
+    Field("friction", ("dry.friction",), ""),
+    Field("density", ("density",), "kg/m3", 1e3),
 )
 
 
@@ -72,6 +81,15 @@ class Effect:
     more: float | None
     less: float | None
 
+    @property
+    def note(self) -> str:
+        """What there is to say of the derivative: why there is none, or on which side it is."""
+        if self.derivative is not None:
+            return "" if self.value else "for more"
+        if self.more is None:
+            return "unknown: nothing holds the pieces against the change"
+        return "less and more differ"
+
 
 @dataclass(frozen=True)
 class Sensitivity:
@@ -86,16 +104,22 @@ class Sensitivity:
 
 
 def sensitivity(
-    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+    joint: Joint,
+    loading: Loading,
+    mesh: float,
+    nodes: NodeLayout = NodeLayout.LOBATTO,
+    *,
+    fields: Sequence[Field] | None = None,
 ) -> Sensitivity:
     """How the first failure of ``joint`` depends on each parameter, by the static model.
 
     ``mesh`` in m: the largest cell; the number of cells does not change with the sizes. The loading
-    keeps its e / a. At a value of 0, the effect is that of more. `sidmacib.CapacityError` where no
-    bond fails first, and for elastic pieces; errors of `sidmacib.problem.posed`.
+    keeps its e / a. At a value of 0, the effect is that of more. ``fields``: the parameters; None:
+    all that the joint has. `sidmacib.CapacityError` where no bond fails first, and for elastic
+    pieces; errors of `sidmacib.problem.posed`.
     """
+    fields = fields_of(joint) if fields is None else fields
     assembly, loads = posed(joint, loading, mesh, nodes)
-    fields = tuple(fields_of(joint))
     changes = {each.name: _change(joint, loading, assembly, each) for each in fields}
     found = failure_derivatives(assembly, loads, changes)
     effects = tuple(_effect(joint, each, found.by[each.name], found.load) for each in fields)
@@ -111,11 +135,13 @@ def _effect(joint: Joint, field: Field, by: Derivative, load: float) -> Effect:
     return Effect(field.name, field.unit, value, by.value, more, less)
 
 
-def fields_of(joint: Joint) -> Iterator[Field]:
+def fields_of(joint: Joint) -> tuple[Field, ...]:
     """All parameters that ``joint`` has."""
-    yield from FIELDS
-    if number := AMOUNTS.get(joint.hold_down.kind):
-        yield Field(str(joint.hold_down.kind), "hold_down", "amount", number.unit, joint.T0 or 1.0)
+    kind = joint.hold_down.kind
+    if kind not in AMOUNTS:
+        return FIELDS
+    pressing = Field(str(kind), ("hold_down.amount",), AMOUNTS[kind].unit, joint.T0 or 1.0)
+    return *FIELDS, pressing
 
 
 def _change(joint: Joint, loading: Loading, assembly: Assembly, field: Field) -> Change:
