@@ -8,7 +8,8 @@ from sidmacib.hold_down import AMOUNTS
 from sidmacib.joint import Joint
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.mechanics.static.sensitivity import Change, Derivative, failure_derivatives
+from sidmacib.mechanics.change import Change
+from sidmacib.mechanics.static.sensitivity import Derivative, failure_derivatives
 from sidmacib.pieces import reassemble
 from sidmacib.problem import posed
 

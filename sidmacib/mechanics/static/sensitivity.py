@@ -26,6 +26,7 @@ import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.springs import Springs
 from sidmacib.mechanics.static.exact_path import State, exact_path, used_by, utilisations
@@ -39,22 +40,6 @@ LEAN = 1e-8  # of the change: contacts on an edge are moved on by this much of w
 NOTHING = 1e-12  # over the largest displacement: rounding error
 ROUNDS = 12  # of moving them on
 STAYS = 1e-6  # change of the distance from that, over the largest one: a contact that stays there
-
-
-@dataclass(frozen=True)
-class Change:
-    """A small change of a parameter.
-
-    ``before`` and ``after``: assembly and loads, with the same pieces, faces and number of nodes as
-    those without the change. ``difference``: of the parameter between them. ``size``: of the
-    parameter, 100 % of it. ``rises``: whether it can only rise, as friction from 0.
-    """
-
-    before: tuple[Assembly, Loads]
-    after: tuple[Assembly, Loads]
-    difference: float
-    size: float
-    rises: bool = False
 
 
 @dataclass(frozen=True)
