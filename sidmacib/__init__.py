@@ -7,6 +7,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.contact_points.envelope import Envelope, envelope
     from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.contact_points.programme import Capacity, Sidmacib, capacities, capacity
+    from sidmacib.effects import Effect, Sensitivity, sensitivity
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.hold_down import HoldDown
     from sidmacib.joint import Block, Direction, Joint, OwnLock
@@ -33,6 +34,7 @@ _HOME = {
     "ContactOption": "contact_points.options",
     "Demand": "rule.demand",
     "Direction": "joint",
+    "Effect": "effects",
     "Elastic": "mechanics.assembly",
     "Envelope": "contact_points.envelope",
     "FaceMaterial": "mechanics.assembly",
@@ -47,6 +49,7 @@ _HOME = {
     "Pairs": "rule.pairs",
     "Prices": "rule.demand",
     "Search": "rule.inverse",
+    "Sensitivity": "effects",
     "Sidmacib": "contact_points.programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -62,6 +65,7 @@ _HOME = {
     "limit_load": "mechanics.limit",
     "pairs_of": "rule.pairs",
     "safe": "rule.law",
+    "sensitivity": "effects",
     "static_first_failure": "mechanics.static.model",
     "static_peak": "mechanics.static.model",
 }
@@ -77,6 +81,7 @@ __all__ = [
     "ContactOption",
     "Demand",
     "Direction",
+    "Effect",
     "Elastic",
     "Envelope",
     "FaceMaterial",
@@ -91,6 +96,7 @@ __all__ = [
     "Pairs",
     "Prices",
     "Search",
+    "Sensitivity",
     "Sidmacib",
     "SolverError",
     "UnboundedError",
@@ -106,6 +112,7 @@ __all__ = [
     "limit_load",
     "pairs_of",
     "safe",
+    "sensitivity",
     "static_first_failure",
     "static_peak",
 ]

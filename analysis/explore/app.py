@@ -18,6 +18,7 @@ from werkzeug.wrappers import Request, Response
 
 from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
+from analysis.explore.effects import effects
 from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
@@ -48,7 +49,9 @@ ABOUT = (
     "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
     "Law and safe rule are those of docs/law.md, within the ranges they were tested in: "
     "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
-    "the first lock is on the left. Nothing leaves this machine."
+    "the first lock is on the left. An arrow below a slider points to a larger first failure by "
+    "the static model; the number is the change of that load for 1 % more. "
+    "Nothing leaves this machine."
 )
 
 
@@ -124,6 +127,8 @@ class Explorer:
                 points.append(peak(state.joint, ratio))
         with self._desk.turn(*asked.turn):
             spread = spread_words(state.joint, state.eccentricity)
+        with self._desk.turn(*asked.turn):
+            pulls = effects(state)
         known = [point for point in points if point is not None]
         return {
             **asked.echo,
@@ -131,6 +136,7 @@ class Explorer:
             "torque": [point.torque for point in known],
             "spread": spread,
             "covered": covered(state),
+            "effects": pulls,
         }
 
 
