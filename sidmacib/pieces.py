@@ -27,9 +27,9 @@ JOINED = 1e3  # stiffness between joined columns over that of inner faces: almos
 def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    ``mesh`` in m. ValueError unless it is above 0 and at most the shorter side of the locks'
-    horizontal faces; less than that side except for Lobatto points, as one row of other nodes would
-    be a hinge.
+    ``mesh``: the longest side of a cell, m. ValueError unless it is above 0 and at most the shorter
+    side of the locks' horizontal faces; less than that side except for Lobatto points, as one row
+    of other nodes would be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO

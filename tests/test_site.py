@@ -11,12 +11,14 @@ import pytest
 from conftest import ROOT
 from promises import require_kept
 
+import sidmacib
 from sidmacib.command.main import main
 from sidmacib.parameters import PARAMETERS
 from workflow.site import rule_graph
 from workflow.site.gallery import examples, index, page, read, run, write_gallery
 from workflow.site.mathml import mathml
 from workflow.site.options import page as page_of_options
+from workflow.site.parameters import described
 from workflow.site.rule_graph import before, layout, reduced, rules, svg
 
 GALLERY = ROOT / "docs" / "gallery"
@@ -153,3 +155,25 @@ def test_a_long_arrow_passes_beside_the_rules_between() -> None:
 @pytest.mark.study
 def test_the_drawing_of_the_rules_is_current() -> None:
     assert (ROOT / "docs" / "images" / "rules.svg").read_text() == svg(reduced(rules()))
+
+
+@pytest.mark.parametrize("name", ["Joint", "FaceMaterial", "Elastic", "Demand", "Prices", "law"])
+def test_every_parameter_of_the_library_has_words(name: str) -> None:
+    found = list(described(getattr(sidmacib, name)))
+    assert found
+    assert all(words for _, _, words in found)
+
+
+def test_a_parameter_has_its_type_range_unit_and_choices() -> None:
+    found = {name: (kind, words) for name, kind, words in described(sidmacib.Joint)}
+    assert found["a"] == ("float", "length of a lock (x); a number greater than 0 (m)")
+    assert found["locks"][0] == "int"
+    assert found["failure"][1].endswith("``brittle`` or ``softening`` or ``ductile``")
+    assert found["inner"] == ("", "material of the inner faces")
+
+
+def test_words_of_a_parameter_come_from_the_docstring_or_its_class() -> None:
+    found = {name: words for name, _, words in described(sidmacib.Demand)}
+    assert found["torque"] == "M, in N m"
+    found = {name: words for name, _, words in described(sidmacib.law)}
+    assert found["push"].startswith("The direction in which the lateral load acts; ``+y``")
