@@ -15,6 +15,7 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
+    "workflow.site.accessible",
     "workflow.site.mathml",
     "workflow.site.parameters",
 ]
