@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import sidmacib.mechanics.rigid.solver as rigid
 from sidmacib.effects import Effect, Sensitivity, fields_of, sensitivity
@@ -13,7 +15,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Elastic, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
 from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import path_to_first_failure
@@ -161,6 +163,57 @@ def test_a_larger_joint_of_a_lighter_material_carries_the_same_stresses(name: st
     _, _, found = solved(name)
     lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
     assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=1e-8)
+
+
+RANDOM = st.builds(
+    Joint,
+    st.integers(2, 7),
+    a=st.floats(0.04, 0.1),
+    b=st.floats(0.03, 0.07),
+    h=st.floats(0.005, 0.02),
+    H=st.floats(0.02, 0.06),
+    density=st.floats(0.0, 3e3),
+    inner=st.builds(
+        FaceMaterial,
+        st.floats(5e9, 2e10),
+        st.floats(5e9, 2e10),
+        st.just(0.0),
+        st.floats(4e4, 2e5),
+        st.floats(2e5, 6e5),
+        bond_friction=st.sampled_from([0.0, 0.3]),
+    ),
+    dry=st.builds(
+        FaceMaterial,
+        st.floats(5e9, 2e10),
+        st.floats(5e9, 2e10),
+        st.one_of(st.just(0.0), st.floats(0.05, 0.6)),
+        st.just(0.0),
+        st.just(0.0),
+    ),
+    upper_body=st.sampled_from(UpperBody),
+    first=st.sampled_from(Block),
+    hold_down=st.one_of(
+        st.just(HoldDown.plate()),
+        st.floats(1e3, 1e5).map(HoldDown.pressure),
+        st.floats(10.0, 300.0).map(HoldDown.force),
+    ),
+)
+RATIOS = st.one_of(st.just(0.0), st.floats(0.02, 2.0), st.just(math.inf))
+
+
+@given(joint=RANDOM, ratio=RATIOS, push=st.sampled_from(Push))
+@settings(max_examples=25)
+def test_any_joint_scales_as_it_must(joint: Joint, ratio: float, push: Push) -> None:
+    try:
+        found = sensitivity(joint, Loading(Direction(ratio), push=push), joint.least_side)
+    except CapacityError as error:
+        assert "slide or rock" in str(error)
+        return
+    loads = per_cent(found, *STRENGTHS, "density", "pressure", "force")
+    assert loads == pytest.approx(1.0, abs=KINKS)
+    assert per_cent(found, *STIFFNESSES) == pytest.approx(0.0, abs=KINKS)
+    lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
+    assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=KINKS)
 
 
 # --- kinks, and what has no derivative -----------------------------------------------------------
