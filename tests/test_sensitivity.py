@@ -39,6 +39,15 @@ JOINTS = {
     "rough": (Joint(4, **ODD), Direction(0.2)),
     "rough, in torsion": (Joint(3, **ODD), Direction(math.inf)),
     "one piece": (Joint(5, **ODD, upper_body=UpperBody.MONOLITHIC), Direction(0.4)),
+    "smooth, in one piece": (
+        Joint(
+            7,
+            **ODD | {"dry": SMOOTH},
+            upper_body=UpperBody.MONOLITHIC,
+            hold_down=HoldDown.force(150.0),
+        ),
+        Direction(1.65),
+    ),
     "joined": (Joint(3, **ODD, upper_body=UpperBody.JOINED), Direction(0.1)),
     "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
     "under a force": (Joint(4, **ODD, hold_down=HoldDown.force(90.0)), Direction(0.1)),
