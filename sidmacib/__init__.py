@@ -14,12 +14,14 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
+    from sidmacib.mechanics.limit_sensitivity import limit_derivatives
     from sidmacib.mechanics.static.model import static_first_failure, static_peak
     from sidmacib.pieces import assemble
     from sidmacib.rule.demand import Candidate, Demand, Prices
     from sidmacib.rule.inverse import Search, all_candidates, cheapest, fewest_locks
     from sidmacib.rule.law import LawCapacity, law, safe
     from sidmacib.rule.pairs import Pairs, pairs_of
+    from sidmacib.structure.vertices import vertex_effects
 
 # Where each public name is: a module is imported when one of its names is first used, as solvers
 # take longer to import than most models take to run.
@@ -62,12 +64,14 @@ _HOME = {
     "fewest_locks": "rule.inverse",
     "lateral_load": "loading",
     "law": "rule.law",
+    "limit_derivatives": "mechanics.limit_sensitivity",
     "limit_load": "mechanics.limit",
     "pairs_of": "rule.pairs",
     "safe": "rule.law",
     "sensitivity": "effects",
     "static_first_failure": "mechanics.static.model",
     "static_peak": "mechanics.static.model",
+    "vertex_effects": "structure.vertices",
 }
 
 __all__ = [
@@ -109,12 +113,14 @@ __all__ = [
     "fewest_locks",
     "lateral_load",
     "law",
+    "limit_derivatives",
     "limit_load",
     "pairs_of",
     "safe",
     "sensitivity",
     "static_first_failure",
     "static_peak",
+    "vertex_effects",
 ]
 
 

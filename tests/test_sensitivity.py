@@ -6,6 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import sidmacib.mechanics.rigid.solver as rigid
 from sidmacib.effects import Effect, Sensitivity, fields_of, sensitivity
@@ -13,7 +15,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Elastic, Floats, Loads
+from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
 from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import path_to_first_failure
@@ -37,6 +39,15 @@ JOINTS = {
     "rough": (Joint(4, **ODD), Direction(0.2)),
     "rough, in torsion": (Joint(3, **ODD), Direction(math.inf)),
     "one piece": (Joint(5, **ODD, upper_body=UpperBody.MONOLITHIC), Direction(0.4)),
+    "smooth, in one piece": (
+        Joint(
+            7,
+            **ODD | {"dry": SMOOTH},
+            upper_body=UpperBody.MONOLITHIC,
+            hold_down=HoldDown.force(150.0),
+        ),
+        Direction(1.65),
+    ),
     "joined": (Joint(3, **ODD, upper_body=UpperBody.JOINED), Direction(0.1)),
     "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
     "under a force": (Joint(4, **ODD, hold_down=HoldDown.force(90.0)), Direction(0.1)),
@@ -161,6 +172,57 @@ def test_a_larger_joint_of_a_lighter_material_carries_the_same_stresses(name: st
     _, _, found = solved(name)
     lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
     assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=1e-8)
+
+
+RANDOM = st.builds(
+    Joint,
+    st.integers(2, 5),
+    a=st.floats(0.04, 0.1),
+    b=st.floats(0.03, 0.07),
+    h=st.floats(0.005, 0.02),
+    H=st.floats(0.02, 0.06),
+    density=st.floats(0.0, 3e3),
+    inner=st.builds(
+        FaceMaterial,
+        st.floats(5e9, 2e10),
+        st.floats(5e9, 2e10),
+        st.just(0.0),
+        st.floats(4e4, 2e5),
+        st.floats(2e5, 6e5),
+        bond_friction=st.sampled_from([0.0, 0.3]),
+    ),
+    dry=st.builds(
+        FaceMaterial,
+        st.floats(5e9, 2e10),
+        st.floats(5e9, 2e10),
+        st.one_of(st.just(0.0), st.floats(0.1, 0.6)),
+        st.just(0.0),
+        st.just(0.0),
+    ),
+    upper_body=st.sampled_from([UpperBody.COLUMNS, UpperBody.MONOLITHIC]),
+    first=st.sampled_from(Block),
+    hold_down=st.one_of(
+        st.just(HoldDown.plate()),
+        st.floats(1e3, 1e5).map(HoldDown.pressure),
+        st.floats(10.0, 300.0).map(HoldDown.force),
+    ),
+)
+RATIOS = st.sampled_from([0.0, 0.1, 0.3, 1.0, math.inf])
+
+
+@given(joint=RANDOM, ratio=RATIOS, push=st.sampled_from(Push))
+@settings(max_examples=8)
+def test_any_joint_scales_as_it_must(joint: Joint, ratio: float, push: Push) -> None:
+    try:
+        found = sensitivity(joint, Loading(Direction(ratio), push=push), joint.least_side)
+    except CapacityError as error:
+        assert "slide or rock" in str(error)
+        return
+    loads = per_cent(found, *STRENGTHS, "density", "pressure", "force")
+    assert loads == pytest.approx(1.0, abs=KINKS)
+    assert per_cent(found, *STIFFNESSES) == pytest.approx(0.0, abs=KINKS)
+    lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
+    assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=KINKS)
 
 
 # --- kinks, and what has no derivative -----------------------------------------------------------

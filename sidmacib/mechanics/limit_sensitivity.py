@@ -12,9 +12,9 @@ where the unbalanced forces are those that the forces of the optimum leave on th
 bond opens by what its own friction does not explain.
 
 Where several mechanisms are possible, or where a mechanism moves against forces that are not
-determined, the load may have no derivative. So the problem is shaken a little to either side: if
-the results differ, none is given. This is careful: in a symmetric structure, a symmetric change may
-have a derivative that is not given.
+determined, the load may have no derivative. So the problem is shaken a little to either side. Where
+the results differ, the problem is solved at either end of the change as well, and if these results
+differ too, none is given.
 """
 
 from collections.abc import Mapping
@@ -49,7 +49,8 @@ def limit_derivatives(
 ) -> LimitDerivatives:
     """The limit load of ``assembly`` and its derivatives; arguments and errors of `limit_load`.
 
-    All from three solutions, however many changes there are. ValueError for a change with other
+    Three solutions are enough, however many changes there are, where the forces and the mechanism
+    are unique; two more for each change where they are not. ValueError for a change with other
     pieces, faces or numbers of nodes.
     """
     for name, change in changes.items():

@@ -4,8 +4,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import shapely
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Nodes, Vector
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Nodes, Vector
 from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.limit_sensitivity import limit_derivatives
@@ -42,8 +43,9 @@ def vertex_effects(
 ) -> tuple[VertexEffect, ...]:
     """The effects of moving vertices of ``blocks`` a little.
 
-    ``together``: places of vertices that move alike, as those of the edge that a hinge is at: each
-    of them alone may have no derivative. None: every place by itself.
+    ``together``: places of vertices that move alike, such as both ends of an edge. None: every
+    place by itself. A vertex that leaves the plane of a face bends it; the block's volume is then
+    that of the triangles which its face is divided into.
     ``build``: the structure of blocks and its load, as by `sidmacib.structure.structure.structure`
     and `sidmacib.structure.loads.acceleration`. Contact nodes stay at the same part of their
     interface. ValueError for a place without a vertex, and where interfaces do not follow the
@@ -120,7 +122,26 @@ def _moved(
             raise ValueError(f"no block has a vertex at {place.tolist()} m")
     after = build(others)
     nodes = _following(assembly, after.assembly, FOLLOWS * float(np.linalg.norm(shift)))
-    return Problem(replace(after.assembly, nodes=nodes, length=assembly.length), after.loads)
+    faces = tuple(map(_turned, assembly.faces, after.assembly.faces))
+    same = replace(after.assembly, faces=faces, nodes=nodes, length=assembly.length)
+    return Problem(same, after.loads)
+
+
+def _turned(before: Face, after: Face) -> Face:
+    """The face ``after`` with the tangents of ``before``, as near as its normal lets them be.
+
+    Tangents follow the largest component of the normal: where two are the same, rounding decides.
+    """
+    if type(after) is not Polygon:
+        return after  # along locks and across them
+    normal = after.axes[0]
+    first = before.axes[1] - (before.axes[1] @ normal) * normal
+    first = first / np.linalg.norm(first)
+    axes = np.array([normal, first, np.cross(normal, first)])
+    turn = after.axes[1:] @ axes[1:].T
+    return replace(
+        after, axes=axes, outline=shapely.transform(after.outline, lambda flat: flat @ turn)
+    )
 
 
 def _following(before: Assembly, after: Assembly, most: float) -> Nodes:

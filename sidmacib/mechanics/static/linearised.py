@@ -137,14 +137,16 @@ class Linearised:
         return stiffness, splu(csc_array(stiffness + floor * eye_array(stiffness.shape[0])))
 
     def solved(self, right: Floats) -> Floats:
-        """Unknowns (m), (U,) or (U, K), under further forces ``right`` (N) on the pieces.
-
-        NaN where nothing carries these.
-        """
+        """Unknowns (m), (U,) or (U, K), under further forces ``right`` (N) on the pieces."""
         stiffness, factors = self._stiffness
         found = factors.solve(right)
         for _ in range(REFINEMENTS):
             found += factors.solve(right - stiffness @ found)
+        return np.asarray(found)
+
+    def carried(self, right: Floats) -> Floats:
+        """`solved` for forces (U, K), with NaN where nothing carries them."""
+        found, (stiffness, _) = self.solved(right), self._stiffness
         left = np.abs(right - stiffness @ found).max(axis=0)
         return np.where(left > CARRIED * np.abs(right).max(), np.nan, found)
 

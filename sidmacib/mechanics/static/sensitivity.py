@@ -159,7 +159,7 @@ def _differentiated(
         given += here.tangent @ apart_by.reshape(given.shape)
         right = _columns([p.at(state.load) - p.motion.T @ force.ravel() for p in slopes])
         right[:, -1] = state.load * system.variable
-        further = system.motion @ here.solved(right - system.motion.T @ given)
+        further = system.motion @ here.carried(right - system.motion.T @ given)
         apart_by += further.reshape(shape)
         force_by = (given + here.tangent @ further).reshape(shape)
         edges.append(_edges(state.here, slopes, apart_by))
