@@ -36,6 +36,9 @@ RESULTS = STUDY.results
 DETAILED = detailed(STUDY.model_names)
 
 
+report: "workflow/captions/study.rst"
+
+
 include: "workflow/rules/common.smk"
 
 

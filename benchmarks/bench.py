@@ -41,6 +41,7 @@ SWEEP = {  # 10,000 cases of the static model
     "models": ["static"],
     "dem": {"engines": []},
 }
+CURVE = [0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, float("inf")]  # e / a
 ENGINES = {  # 500 cases of an engine
     "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
     "meshes": MESHES[:10],
@@ -150,9 +151,49 @@ def library_figures() -> Iterator[Figure]:
     for _ in range(10):
         sidmacib.envelope(model)
     yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * (time.perf_counter() - start) / 10)
+    yield Figure("fit of free contact points, 5 locks", "CPU-s", fit_seconds())
+    for name, locks in (("law", 5), ("safe", 5), ("law", 31), ("safe", 31)):
+        yield Figure(f"{name}, {locks} locks", "CPU-s", rule_seconds(name, locks))
+    yield Figure("law, curve of 31 locks", "CPU-s", law_curve_seconds(31))
     seconds = step_seconds()
     if seconds is not None:
         yield Figure("explorer, a step of the slider", "CPU-s", seconds)
+
+
+def fit_seconds() -> float:
+    """CPU-s of a fit of the contact points' distance and strength to nine loads."""
+    import sidmacib
+    from analysis.tables.fit import best_pair
+
+    loads = [400.0 / (1.0 + 3.0 * e) for e in CURVE[:-1]]
+    curve = pd.DataFrame({"eccentricity_over_a": CURVE, "load_N": [*loads, 80.0]})
+    start = time.process_time()
+    best_pair(sidmacib.Joint(5), 1000.0, True, curve)
+    return time.process_time() - start
+
+
+def rule_seconds(name: str, locks: int) -> float:
+    """CPU-s of the law or the safe rule in one direction, the mean of ten."""
+    import sidmacib
+    from sidmacib.rule.first_failure import first_failure
+    from sidmacib.rule.law import RULES
+
+    first_failure.cache_clear()
+    joint = sidmacib.Joint(locks)
+    start = time.process_time()
+    for number in range(10):
+        RULES[name](joint, sidmacib.Direction(0.01 + 0.05 * number))
+    return (time.process_time() - start) / 10
+
+
+def law_curve_seconds(locks: int) -> float:
+    """CPU-s of the law in nine directions."""
+    import sidmacib
+
+    start = time.process_time()
+    for e in CURVE:
+        sidmacib.law(sidmacib.Joint(locks), sidmacib.Direction(e))
+    return time.process_time() - start
 
 
 def elastic_seconds(locks: int, mesh: float) -> float:

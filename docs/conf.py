@@ -15,7 +15,9 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
+    "workflow.site.accessible",
     "workflow.site.mathml",
+    "workflow.site.parameters",
 ]
 html_theme = "furo"
 html_title = "multilock"
@@ -29,6 +31,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]  # GitHub draws these fences too
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
+autodoc_preserve_defaults = True
 autodoc_typehints = "description"
 exclude_patterns = ["_build", "paper"]
 nitpicky = False

@@ -7,18 +7,21 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.contact_points.envelope import Envelope, envelope
     from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
     from sidmacib.contact_points.programme import Capacity, Sidmacib, capacities, capacity
+    from sidmacib.effects import Effect, Sensitivity, sensitivity
     from sidmacib.errors import CapacityError, InfeasibleError, SolverError, UnboundedError
     from sidmacib.hold_down import HoldDown
     from sidmacib.joint import Block, Direction, Joint, OwnLock
     from sidmacib.loading import Loading, lateral_load
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
+    from sidmacib.mechanics.limit_sensitivity import limit_derivatives
     from sidmacib.mechanics.static.model import static_first_failure, static_peak
     from sidmacib.pieces import assemble
     from sidmacib.rule.demand import Candidate, Demand, Prices
     from sidmacib.rule.inverse import Search, all_candidates, cheapest, fewest_locks
     from sidmacib.rule.law import LawCapacity, law, safe
     from sidmacib.rule.pairs import Pairs, pairs_of
+    from sidmacib.structure.vertices import vertex_effects
 
 # Where each public name is: a module is imported when one of its names is first used, as solvers
 # take longer to import than most models take to run.
@@ -33,6 +36,7 @@ _HOME = {
     "ContactOption": "contact_points.options",
     "Demand": "rule.demand",
     "Direction": "joint",
+    "Effect": "effects",
     "Elastic": "mechanics.assembly",
     "Envelope": "contact_points.envelope",
     "FaceMaterial": "mechanics.assembly",
@@ -47,6 +51,7 @@ _HOME = {
     "Pairs": "rule.pairs",
     "Prices": "rule.demand",
     "Search": "rule.inverse",
+    "Sensitivity": "effects",
     "Sidmacib": "contact_points.programme",
     "SolverError": "errors",
     "UnboundedError": "errors",
@@ -59,11 +64,14 @@ _HOME = {
     "fewest_locks": "rule.inverse",
     "lateral_load": "loading",
     "law": "rule.law",
+    "limit_derivatives": "mechanics.limit_sensitivity",
     "limit_load": "mechanics.limit",
     "pairs_of": "rule.pairs",
     "safe": "rule.law",
+    "sensitivity": "effects",
     "static_first_failure": "mechanics.static.model",
     "static_peak": "mechanics.static.model",
+    "vertex_effects": "structure.vertices",
 }
 
 __all__ = [
@@ -77,6 +85,7 @@ __all__ = [
     "ContactOption",
     "Demand",
     "Direction",
+    "Effect",
     "Elastic",
     "Envelope",
     "FaceMaterial",
@@ -91,6 +100,7 @@ __all__ = [
     "Pairs",
     "Prices",
     "Search",
+    "Sensitivity",
     "Sidmacib",
     "SolverError",
     "UnboundedError",
@@ -103,11 +113,14 @@ __all__ = [
     "fewest_locks",
     "lateral_load",
     "law",
+    "limit_derivatives",
     "limit_load",
     "pairs_of",
     "safe",
+    "sensitivity",
     "static_first_failure",
     "static_peak",
+    "vertex_effects",
 ]
 
 

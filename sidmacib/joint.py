@@ -67,11 +67,12 @@ class Joint:
     0.003 m2; a, b, h and H are assumptions.
 
     ``a``, ``b``, ``h``: length (x), width (y) and height (z) of a lock, in m. ``H``: height of the
-    upper main body above the locks, in m. ``density`` in kg/m3. Lock 1 is the first in +y; it
-    belongs to the block ``first``, and the others alternate. ``different``: the locks that differ,
-    by number; it is kept as pairs in the order of the numbers. ``hold_down``: support or load on
-    the top of the upper block. ``elastic``: the material of elastic pieces; None for rigid ones.
-    ValueError for a number out of its range, and for ``different`` locks that do not exist.
+    upper main body above the locks, in m. ``density`` in kg/m3. ``inner``: material of the inner
+    faces; ``dry``: of all other faces of a lock. Lock 1 is the first in +y; it belongs to the block
+    ``first``, and the others alternate. ``different``: the locks that differ, by number; it is kept
+    as pairs in the order of the numbers. ``hold_down``: support or load on the top of the upper
+    block. ``elastic``: the material of elastic pieces; None for rigid ones. ValueError for a number
+    out of its range, and for ``different`` locks that do not exist.
     """
 
     locks: Count

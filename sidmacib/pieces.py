@@ -11,8 +11,10 @@ from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
     FaceMaterial,
+    Floats,
     Kind,
     NodeLayout,
+    Nodes,
     Rectangle,
     shared_face,
 )
@@ -25,9 +27,9 @@ JOINED = 1e3  # stiffness between joined columns over that of inner faces: almos
 def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    ``mesh`` in m. ValueError unless it is above 0 and at most the shorter side of the locks'
-    horizontal faces; less than that side except for Lobatto points, as one row of other nodes would
-    be a hinge.
+    ``mesh``: the longest side of a cell, m. ValueError unless it is above 0 and at most the shorter
+    side of the locks' horizontal faces; less than that side except for Lobatto points, as one row
+    of other nodes would be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
@@ -41,6 +43,32 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
     return Assembly(
         pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure, mesh, nodes
     )
+
+
+def reassemble(joint: Joint, assembly: Assembly) -> Assembly:
+    """``joint`` with the nodes of ``assembly``, of a joint that differs in sizes and materials.
+
+    Every node stays at the same part of its face, whatever the mesh, so that what is computed on
+    both is a smooth function of the sizes. ValueError if the pieces or faces are others.
+    """
+    pieces, before = cut_pieces(joint), assembly.rectangles
+    faces = tuple(_faces(joint, pieces))
+    if [face.name for face in faces] != [face.name for face in before]:
+        raise ValueError("joint: must be cut into the same pieces")
+    low, high, area = _corners(before)
+    new_low, new_high, new_area = _corners(faces)
+    face = assembly.nodes.face
+    side = np.where(high > low, high - low, 1.0)
+    part = (assembly.nodes.position - low[face]) / side[face]
+    position = new_low[face] + part * (new_high - new_low)[face]
+    nodes = Nodes(face, position, assembly.nodes.area * (new_area / area)[face])
+    return replace(assembly, pieces=pieces, faces=faces, nodes=nodes, length=joint.a)
+
+
+def _corners(faces: tuple[Rectangle, ...]) -> tuple[Floats, Floats, Floats]:
+    """Lowest and highest corners of ``faces`` (m), (F, 3) each, and their areas (m2), (F,)."""
+    low, high = (np.array([getattr(face, end) for face in faces]) for end in ("low", "high"))
+    return low, high, np.array([face.area for face in faces])
 
 
 def _cells(side: float, mesh: float) -> int:

@@ -1,5 +1,7 @@
 """Tables and numbers as pages show them."""
 
+import errno
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -52,5 +54,8 @@ def body(name: str) -> str:
 
 
 def table_in(results: Path, form: Table) -> pd.DataFrame:
-    """A table of the study in ``results``."""
-    return read_table(form, results / "tables" / f"{form.name}.csv")
+    """A table of the study in ``results``; FileNotFoundError if it is not there."""
+    path = results / "tables" / f"{form.name}.csv"
+    if not path.is_file():
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
+    return read_table(form, path)

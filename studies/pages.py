@@ -13,6 +13,7 @@ from pathlib import Path
 import benchmarks.page
 import studies.attack.page
 import studies.elastic.page
+import studies.layouts.page
 import studies.locks.page
 import studies.measured.specimens
 import studies.published.page
@@ -22,6 +23,7 @@ BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", r
 BLOCKS = {
     **studies.published.page.BLOCKS,
     **studies.elastic.page.BLOCKS,
+    **studies.layouts.page.BLOCKS,
     **studies.locks.page.BLOCKS,
     **studies.attack.page.BLOCKS,
     **studies.structures.page.BLOCKS,

@@ -222,7 +222,7 @@ def test_a_row_gives_back_its_candidate(study: Study, grid: pd.DataFrame) -> Non
     assert found.geometry.model_dump() == pytest.approx(first.geometry.model_dump())
 
 
-def test_the_figure_shows_friction_map_profiles_and_a_curve_for_each_sample(
+def test_the_figures_show_friction_map_profiles_and_a_curve_for_each_sample(
     grid: pd.DataFrame, of_study: pd.DataFrame
 ) -> None:
     row = of_study.iloc[-1][["candidate", "a_m", "friction"]].to_dict()
@@ -231,13 +231,19 @@ def test_the_figure_shows_friction_map_profiles_and_a_curve_for_each_sample(
     curves = pd.DataFrame(
         row | {"locks": n, "shear_N": v, "torque_Nm": m} | shape for n in (3, 5) for v, m in points
     )
-    shown = calibration(grid, of_study, curves, PUBLISHED)
-    titles = [axes.get_title(loc="left") for axes in shown.axes]
-    assert [title for title in titles if title] == [
-        *("least misfit of any geometry", "closest of all published peaks, any weights (%)"),
-        *("misfit, a = 0.06 m, friction 0.01", "least misfit", "3 locks", "5 locks"),
-    ]
-    legend = shown.axes[0].get_legend()
+    figures = calibration(grid, of_study, curves, PUBLISHED)
+    titles = {
+        name: [title for axes in figure.axes if (title := axes.get_title(loc="left"))]
+        for name, figure in figures.items()
+    }
+    assert titles == {
+        "calibration_friction": [
+            *("least misfit of any geometry", "closest peaks of any geometry (%)"),
+        ],
+        "calibration_geometry": ["misfit, a = 0.06 m, friction 0.01", "least misfit"],
+        "calibration_curves": ["3 locks", "5 locks"],
+    }
+    legend = figures["calibration_friction"].axes[0].get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
         *("0.3, as printed", "tan 0.3° (hypothesis)")

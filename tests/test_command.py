@@ -15,9 +15,11 @@ from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves
+from sidmacib.effects import sensitivity
+from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.pairs import pairs_of
@@ -164,6 +166,34 @@ def test_weights_are_those_of_each_lock() -> None:
 
 def test_a_force_that_is_rounding_is_printed_as_none() -> None:
     assert {row["Vx (N)"] for row in answers("weights", "-n", "3")} == {0.0}
+
+
+def test_effects_are_those_of_the_library_largest_first() -> None:
+    flags = ["-n", "3", "-e", "0.3", "--hold-down", "pressure:5e4", "--push=-y"]
+    rows = answers("sensitivity", *flags)
+    joint = Joint(3, hold_down=HoldDown.pressure(5e4))
+    mesh = 0.24975 * joint.least_side
+    found = sensitivity(joint, Loading(Direction(0.3), push=Push.MINUS_Y), mesh)
+    by_name = {str(row["parameter"]): row for row in rows}
+    assert len(rows) == len(found.effects)
+    for each in found.effects:
+        row = by_name[each.name]
+        assert (row["value"], row["unit"], row["note"]) == (each.value, each.unit, each.note)
+        assert row["first failure (N)"] == found.load
+        for key, value in (("1 % more (%)", each.more), ("1 % less (%)", each.less)):
+            assert row[key] == (None if value is None else pytest.approx(value, abs=1e-9))
+    sizes = [abs(float(str(row["1 % more (%)"] or 0.0))) for row in rows]
+    assert sizes == sorted(sizes, reverse=True)
+    first = run("sensitivity", *flags).output.splitlines()[0]
+    assert first.startswith("First failure at V = ") and first.endswith(f"{found.faces[-1]}.")
+
+
+def test_effects_on_pieces_that_bend_are_refused_in_one_line() -> None:
+    found = run("sensitivity", "-n", "3", "--young", "1e10")
+    assert found.exit_code == 1
+    assert (
+        found.stderr == "Error: derivatives: for rigid pieces only; elastic ones have none here\n"
+    )
 
 
 def test_the_law_prints_how_many_locks_work() -> None:
@@ -331,9 +361,9 @@ def test_friction_in_degrees_is_doubted() -> None:
 
 
 def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
-    found = run("capacity", "-n", "300", "-m", "limit")
+    found = run("capacity", "-n", "300", "-m", "limit", "-a", "0.1")
     assert found.exit_code == 1
-    assert "GiB; at most 1 GiB are allowed" in found.output
+    assert "GiB; at most 2 GiB are allowed" in found.output
 
 
 def test_studies_are_shown_in_the_project_only(

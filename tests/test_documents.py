@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from axe_playwright_python.sync_playwright import Axe
+from chromium import CHROMIUM, Opened, chromium
 from click.testing import CliRunner
 from conftest import ROOT
 from promises import require_kept
@@ -42,7 +44,10 @@ EXAMPLES = {  # a study for what a page changes of one
 }
 # Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
 WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
-CALIBRATION = {"calibration.csv", "calibration.png", "map.csv", "friction.csv"}
+CALIBRATION = {
+    *("calibration.csv", "map.csv", "friction.csv"),
+    *(f"calibration_{part}.png" for part in ("friction", "geometry", "curves")),
+}
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)\s]+)\)")
@@ -128,6 +133,15 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
+    if CHROMIUM is None:
+        return
+    with chromium() as browser:
+        for name in ("index", "models", "options", "validation", "gallery/made/index"):
+            opened = Opened(browser.new_page())
+            opened.page.goto((tmp_path / f"{name}.html").as_uri())
+            violations = Axe().run(opened.page).response["violations"]
+            assert not violations, (name, [each["id"] for each in violations])
+            assert not [url for url in opened.requests if not url.startswith(("file:", "data:"))]
 
 
 def test_the_page_of_keys_has_every_key() -> None:

@@ -8,7 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.explore.covered import covered
-from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
+from analysis.explore.effects import effects, words
+from analysis.explore.pictures import COARSE, answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (
     SLIDERS,
     Settings,
@@ -19,6 +20,9 @@ from analysis.explore.state import (
     from_query,
 )
 from sidmacib.joint import Direction
+from sidmacib.loading import Loading
+from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.problem import Problem, posed
 from sidmacib.rule.law import MOST_ECCENTRIC_PAIR, law
 from workflow.configuration import read_study
 
@@ -163,3 +167,32 @@ def test_nothing_of_one_size_brings_a_joint_back_that_another_size_takes_out() -
     flat = Settings(h=40.0, b=20.0)
     assert covered(flat)["eccentricity"] is None
     assert covered(flat)["h"] is not None
+
+
+# --- effects ------------------------------------------------------------------------------------
+def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
+    state = Settings(locks=5, eccentricity=0.3, pressure=50.0)
+    found = effects(state)
+    assert found.keys() == {"a", "b", "h", "H", "cohesion", "friction", "pressure"}
+    for name, said in found.items():
+        value = state.values[name]
+        less, more = (
+            static_first_failure(*posed_at(replace(state, **{name: value * share}))).point.load
+            for share in (0.98, 1.02)
+        )
+        rise = 100.0 * (more - less) / (more + less) / 2.0
+        arrow, number, _ = said.split(" ")
+        assert arrow == ("\N{RIGHTWARDS ARROW}" if rise > 0.0 else "\N{LEFTWARDS ARROW}")
+        assert float(number) == pytest.approx(rise, abs=0.02)
+
+
+def posed_at(state: Settings) -> Problem:
+    return posed(
+        state.joint, Loading(Direction(state.eccentricity)), COARSE * state.joint.least_side
+    )
+
+
+def test_sliders_at_0_and_blocks_that_bend_have_no_arrow() -> None:
+    assert effects(Settings(friction=0.0)).keys() == {"a", "b", "h", "H", "cohesion"}
+    assert effects(Settings(young=20.0, one_piece=True)) == {}
+    assert [words(x) for x in (0.004, -0.004)] == ["0.00 %", "0.00 %"]

@@ -138,6 +138,26 @@ def test_numbers_follow_a_drag(opened: Opened) -> None:
     assert opened.errors == []
 
 
+def test_below_each_slider_is_which_way_to_pull_it_and_never_that_of_another_joint(
+    opened: Opened,
+) -> None:
+    page = opened.page
+    opened.settle()
+    assert (page.text_content("#b-effect") or "").startswith("\N{RIGHTWARDS ARROW} +1.")
+    assert (page.text_content("#h-effect") or "").startswith("\N{LEFTWARDS ARROW} -0.")
+    assert page.text_content("#locks-effect") == ""
+    before = page.text_content("#b-effect")
+    page.focus("#young")
+    page.keyboard.press("ArrowRight")  # blocks that bend
+    assert page.text_content("#b-effect") == ""
+    opened.settle()
+    assert page.text_content("#b-effect") == ""
+    page.keyboard.press("ArrowLeft")
+    opened.settle()
+    assert page.text_content("#b-effect") == before
+    assert opened.errors == []
+
+
 def test_thirty_presses_of_a_key_end_in_the_joint_that_they_chose(opened: Opened) -> None:
     page = opened.page
     page.focus("#locks")

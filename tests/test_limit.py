@@ -323,6 +323,6 @@ def test_a_joint_whose_equations_take_too_much_memory_is_refused_before_they_are
     assembly = assemble(joint, 0.01)
     loads = lateral_load(joint, assembly, Loading(Direction(0)))
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(CapacityError, match=r"pieces with .* nodes .* at most 1 GiB are allowed"):
+    with pytest.raises(CapacityError, match=r"pieces with .* nodes .* at most 2 GiB are allowed"):
         limit_load(assembly, loads)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300_000  # kB

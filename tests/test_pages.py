@@ -8,11 +8,12 @@ import pytest
 
 from benchmarks import page as scaling
 from studies.elastic import page as elastic
+from studies.layouts import page as layouts
 from studies.locks.bonds import BONDS
 from studies.markdown import markdown, percent
 from studies.pages import BLOCK, BLOCKS, PageError, blocks_of, filled
 from studies.published import page as published
-from workflow.results.tables import CAPACITY, CASES, VARIANTS, read_table, write_table
+from workflow.results.tables import CAPACITY, CASES, FIT, VARIANTS, read_table, write_table
 from workflow.schema import Study
 
 ROOT = Path(__file__).parents[1]
@@ -42,6 +43,14 @@ def test_what_stands_between_empty_blocks_stays(tmp_path: Path) -> None:
 def test_an_unknown_block_is_refused(tmp_path: Path) -> None:
     with pytest.raises(PageError, match="nothing: unknown block of numbers; it must be one of"):
         filled("<!-- numbers: nothing -->\n<!-- end -->", tmp_path)
+
+
+def test_a_block_whose_table_is_missing_stays(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = "<!-- numbers: peaks -->\nold\n<!-- end -->"
+    assert filled(page, tmp_path) == page
+    assert "peaks: unchanged, as" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -153,3 +162,61 @@ def test_elastic_blocks_are_listed_from_stiff_to_soft(tmp_path: Path) -> None:
     assert lines[2] == f"| rigid | \N{INFINITY} | columns | 1.50 (+50 %) | 1.50 ({minus}25 %) |"
     assert lines[3] == f"| 10 | 20 | columns | 1.00 (+0 %) | 1.00 ({minus}50 %) |"
     assert elastic.unsafe(tmp_path).splitlines()[2] == "| rigid | columns | 4: 10 % | 4: 10 % |"
+
+
+def test_each_layout_has_a_column_and_each_mesh_a_row(tmp_path: Path) -> None:
+    for number, layout in enumerate(layouts.NodeLayout, start=1):
+        loads = pd.DataFrame(
+            {"sample": sample, "mesh_m": mesh, "model": "static", "eccentricity_over_a": np.inf}
+            | {
+                "load_N": number * mesh * 1000,
+                "mesh_error": number * mesh,
+                "case": f"{sample}{mesh}",
+            }
+            for sample in ("n3", "n5")
+            for mesh in (0.02, 0.01)
+        )
+        fits = pd.DataFrame(
+            {"sample": sample, "mesh_m": 0.02, "model": "static", "friction": False}
+            | {"reduction": rule, "option": option, "misfit": misfit}
+            | {"largest_unsafe_error": -0.1 if option == "option4" else 0.2}
+            for sample in layouts.SAMPLES
+            for rule in layouts.RULES
+            for option, misfit in (("option1", 0.5), ("option4", 0.04 * number))
+        )
+        for form, table in ((CASES, loads), (FIT, fits)):
+            path = tmp_path / layout / "tables" / f"{form.name}.csv"
+            write_table(form, table.reindex(columns=list(form.columns)), path)
+    assert layouts.torsion(tmp_path).splitlines()[2:] == [
+        "| 3 locks as printed | 0.02 | 20.00 | 40.00 | 60.00 |",
+        "| 3 locks as printed | 0.01 | 10.00 | 20.00 | 30.00 |",
+        "| 5 locks as printed | 0.02 | 20.00 | 40.00 | 60.00 |",
+        "| 5 locks as printed | 0.01 | 10.00 | 20.00 | 30.00 |",
+        "| largest mesh-error estimate | 0.02 | 2 % | 4 % | 6 % |",
+        "| largest mesh-error estimate | 0.01 | 1 % | 2 % | 3 % |",
+    ]
+    rows = layouts.options(tmp_path).splitlines()[2:]
+    assert rows[0] == (
+        "| 3 locks as printed | 0.02 | 4 (4.0 %; 0.0 %) | 4 (8.0 %; 0.0 %) | 4 (12.0 %; 0.0 %) |"
+    )
+    assert [row.split(" |")[0] for row in rows[-2:]] == [
+        *("| 5 locks fitted, (n \N{MINUS SIGN} 1) / 2", "| 5 locks fitted, lower locks")
+    ]
+    assert len(rows) == 6
+
+
+def test_frictions_are_listed_with_the_geometries_that_fit(tmp_path: Path) -> None:
+    folder = tmp_path / "calibration"
+    folder.mkdir()
+    grid = pd.DataFrame({"candidate": ["g0", "g1", "own0", "g2"], "friction": [0, 0, 0, 0.3]})
+    grid.to_csv(folder / "map.csv", index=False)
+    found = {"misfit_swapped": 0.661, "largest_peak_difference": 0.006}
+    found |= {"largest_weight_difference": 0.0213, "least_peak_difference": 0.0021}
+    rows = [(0.0, 1), (0.005236, 2), (0.3, 0)]
+    table = pd.DataFrame({"friction": mu, "geometries_that_fit": n} | found for mu, n in rows)
+    table.to_csv(folder / "friction.csv", index=False)
+    head, _, *lines = published.frictions(tmp_path).splitlines()
+    assert "of 2 geometries fit" in head
+    assert lines[0] == "| 0 | 0.66 | 0.60 %, 0.021 | 1 | 0.21 % |"
+    assert lines[1].startswith("| 0.005236 = tan 0.3° |")
+    assert lines[2].startswith("| 0.3, as printed |") and "| none |" in lines[2]

@@ -11,12 +11,15 @@ import pytest
 from conftest import ROOT
 from promises import require_kept
 
+import sidmacib
 from sidmacib.command.main import main
 from sidmacib.parameters import PARAMETERS
 from workflow.site import rule_graph
+from workflow.site.accessible import accessible
 from workflow.site.gallery import examples, index, page, read, run, write_gallery
 from workflow.site.mathml import mathml
 from workflow.site.options import page as page_of_options
+from workflow.site.parameters import described
 from workflow.site.rule_graph import before, layout, reduced, rules, svg
 
 GALLERY = ROOT / "docs" / "gallery"
@@ -31,6 +34,13 @@ from pathlib import Path
 Path("short.png").write_bytes(b"picture")
 print("V =", 2.5)
 '''
+
+
+def test_what_scrolls_can_be_reached_by_the_keyboard() -> None:
+    assert accessible("<pre>x</pre>") == '<pre tabindex="0">x</pre>'
+    assert accessible('<th class="head"><p></p></th>') == '<td class="head"></td>'
+    once = accessible('<aside class="sidebar-drawer">')
+    assert once == '<aside aria-label="Pages" class="sidebar-drawer">' == accessible(once)
 
 
 def test_an_equation_becomes_mathml() -> None:
@@ -153,3 +163,37 @@ def test_a_long_arrow_passes_beside_the_rules_between() -> None:
 @pytest.mark.study
 def test_the_drawing_of_the_rules_is_current() -> None:
     assert (ROOT / "docs" / "images" / "rules.svg").read_text() == svg(reduced(rules()))
+
+
+@pytest.mark.parametrize("name", ["Joint", "FaceMaterial", "Elastic", "Demand", "Prices", "law"])
+def test_every_parameter_of_the_library_has_words(name: str) -> None:
+    found = list(described(getattr(sidmacib, name)))
+    assert found
+    assert all(words for _, _, words in found)
+
+
+def test_a_parameter_has_its_type_range_unit_and_choices() -> None:
+    found = {name: (kind, words) for name, kind, words in described(sidmacib.Joint)}
+    assert found["a"] == ("float", "length of a lock (x); a number greater than 0 (m)")
+    assert found["locks"][0] == "int"
+    assert found["failure"][1].endswith("``brittle`` or ``softening`` or ``ductile``")
+    assert found["inner"] == ("", "material of the inner faces")
+
+
+def test_words_of_a_parameter_come_from_the_docstring_or_its_class() -> None:
+    found = {name: words for name, _, words in described(sidmacib.Demand)}
+    assert found["torque"] == "M, in N m"
+    found = {name: words for name, _, words in described(sidmacib.law)}
+    assert found["push"].startswith("The direction in which the lateral load acts; ``+y``")
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.stem)
+def test_equations_can_be_drawn_here_and_on_github(page: Path) -> None:
+    text = re.sub(r"^```(?!math).*?^```$|`[^`\n]+`", "", page.read_text(), flags=re.M | re.S)
+    blocks = re.findall(r"^```math\n(.*?)^```$", text, re.M | re.S)
+    lines = re.findall(r"\$([^$]+)\$", re.sub(r"^```math.*?^```$", "", text, flags=re.M | re.S))
+    for equation in [*blocks, *lines]:
+        assert mathml(equation).startswith("<math")
+        assert "operatorname" not in equation, "GitHub refuses it"
+    for equation in lines:
+        assert not re.search(r"\\[^A-Za-z]", equation), "Markdown takes the backslash on GitHub"

@@ -209,6 +209,16 @@ def test_snakemakes_own_report_has_figures_and_tables_with_captions(solved: Work
     text = (solved.folder / "own.html").read_text()
     for words in ("Figures", "Tables", "side_by_side.png", "capacity.csv", "what is assumed"):
         assert words in text
+    for words in ("Click a rule of the graph", '"rule": "validation"', "workflow.run.job"):
+        assert words in text, words
+
+
+@pytest.mark.parametrize("config", ["config.yaml", "studies/locks/config.yaml"])
+def test_the_linter_finds_only_that_rules_share_one_environment(config: str) -> None:
+    command = [sys.executable, "-m", "snakemake", "--lint", "--configfile", config]
+    found = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    lints = set(re.findall(r"^ {4}\* (.*)$", found.stdout + found.stderr, re.MULTILINE))
+    assert lints == {"Specify a conda environment or container for each rule.:"}
 
 
 def test_a_change_to_what_figures_show_draws_them_and_reports_it_and_no_more(

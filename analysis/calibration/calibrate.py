@@ -37,7 +37,7 @@ Snakemake = Callable[[Path, str, Sequence[str], Sequence[str]], bool]
 
 
 def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
-    """Write map, curves, figure and best joints; returns what failed, None if nothing did."""
+    """Write map, curves, figures and best joints; returns what failed, None if nothing did."""
     study = read_study_file(config, results)
     published = read_published()
     locks = check(study, published)
@@ -64,10 +64,10 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
         return "the curves are incomplete, see above"
     curves = curve_table(tables[0], tables[1])
     write(curves, place / "curves.csv")
-    figures = [Path(study.results, f"figures/calibration.{kind}") for kind in ("png", "pdf")]
-    style.save(
-        calibration(grid, table[table["candidate"].isin(of_study)], curves, published), figures
-    )
+    own = table[table["candidate"].isin(of_study)]
+    for name, figure in calibration(grid, own, curves, published).items():
+        paths = [Path(study.results, f"figures/{name}.{kind}") for kind in ("png", "pdf")]
+        style.save(figure, paths)
 
     chosen = of_study | ranked(best[: study.calibration.confirmed])
     content = engine_study(study, locks, chosen, str(place / "best"))

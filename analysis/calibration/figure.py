@@ -1,4 +1,4 @@
-"""Figure of the calibration: misfits by friction and geometry, and curves."""
+"""Figures of the calibration: misfits by friction and geometry, and curves."""
 
 import numpy as np
 import pandas as pd
@@ -16,48 +16,87 @@ from analysis.calibration.curve_shape import length_along
 from analysis.figures import style
 from analysis.published import Published
 
+MISFIT = (
+    "Misfit: root mean square of the differences of the static model in pure shear from the "
+    "published peaks of both samples at both meshes, over "
+    f"{100 * PEAK_SCALE:g} %, and from their weights, the first two swapped, over {WEIGHT_SCALE:g}."
+)
 AXES = {"height_share": "h / (h + H)", "height_over_b": "(h + H) / b", "a_m": "a (m)"}
 
 
 def calibration(
     grid: pd.DataFrame, of_study: pd.DataFrame, curves: pd.DataFrame, published: Published
-) -> Figure:
-    """The misfit over friction, the two ratios and each size, and curves for each a.
+) -> dict[str, Figure]:
+    """The figures by name: what the friction does, what the geometry does, and V-M curves.
 
     ``grid``, ``of_study``: rows of `misfit_table`, of the grid and of the study's joints.
     """
-    figure = Figure(figsize=(9.5, 12.0), layout="constrained")
-    spans = [(0, 0, 3), (0, 3, 6), (1, 0, 3), (1, 3, 4), (1, 4, 5), (1, 5, 6), (2, 0, 3), (2, 3, 6)]
-    layout = figure.add_gridspec(3, 6, height_ratios=[1.0, 1.0, 1.1])
-    cells = [figure.add_subplot(layout[row, start:end]) for row, start, end in spans]
-    frictions = friction_table(grid)
-    _friction(cells[0], frictions, "misfit_swapped", 1.0, published)
-    cells[0].set_title("least misfit of any geometry", loc="left", fontsize=10)
-    _friction(cells[1], frictions, "least_peak_difference", 100.0, published)
-    cells[1].axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
-    cells[1].set_title("closest of all published peaks, any weights (%)", loc="left", fontsize=10)
+    return {
+        "calibration_friction": frictions(grid, published),
+        "calibration_geometry": geometries(grid, of_study),
+        "calibration_curves": shapes(curves, set(of_study["candidate"])),
+    }
+
+
+def frictions(grid: pd.DataFrame, published: Published) -> Figure:
+    """The least misfit, and the closest peaks, of any geometry over the friction."""
+    figure = Figure(figsize=(8.6, 4.6), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    rows = friction_table(grid)
+    _friction(left, rows, "misfit_swapped", 1.0, published)
+    left.set_title("least misfit of any geometry", loc="left", fontsize=10)
+    _friction(right, rows, "least_peak_difference", 100.0, published)
+    right.axhline(100 * PEAK_AIM, color="#999999", linewidth=0.8)
+    right.set_title("closest peaks of any geometry (%)", loc="left", fontsize=10)
+    left.legend(fontsize=9, loc="upper center")
+    style.caption(
+        figure,
+        f"For each friction coefficient of the dry faces, the best of all geometries. {MISFIT} "
+        "Right: the largest difference of a published peak, whatever the weights; grey: "
+        f"{100 * PEAK_AIM:g} %. That 3DEC, whose friction is an angle, was given 0.3 degrees is a "
+        "hypothesis, not known. With the weights as printed nothing comes below "
+        f"{grid['misfit_printed'].min():.1f}.",
+        height=0.24,
+    )
+    return figure
+
+
+def geometries(grid: pd.DataFrame, of_study: pd.DataFrame) -> Figure:
+    """The misfit over both ratios, and its least value over each size."""
     shown = grid
     for size in ("a_m", "friction"):  # those of the grid that are nearest to the study's last joint
         nearest = (shown[size] - of_study[size].iloc[-1]).abs().min()
         shown = shown[np.isclose((shown[size] - of_study[size].iloc[-1]).abs(), nearest)]
-    _map(figure, cells[2], shown, of_study)
-    for axes, column in zip(cells[3:6], AXES, strict=True):
-        _profile(axes, grid, of_study, column)
-    for axes, (locks, rows) in zip(cells[6:], curves.groupby("locks"), strict=False):
-        _curves(axes, rows, int(str(locks)), set(of_study["candidate"]))
+    figure = Figure(figsize=(8.6, 7.4), layout="constrained")
+    layout = figure.add_gridspec(2, 3, height_ratios=[1.6, 1.0])
+    _map(figure, figure.add_subplot(layout[0, :]), shown, of_study)
+    for number, column in enumerate(AXES):
+        _profile(figure.add_subplot(layout[1, number]), grid, of_study, column)
     style.caption(
         figure,
-        "Static model in pure shear against the published peaks of both samples at both meshes and "
-        "their weights, the first two weights swapped. Misfit: root mean square of the differences "
-        f"over {100 * PEAK_SCALE:g} % (peaks) and {WEIGHT_SCALE:g} (weights). Above: for each "
-        "friction coefficient of the dry faces, the best of all geometries. That 3DEC, whose "
-        "friction is an angle, was given 0.3 degrees is a hypothesis, not known. Middle: the map "
-        f"at friction {shown['friction'].iloc[0]:.4g}, and the least misfit at each value of one "
-        "size, whatever the others are. Crosses: the study's joints. Below: V-M curves of the "
-        "best joint of each a and the study's (thick); squares: where the closest two straight "
-        "parts meet. "
-        f"With the weights as printed nothing comes below {grid['misfit_printed'].min():.1f}.",
-        height=0.115,
+        f"{MISFIT} Above: at friction {shown['friction'].iloc[0]:.4g}. Below: the least misfit at "
+        "each value of one size, whatever friction and the other sizes are. Crosses: the study's "
+        "joints, as printed and fitted.",
+        height=0.13,
+    )
+    return figure
+
+
+def shapes(curves: pd.DataFrame, of_study: set[str]) -> Figure:
+    """V-M curves of the best joint of each a and of the study's, scaled to their largest values."""
+    figure = Figure(figsize=(8.6, 5.4), layout="constrained")
+    panels = figure.subplots(1, curves["locks"].nunique(), squeeze=False, sharey=True)[0]
+    for axes, (locks, rows) in zip(panels, curves.groupby("locks"), strict=True):
+        _curves(axes, rows, int(str(locks)), of_study)
+    panels[0].set_ylabel("M / largest M")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=9, ncols=2, loc="outside upper center")
+    style.caption(
+        figure,
+        "V-M curves of the static model: the best joint of each a, and the study's (thick). "
+        "Squares: where the closest two straight parts meet; the paper describes two straight "
+        "parts that meet at about two thirds of the curve.",
+        height=0.13,
     )
     return figure
 
@@ -78,7 +117,6 @@ def _friction(
     axes.set_xticks([0, 0.005, 0.01, 0.03, 0.1, 0.3], ["0", ".005", ".01", ".03", ".1", ".3"])
     axes.set_ylim(0.0, 1.08 * factor * rows[column].max())
     axes.set_xlabel("friction coefficient of the dry faces")
-    axes.legend(fontsize=8, loc="upper center")
 
 
 def _map(figure: Figure, axes: Axes, shown: pd.DataFrame, of_study: pd.DataFrame) -> None:
@@ -123,11 +161,9 @@ def _curves(axes: Axes, rows: pd.DataFrame, locks: int, of_study: set[str]) -> N
         turn = first["turn_from_shear"] * length[-1]
         colour = style.COLOURS[number % len(style.COLOURS)]
         label = f"a = {first['a_m']:g} m, friction {first['friction']:.3g}"
-        marked = ", the study" if in_study else ""
+        marked = ", the study's" if in_study else ""
         axes.plot(x, y, color=colour, linewidth=2.4 if in_study else 1.0, label=f"{label}{marked}")
         corner = np.interp(turn, length, x), np.interp(turn, length, y)
         axes.plot(*corner, "s", color=colour, markersize=5)
     axes.set_xlabel("V / largest V")
-    axes.set_ylabel("M / largest M")
     axes.set_title(f"{locks} locks", loc="left", fontsize=10)
-    axes.legend(fontsize=7)

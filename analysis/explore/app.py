@@ -19,6 +19,7 @@ from werkzeug.wrappers import Request, Response
 from analysis.drawing.labels import label_of
 from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
+from analysis.explore.effects import effects
 from analysis.explore.examples import EXAMPLES, Chosen, checked_choice, choice_in, defaults
 from analysis.explore.examples import MODELS as STRUCTURE_MODELS
 from analysis.explore.examples import SLIDERS as STRUCTURE_SLIDERS
@@ -55,7 +56,9 @@ ABOUT = (
     "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
     "Law and safe rule are those of docs/law.md, within the ranges they were tested in: "
     "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
-    "the first lock is on the left. Nothing leaves this machine."
+    "the first lock is on the left. An arrow below a slider points to a larger first failure by "
+    "the static model; the number is the change of that load for 1 % more. "
+    "Nothing leaves this machine."
 )
 
 
@@ -139,6 +142,8 @@ class Explorer:
                 points.append(peak(state.joint, ratio))
         with self._desk.turn(*asked.turn):
             spread = spread_words(state.joint, state.eccentricity)
+        with self._desk.turn(*asked.turn):
+            pulls = effects(state)
         known = [point for point in points if point is not None]
         return {
             **asked.echo,
@@ -147,6 +152,7 @@ class Explorer:
             "torque": [point.torque for point in known],
             "spread": spread,
             "covered": covered(state),
+            "effects": pulls,
         }
 
     def _structure(self, request: Request) -> dict[str, Any]:

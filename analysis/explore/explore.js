@@ -13,6 +13,7 @@ const isJointOf = (one, other) => Object.keys(one).every((name) => name === "ecc
 function changed() {
   latest += 1;
   at("answer").ariaBusy = at("curve").ariaBusy = "true";
+  showEffects({}); // those of another joint
   for (const slider of sliders) if (typed(slider) && document.activeElement !== typed(slider)) typed(slider).value = slider.value;
   ask("answer");
 }
@@ -53,9 +54,15 @@ function showCovered(covered) {
   }
 }
 
+// Which way to pull each slider.
+function showEffects(effects) {
+  for (const slider of sliders) if (at(`${slider.id}-effect`)) at(`${slider.id}-effect`).textContent = effects[slider.id] || "";
+}
+
 function showCurve(curve) {
   if (curve.number !== shown.number) return; // a curve of another joint than the numbers'
   showCovered(curve.covered);
+  showEffects(curve.number === latest ? curve.effects : {});
   line = curve;
   drawCurve();
   at("curve").ariaBusy = String(curve.number !== latest);

@@ -17,7 +17,8 @@ from scipy.optimize import least_squares
 from analysis.tables.misfit import misfit
 from analysis.tables.study_points import study_points
 from sidmacib.contact_points.options import ContactOption
-from sidmacib.contact_points.programme import Sidmacib, capacities
+from sidmacib.contact_points.pair_loads import pair_loads
+from sidmacib.contact_points.programme import Sidmacib
 from sidmacib.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
@@ -82,7 +83,7 @@ def best_pair(
         option = ContactOption.pair(float(unknowns[0]))
         strength = (float(unknowns[1]),) * joint.locks
         model = Sidmacib(joint, option, strength, friction, overload)
-        return np.array([point.load for point in capacities(model, directions)])
+        return pair_loads(model, directions)
 
     start = [0.25, min(1.0, float(carried.max()) / math.fsum(joint.strengths))]
     result = least_squares(

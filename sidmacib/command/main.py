@@ -38,6 +38,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock capacity -n 9 -e 0.3         loads of a joint of nine locks at e = 0.3 a
   multilock envelope --picture vm.png    its V-M curve
   multilock weights -n 5                 what each lock carries at the peak
+  multilock sensitivity -n 5 -e 0.3      how its first failure depends on each size
   multilock law -n 9 -H 0.06             how many locks work
   multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
   multilock assembly arch.yaml           what an arch or a wall of blocks carries
@@ -179,6 +180,30 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
         rows = weight_rows(joint, ratio, Push(push))
     if picture is not None:
         draw(bars(rows, f"weights of {joint.locks} locks"), picture)
+    click.echo(text_of(rows, form))
+
+
+@main.command()
+@joint_options
+@click.option(
+    "-e", "--eccentricity", "ratio", type=EccentricityType(), default=0.0, help="e / a, or torsion."
+)
+@_format
+def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
+    """How the first failure depends on each size and property (static model).
+
+    Each row has the change of the first failure, in %, for 1 % more and for 1 % less of one
+    parameter at the same e / a, and the derivative of the load. Largest effects come first. A note
+    says why a parameter has no derivative.
+    """
+    from sidmacib.command.answers import effect_rows
+
+    joint = joint_of(flags)
+    with _refused_in_one_line():
+        words, rows = effect_rows(joint, ratio, Push(push))
+    if form == "table":
+        click.echo(f"{words}\n")
+        rows = [{key: row[key] for key in row if key != "first failure (N)"} for row in rows]
     click.echo(text_of(rows, form))
 
 

@@ -100,7 +100,7 @@ class _Units:
         joint = model.joint
         across, width = float(limit.sum()), joint.total_width
         pressure = abs(pressure) or across or 1.0
-        along = _friction(model) * pressure
+        along = friction_along(model) * pressure
         rocking = pressure * width / lever
         shear = min(across, rocking) or pressure
         torque = float(limit @ np.abs(np.tile(model.option.positions, joint.locks))) * joint.a
@@ -127,7 +127,7 @@ def _programme(model: Sidmacib) -> _Programme:
     joint = model.joint
     points = contact_points(joint, model.option)
     count = len(points.lock)
-    weight, centroid = _upper_block(joint)
+    weight, centroid = block_above(joint)
     pressure = weight + model.pressing_force
     strength = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
     limit = strength[points.lock - 1] * points.portion * np.array(joint.strengths)[points.lock - 1]
@@ -141,13 +141,13 @@ def _programme(model: Sidmacib) -> _Programme:
     width = joint.total_width
     size = np.array([along, shear, normal, normal * width, normal * joint.a, torque])
     C_eq = wrenches(points.position, axes, centroid) * np.tile(units.forces, count) / size[:, None]
-    rocking = -_lever(joint, centroid) * model.pressing_force
+    rocking = -pressing_lever(joint, centroid) * model.pressing_force
     permanent = np.array([0.0, 0.0, -pressure, rocking, 0.0, 0.0]) / size
     lateral = np.zeros((6, 2))
     lateral[1, 0] = lateral[5, 1] = 1.0
     E = permanent + lateral @ loads
 
-    mu = _friction(model) * normal / along
+    mu = friction_along(model) * normal / along
     return _Programme(
         units,
         loads,
@@ -164,7 +164,7 @@ def _programme(model: Sidmacib) -> _Programme:
     )
 
 
-def _lever(joint: Joint, centroid: Floats) -> float:
+def pressing_lever(joint: Joint, centroid: Floats) -> float:
     """Distance in y of the pressing force from the upper block's centroid, in m.
 
     A given force acts in the middle of the top, the overload at the centroid.
@@ -172,11 +172,12 @@ def _lever(joint: Joint, centroid: Floats) -> float:
     return 0.0 if joint.pressing_force is None else joint.total_width / 2 - float(centroid[1])
 
 
-def _friction(model: Sidmacib) -> float:
+def friction_along(model: Sidmacib) -> float:
+    """Friction coefficient along the locks, 0 if the model leaves it out."""
     return model.joint.dry.friction if model.friction else 0.0
 
 
-def _upper_block(joint: Joint) -> tuple[float, Floats]:
+def block_above(joint: Joint) -> tuple[float, Floats]:
     """Self-weight (N) and centroid (m, shape (3,)) of the upper block."""
     names = upper_block(joint)
     pieces = [piece for piece in cut_pieces(joint) if piece.name in names]

@@ -39,11 +39,12 @@ _AXES = np.eye(3)[(np.arange(3)[:, None] + np.arange(3)) % 3]  # normal and tang
 class FaceMaterial:
     """Stiffnesses and strengths of a contact face, per unit of area.
 
-    ``normal_stiffness`` and ``shear_stiffness`` are in Pa/m, ``cohesion`` (the paper's tau_k) and
-    ``tensile_strength`` in Pa; ``friction`` is the coefficient mu of a face that is not bonded.
-    While bonded, the shear strength rises by ``bond_friction`` times the compression. For softening
-    failure, ``residual`` is the fraction of both strengths that remains, and ``fracture_energy``
-    (J/m2) the work that uses up one of them. ValueError for a number out of its range.
+    ``normal_stiffness``, ``shear_stiffness``: stress over displacement, Pa/m. ``friction``:
+    coefficient mu of a face that is not bonded. ``cohesion``: shear strength of a bond (the paper's
+    tau_k), Pa. ``tensile_strength``: of a bond, Pa. ``residual``: of bonds that soften, the part
+    of both strengths that remains. ``fracture_energy``: of bonds that soften, the work that uses up
+    one strength, J/m2. ``bond_friction``: coefficient by which compression raises the shear
+    strength of a bond. ValueError for a number out of its range.
     """
 
     normal_stiffness: Stiffness

@@ -94,14 +94,20 @@ def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Flo
     cohesion. At a node without strength the result is infinite for any force above the rounding
     error of the largest force.
     """
+    used, bonded = np.zeros(len(force)), np.flatnonzero(state.whole > 0.0)
+    normal, along, across = force[bonded].T
+    shear = np.hypot(along, across) - contact_law.bond_friction[bonded] * normal
+    by_shear = _over(shear, contact_law.shear_strength[bonded], force)
+    by_tension = _over(-normal, contact_law.tensile_strength[bonded], force)
+    used[bonded] = np.maximum(np.maximum(by_shear, by_tension), 0.0)
+    return used
+
+
+def _over(part: Floats, strength: Floats, force: Floats) -> Floats:
+    """``part`` of the nodes' ``force`` over strength where there is any, 0 elsewhere."""
+    held = strength > 0.0
+    if held.all():
+        return np.asarray(part / strength)
     noise = ROUNDING * float(np.abs(force).max(initial=0.0))
-    shear = np.hypot(force[:, 1], force[:, 2]) - contact_law.bond_friction * force[:, 0]
-    by_shear = _over(shear, contact_law.shear_strength, noise)
-    by_tension = _over(-force[:, 0], contact_law.tensile_strength, noise)
-    return np.where(state.bonded, np.maximum(np.maximum(by_shear, by_tension), 0.0), 0.0)
-
-
-def _over(force: Floats, strength: Floats, noise: float) -> Floats:
-    """Force over strength where there is a force, 0 elsewhere."""
-    ratio = np.where(force > noise, np.inf, 0.0)
-    return np.divide(force, strength, out=ratio, where=strength > 0.0)
+    ratio = np.where(part > noise, np.inf, 0.0)
+    return np.divide(part, strength, out=ratio, where=held)

@@ -38,7 +38,7 @@ LARGEST = 10.0  # approximate force of a node over its share of the scale, where
 MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
-MOST_MEMORY = 2**30  # bytes; so large a programme takes many minutes
+MOST_MEMORY = 2**31  # bytes; so large a programme takes some twenty minutes
 
 
 @dataclass(frozen=True)
@@ -75,12 +75,12 @@ def limit_load(
 ) -> LimitState:
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
-    ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. ``most`` (N): the
-    load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
-    sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and
-    rounded to that. ValueError for ``friction`` under a fixed plate, whose force has no limit: use
-    a given force instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no
-    largest load.
+    ``friction``: whether rough faces resist sliding; friction is associated, so that sliding
+    dilates. ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. ``most``
+    (N): the load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
+    sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and rounded to that.
+    ValueError for ``friction`` under a fixed plate, whose force has no limit: use a given force
+    instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(

@@ -21,6 +21,14 @@ from sidmacib.mechanics.assembly import Floats, Integers
 STEPS = 60  # of Newton's method, at most
 # The least fraction of a step, and how many steps may be longer than allowed.
 QUICK, PATIENT = (0.1, 0), (0.01, 3)
+# Line search along a step, where friction is given.
+TRIALS = 40  # places, at most
+ENOUGH = 0.5  # slope over that at the start of a step: the line search ends below it
+RESISTED = 0.99  # slope over that at the start: above it nothing resists, and the step is extended
+LONGER = 10.0  # by this factor
+NEAREST = 0.02  # distance of the next trial to either end of the bracket, over its length
+ROUNDING = 1e-14  # unbalanced force over stiffest face times displacement: rounding error
+MOST_ROUNDING = 100.0  # over the tolerance: its upper bound, as pieces may move away
 
 
 class Structure(NamedTuple):
@@ -30,6 +38,8 @@ class Structure(NamedTuple):
     of each, (N, 6). Given friction is a limit that does not depend on the normal force, not even at
     an open node; if there is no other friction, the energy of the nodes is convex.
     ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
+    ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
+    whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
     The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
     The ``outer`` unknowns follow and may be coupled to all others.
     """
@@ -38,6 +48,7 @@ class Structure(NamedTuple):
     start: Integers
     motion: Floats
     begin: Integers
+    bonded: Floats
     inner: int
     outer: int
     band: int
@@ -135,13 +146,14 @@ def norm(vector):
 @compiled
 def face_motion(structure, face, unknowns, w):
     """Relative motion ``w`` (6,) of the middle of ``face``."""
-    w[:] = 0.0
-    for side in range(2):
-        begin = structure.begin[face, side]
-        if begin >= 0:
-            for i in range(6):
+    for i in range(6):
+        value = 0.0
+        for side in range(2):
+            begin = structure.begin[face, side]
+            if begin >= 0:
                 for j in range(6):
-                    w[i] += structure.motion[face, side, i, j] * unknowns[begin + j]
+                    value += structure.motion[face, side, i, j] * unknowns[begin + j]
+        w[i] = value
 
 
 @compiled
@@ -181,11 +193,17 @@ def unbalanced(structure, slip, whole, unknowns, target, residual):
 
 @compiled
 def face_stiffness(structure, face, slip, whole, w, k):
-    """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6)."""
-    k[:] = 0.0
+    """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6).
+
+    Returns whether any node resists.
+    """
+    k[:], resists = 0.0, False
     for node in range(structure.start[face], structure.start[face + 1]):
         normal, shear, friction, given, p, q = structure.nodes[node]
         d0, d1, d2 = node_displacement(p, q, slip, node, w)
+        if d0 <= 0.0 and whole[node] == 0.0 and given == 0.0:  # open
+            continue
+        resists = True
         t00, t10, t20, t11, t12, t22 = node_tangent(
             normal, shear, friction, given, whole[node], d0, d1, d2
         )
@@ -202,6 +220,7 @@ def face_stiffness(structure, face, slip, whole, w, k):
         k[2, 3] += p * t22 - q * t12
         k[3, 3] += p * p * t22 - 2.0 * p * q * t12 + q * q * t11
     k[2, 1], k[3, 1], k[3, 2] = k[1, 2], k[1, 3], k[2, 3]
+    return resists
 
 
 @compiled
@@ -211,35 +230,76 @@ def tangent_stiffness(structure, slip, whole, unknowns, floor, matrix):
     ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds during an iteration
     from flying off, and changes no equilibrium.
     """
-    w, k, moved, block = np.empty(6), np.empty((6, 6)), np.empty((6, 6)), np.empty((6, 6))
+    w, k, blocks = np.empty(6), np.empty((6, 6)), np.empty((2, 2, 6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
     matrix.band[:, structure.band] = floor
     for i in range(structure.outer):
         matrix.below[i, structure.inner + i] = floor
     for face in range(len(structure.begin)):
+        if is_whole(structure, face, whole):
+            add_face(structure, matrix, face, structure.bonded[face])
+            continue
         face_motion(structure, face, unknowns, w)
+        if face_stiffness(structure, face, slip, whole, w, k):
+            by_pieces(structure, face, k, blocks)
+            add_face(structure, matrix, face, blocks)
+
+
+@compiled
+def is_whole(structure, face, whole):
+    """Whether all bonds of ``face`` are whole: its stiffness then does not depend on its motion."""
+    for node in range(structure.start[face], structure.start[face + 1]):
+        if whole[node] != 1.0:
+            return False
+    return True
+
+
+@compiled
+def whole_faces(structure):
+    """Put the stiffness of each face with all bonds whole into ``structure.bonded``."""
+    count = len(structure.nodes)
+    slip, whole, w, k = np.zeros((count, 2)), np.ones(count), np.zeros(6), np.empty((6, 6))
+    for face in range(len(structure.begin)):
         face_stiffness(structure, face, slip, whole, w, k)
-        for right in range(2):
-            column = structure.begin[face, right]
-            if column < 0:
-                continue
-            for i in range(6):
-                for j in range(6):
-                    value = 0.0
-                    for n in range(6):
-                        value += k[i, n] * structure.motion[face, right, n, j]
-                    moved[i, j] = value
+        by_pieces(structure, face, k, structure.bonded[face])
+
+
+@compiled
+def by_pieces(structure, face, k, blocks):
+    """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns."""
+    moved = np.empty((6, 6))
+    for right in range(2):
+        if structure.begin[face, right] >= 0:
+            multiply(k, structure.motion[face, right], moved)
             for left in range(2):
-                row = structure.begin[face, left]
-                if row < 0:
-                    continue
-                for i in range(6):
-                    for j in range(6):
-                        value = 0.0
-                        for n in range(6):
-                            value += structure.motion[face, left, n, i] * moved[n, j]
-                        block[i, j] = value
-                add(structure, matrix, row, column, block)
+                if structure.begin[face, left] >= 0:
+                    multiply(structure.motion[face, left].T, moved, blocks[left, right])
+
+
+@compiled
+def add_face(structure, matrix, face, blocks):
+    """Add ``blocks`` of the pieces below and above ``face``, (2, 2, 6, 6), to ``matrix``."""
+    for right in range(2):
+        for left in range(2):
+            row, column = structure.begin[face, left], structure.begin[face, right]
+            if row >= 0 and column >= 0:
+                add(structure, matrix, row, column, blocks[left, right])
+
+
+@compiled
+def multiply(one, other, product):
+    """Put ``one`` times ``other``, both (6, 6), into ``product``; written out, it is vectorised."""
+    for i in range(6):
+        a, b, c, d, e, f = one[i, 0], one[i, 1], one[i, 2], one[i, 3], one[i, 4], one[i, 5]
+        for j in range(6):
+            product[i, j] = (
+                a * other[0, j]
+                + b * other[1, j]
+                + c * other[2, j]
+                + d * other[3, j]
+                + e * other[4, j]
+                + f * other[5, j]
+            )
 
 
 @compiled
@@ -275,8 +335,9 @@ def solve_linear(structure, matrix, x):
         pivot_row = band[j, width : width + count]
         if pivot_row[0] == 0.0:
             return False
-        # Zeros are not skipped: a branch on them would be mispredicted too often.
         for i in range(j + 1, min(j + width, inner - 1) + 1):
+            if band[i, width + j - i] == 0.0:  # more than half of the band, in a row of locks
+                continue
             row = band[i, width + j - i : width + j - i + count]
             factor = row[0] / pivot_row[0]
             reach[i] = max(reach[i], reach[j])
@@ -407,6 +468,87 @@ def newton(structure, matrix, target, guess, slip, whole, limits, patience):
     return False, unknowns
 
 
+# --- given friction limits: the minimum of a convex energy ---------------------------------------
+@compiled
+def product(one, other):
+    """Inner product, with what is lost to rounding in its sum (Neumaier, 1974)."""
+    total, lost = 0.0, 0.0
+    for i in range(len(one)):
+        value = one[i] * other[i]
+        larger = total + value
+        if abs(total) >= abs(value):
+            lost += (total - larger) + value
+        else:
+            lost += (value - larger) + total
+        total = larger
+    return total + lost
+
+
+@compiled
+def farthest(one, other):
+    """The largest difference between components, NaN if one of them is NaN."""
+    largest = 0.0
+    for i in range(len(one)):
+        apart = abs(one[i] - other[i])
+        if not apart <= largest:
+            largest = apart
+    return largest
+
+
+@compiled
+def allowed_at(unknowns, stiffness, allowed):
+    """Norm of unbalanced forces (N) that counts as zero, rounding at ``stiffness`` included."""
+    inside = stiffness * farthest(unknowns, np.zeros_like(unknowns))
+    return min(max(allowed, ROUNDING * inside), MOST_ROUNDING * allowed)
+
+
+@compiled
+def least_energy(structure, matrix, target, guess, slip, whole, limits):
+    """Displacements (m) of least energy from ``guess``, where all friction is given.
+
+    ``limits``: of the stiffest face and of the floor (N/m), the norm of unbalanced forces (N), and
+    the distance (m) beyond which a piece moves away. Returns whether they were found, and the
+    displacements: if the loads push pieces away, these are then some way off.
+    """
+    stiffness, floor, allowed, far = limits
+    unknowns, trial, residual = guess.copy(), np.empty_like(guess), np.empty_like(guess)
+    size = unbalanced(structure, slip, whole, unknowns, target, residual)
+    for _ in range(STEPS):
+        if not farthest(unknowns, guess) <= far:  # true for NaN as well
+            break
+        if size <= allowed_at(unknowns, stiffness, allowed):
+            return True, unknowns
+        tangent_stiffness(structure, slip, whole, unknowns, floor, matrix)
+        step = residual.copy()
+        if not solve_linear(structure, matrix, step):
+            break
+        start, part, tried = product(residual, step), 1.0, 0
+        low, low_slope, high, high_slope = 0.0, start, np.inf, 0.0
+        while True:
+            size = stepped(structure, slip, whole, unknowns, step, part, target, trial, residual)
+            slope, tried = product(residual, step), tried + 1
+            if abs(slope) <= ENOUGH * start or tried == TRIALS or not np.isfinite(slope):
+                break
+            if slope > 0.0 and not farthest(trial, guess) <= far:
+                break
+            # False position in the Illinois variant, which halves the slope at an end that stays.
+            if slope > 0.0 and high == np.inf:
+                if slope < RESISTED * start and part == 1.0:
+                    break  # a plain step
+                low, low_slope, part = part, slope, LONGER * part
+                continue
+            if slope > 0.0:
+                low, low_slope, high_slope = part, slope, high_slope / 2.0
+            else:
+                low_slope /= 1.0 if high == np.inf else 2.0
+                high, high_slope = part, slope
+            share = low_slope / (low_slope - high_slope)
+            part = low + (high - low) * min(max(share, NEAREST), 1.0 - NEAREST)
+        unknowns, trial = trial, unknowns
+    return False, unknowns
+
+
+# --- results -------------------------------------------------------------------------------------
 @compiled
 def node_forces(structure, slip, whole, unknowns):
     """Forces (N) of all nodes, (N, 3), and their slip (m) after this equilibrium, (N, 2)."""

@@ -14,8 +14,9 @@ from sidmacib.validation import refused, require_not_negative
 class Demand:
     """A shear force V (N) and the torque M (N m) that a joint must carry together.
 
-    ``ratio``: e / a in place of the torque, which is then V e and grows with a. ValueError unless V
-    is finite and not negative, M finite, and one of them not 0.
+    ``shear``: V, in N. ``torque``: M, in N m. ``ratio``: e / a in place of the torque, which is
+    then V e and grows with a. ValueError unless V is finite and not negative, M finite, and one of
+    them not 0.
     """
 
     shear: float
@@ -52,7 +53,10 @@ class Demand:
 
 @dataclass(frozen=True)
 class Prices:
-    """Prices of a joint's ``area`` (per m2), ``volume`` cut (per m3), ``bonded`` area (per m2).
+    """Prices by which joints are compared, in any currency.
+
+    ``area``: of the joint in plan, per m2. ``volume``: cut out of both blocks, per m3. ``bonded``:
+    area of all inner faces, per m2.
 
     ValueError unless all are finite and not negative, and one is more than 0.
     """

@@ -12,14 +12,13 @@ import numpy as np
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import ContactLaw, utilisation
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.pieces import lock_faces
-from sidmacib.problem import posed
+from sidmacib.pieces import assemble, lock_faces
 from sidmacib.rule.pairs import bearing_pairs
 
 
@@ -73,8 +72,9 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
     fineness = fineness or (COARSE if joint.elastic is None else ELASTIC)
-    problem = posed(joint, loading, joint.least_side / fineness.cells)
-    failure = static_first_failure(*problem, increment=fineness.increment)
+    assembly = _cut(joint, fineness.cells)
+    loads = lateral_load(joint, assembly, loading)
+    failure = static_first_failure(assembly, loads, increment=fineness.increment)
     if not failure.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     if not failure.failing.any():
@@ -82,7 +82,13 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
             f"law: {joint.locks} locks move away ({failure.mode}) at {failure.point.load:.4g} N, "
             "before a bond fails; use the static model"
         )
-    return _state(joint, problem.assembly, failure.point)
+    return _state(joint, assembly, failure.point)
+
+
+@lru_cache(maxsize=8)  # a curve asks for many directions of one joint
+def _cut(joint: Joint, cells: int) -> Assembly:
+    """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock."""
+    return assemble(joint, joint.least_side / cells)
 
 
 def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from analysis.calibration.candidates import PEAK_AIM, WEIGHT_AIM, read_as_degrees
 from analysis.drawing.labels import label_of
+from analysis.published import read_published
 from analysis.summary.summary import leading_models
 from analysis.tables.validation import (
     Comparison,
@@ -267,6 +269,32 @@ def variants(results: Path) -> str:
     return markdown(["variant", "model", "sample", "cases", "peak over the reference's"], rows)
 
 
+def frictions(results: Path) -> str:
+    """What `make calibrate` found for each friction: the best geometry, and how many fit."""
+    table, grid = (
+        pd.read_csv(results / "calibration" / f"{name}.csv") for name in ("friction", "map")
+    )
+    count = len(grid[grid["candidate"].str.startswith("g") & grid["friction"].eq(0.0)])
+    published = read_published()
+    names = {
+        published.numbers["sample"]["friction"]: "{}, as printed",
+        round(read_as_degrees(published), 6): "{} = tan 0.3°",
+    }
+    return markdown_of(
+        table,
+        {
+            "friction μ": lambda row: names.get(row.friction, "{}").format(f"{row.friction:g}"),
+            "least misfit": lambda row: f"{row.misfit_swapped:.2f}",
+            "its peaks, weights within": lambda row: (
+                f"{size(row.largest_peak_difference, 2)}, {row.largest_weight_difference:.3f}"
+            ),
+            f"of {count} geometries fit all peaks to {size(PEAK_AIM)} and weights to "
+            f"{WEIGHT_AIM:g}": lambda row: f"{row.geometries_that_fit or 'none'}",
+            "peaks alone, any weights, within": lambda row: size(row.least_peak_difference, 2),
+        },
+    )
+
+
 BLOCKS: dict[str, Callable[[Path], str]] = {
     "published-three": headline,
     "published-short": beside_short,
@@ -278,4 +306,5 @@ BLOCKS: dict[str, Callable[[Path], str]] = {
     "agreement": agreement,
     "options": options,
     "variants": variants,
+    "frictions": frictions,
 }

@@ -1,6 +1,4 @@
 # The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
-from snakemake.io import strip_wildcard_constraints
-
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
@@ -12,21 +10,6 @@ WILDCARDS |= {
     "solve": [{"model": model, "batch": batch} for model, batch in CASES.batches],
     "returned": [{"program": program, "case": case} for program, case in CASES.returned],
 }
-
-
-def case_in_engine(wildcards):
-    return CASES.engines[wildcards.engine, wildcards.case]
-
-
-def batch(wildcards):
-    return CASES.batches[wildcards.model, wildcards.batch]
-
-
-@functools.cache
-def group_of(model):
-    """Cases of a model share jobs of the cluster if all of them are short."""
-    jobs = (job for name, job in PLAN.jobs.items() if name.startswith(f"{model}/"))
-    return "cases" if all(job.needs.short for job in jobs) else None
 
 
 rule engine:
@@ -113,13 +96,6 @@ rule returned:
         "{wildcards.program}: {wildcards.case}"
     shell:
         STEP
-
-
-def of_jobs(rule, *outputs):
-    """The ``outputs`` of all jobs of a ``rule`` that has wildcards; all of them if none is named."""
-    paths = [getattr(rule.output, name) for name in outputs] or list(rule.output)
-    patterns = [strip_wildcard_constraints(path) for path in paths]
-    return [pattern.format(**job) for job in WILDCARDS[rule.name] for pattern in patterns]
 
 
 RECORDS = {  # where the record of a case is

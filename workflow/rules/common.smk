@@ -1,9 +1,12 @@
-# Shared by all rules: paths of files, cluster resources of jobs, the command of a step.
+# Shared by all rules: paths of files, what rules look up by wildcards, cluster resources, the command of a step.
 import functools
 import os
 import re
 import shlex
 
+from snakemake.io import strip_wildcard_constraints
+
+from workflow.planning.batches import Batch
 from workflow.run.attempts import LAST_TRY, RETRIES, forget, was_killed
 from workflow.run.results_folder import LockedError, lock
 from workflow.planning.plan import compared, planned, prepared
@@ -88,6 +91,49 @@ def asks(name):
         return int(workflow.is_main_process or attempt > RETRIES)
 
     return {"mem_mb": mem_mb, "runtime": runtime, "last_try": last_try, "abreast": 1}
+
+
+def case_in_engine(wildcards):
+    return CASES.engines[wildcards.engine, wildcards.case]
+
+
+def batch(wildcards):
+    return CASES.batches[wildcards.model, wildcards.batch]
+
+
+@functools.cache
+def group_of(model):
+    """Cases of a model share jobs of the cluster if all of them are short."""
+    jobs = (job for name, job in PLAN.jobs.items() if name.startswith(f"{model}/"))
+    return "cases" if all(job.needs.short for job in jobs) else None
+
+
+def sampling_of(wildcards):
+    return STUDY.samplings[wildcards.sampling]
+
+
+def first_joint(wildcards):
+    return STARTS[wildcards.sampling, wildcards.batch]
+
+
+def joint_after(wildcards):
+    """The first joint after a batch."""
+    return min(first_joint(wildcards) + JOINTS, sampling_of(wildcards).joints)
+
+
+def structure_in_engine(wildcards):
+    return IN_ENGINES[wildcards.engine, wildcards.case]
+
+
+def cases_of_structure(wildcards):
+    return Batch(STRUCTURES.solved[wildcards.model, wildcards.structure])
+
+
+def of_jobs(rule, *outputs):
+    """The ``outputs`` of all jobs of a ``rule`` that has wildcards; all of them if none is named."""
+    paths = [getattr(rule.output, name) for name in outputs] or list(rule.output)
+    patterns = [strip_wildcard_constraints(path) for path in paths]
+    return [pattern.format(**job) for job in WILDCARDS[rule.name] for pattern in patterns]
 
 
 # `exec`: a job ends with Snakemake, not only with the shell between them. A job has one thread,

@@ -13,19 +13,6 @@ OF_SAMPLINGS = [{"sampling": sampling, "batch": batch} for sampling, batch in ST
 WILDCARDS["sampling"] = OF_SAMPLINGS
 
 
-def sampling_of(wildcards):
-    return STUDY.samplings[wildcards.sampling]
-
-
-def first_joint(wildcards):
-    return STARTS[wildcards.sampling, wildcards.batch]
-
-
-def joint_after(wildcards):
-    """The first joint after a batch."""
-    return min(first_joint(wildcards) + JOINTS, sampling_of(wildcards).joints)
-
-
 JOINTS_OF_BATCH = {  # parameters of a step for the joints of a batch
     "name": lambda wildcards: wildcards.sampling,
     "sampling": lambda wildcards: asdict(sampling_of(wildcards).sampling()),

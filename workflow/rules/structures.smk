@@ -2,7 +2,6 @@
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
-from workflow.planning.batches import Batch
 from workflow.planning.needs import structure_needs
 
 WILDCARDS |= {
@@ -14,14 +13,6 @@ WILDCARDS |= {
     ],
 }
 IN_ENGINES = {(case.model, case.name): case for case in STRUCTURES.engines.values()}
-
-
-def structure_in_engine(wildcards):
-    return IN_ENGINES[wildcards.engine, wildcards.case]
-
-
-def cases_of_structure(wildcards):
-    return Batch(STRUCTURES.solved[wildcards.model, wildcards.structure])
 
 
 rule structure_engine:

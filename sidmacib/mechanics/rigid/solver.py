@@ -13,7 +13,14 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import Matrix, Structure, elastic, equilibrium, node_forces
+from sidmacib.mechanics.newton import (
+    Matrix,
+    Structure,
+    elastic,
+    equilibrium,
+    node_forces,
+    whole_faces,
+)
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
@@ -38,6 +45,7 @@ class RigidSolver:
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
         self.structure, self.matrix = _structure(springs, order), _matrix(order)
+        whole_faces(self.structure)
         size = np.diff(springs.unknowns)
         self.place = np.arange(springs.unknowns[-1])
         self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
@@ -144,6 +152,7 @@ def _structure(springs: Springs, order: Ordering) -> Structure:
         springs.start,
         springs.motion,
         np.where(springs.piece < 0, -1, order.begin[springs.piece]),
+        np.zeros((len(springs.piece), 2, 2, 6, 6)),
         order.inner,
         order.outer,
         order.band,

@@ -79,6 +79,14 @@ def static_first_failure(
     return FirstFailure(path[-1], failing, mode)
 
 
+def path_to_first_failure(assembly: Assembly, loads: Loads) -> tuple[list[Equilibrium], Flags]:
+    """The path of `static_first_failure`, and the nodes that are about to fail at its end.
+
+    None of the nodes if the load cannot rise for another reason. Errors of `static_peak`.
+    """
+    return _to_first_failure(solver_of(assembly, loads), loads.scale)[:2]
+
+
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """Raise ``loads`` from 0 to the peak of ``assembly``.
 

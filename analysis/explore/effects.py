@@ -1,0 +1,50 @@
+"""Which way to pull each slider for a larger first failure, by the static model."""
+
+from functools import lru_cache
+
+from analysis.explore.pictures import COARSE
+from analysis.explore.state import Settings
+from sidmacib.effects import Field, sensitivity
+from sidmacib.errors import CapacityError
+from sidmacib.joint import Direction, Joint
+from sidmacib.loading import Loading
+
+# What a slider changes; the tensile strength goes with the cohesion.
+FIELDS = (
+    *(Field(name, (name,), "m") for name in ("a", "b", "h", "H")),
+    Field("cohesion", ("inner.cohesion", "inner.tensile_strength"), "Pa"),
+    Field("friction", ("dry.friction",), ""),
+)
+PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
+
+
+def effects(state: Settings) -> dict[str, str]:
+    """Below each slider: an arrow, and the change of the first failure for 1 % more.
+
+    Nothing of a slider at 0, and of blocks that bend, whose static model is not shown.
+    """
+    fields = (*FIELDS, PRESSURE) if state.pressure else FIELDS
+    if not state.friction:
+        fields = tuple(each for each in fields if each.name != "friction")
+    return _effects(state.joint, state.eccentricity, fields)
+
+
+@lru_cache(maxsize=512)
+def _effects(joint: Joint, ratio: float, fields: tuple[Field, ...]) -> dict[str, str]:
+    if joint.elastic is not None:
+        return {}
+    try:
+        found = sensitivity(
+            joint, Loading(Direction(ratio)), COARSE * joint.least_side, fields=fields
+        )
+    except CapacityError:
+        return {}
+    return {each.name: words(each.more) for each in found.effects if each.more is not None}
+
+
+def words(more: float) -> str:
+    """An arrow towards a larger load, and the change (%) for 1 % more; no arrow for none."""
+    shown = f"{more:+.2f} %"
+    if float(f"{more:.2f}") == 0.0:
+        return "0.00 %"
+    return f"\N{RIGHTWARDS ARROW} {shown}" if more > 0.0 else f"\N{LEFTWARDS ARROW} {shown}"

@@ -1,0 +1,117 @@
+"""Derivatives of the limit load: by strengths, friction, loads and geometry, from one solution.
+
+The limit load t is the optimum of a programme. By the envelope theorem its derivative by a
+parameter p is that of the programme's Lagrangian, with the forces and multipliers of the optimum
+held. The multipliers of the equations of equilibrium are the mechanism; those of the strengths
+follow from how it deforms the nodes. So, for 1 m along the variable load,
+
+    dt/dp = sum over nodes of (slip * d(shear limit)/dp + opening * d(tensile strength)/dp)
+            - work of the mechanism on d(unbalanced forces)/dp,
+
+where the unbalanced forces are those that the forces of the optimum leave on the changed pieces. A
+bond opens by what its own friction does not explain.
+
+Where several mechanisms are possible, or where a mechanism moves against forces that are not
+determined, the load may have no derivative. So the problem is shaken a little to either side. Where
+the results differ, the problem is solved at either end of the change as well, and if these results
+differ too, none is given.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads
+from sidmacib.mechanics.change import Change
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import unbalanced_forces
+from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
+from sidmacib.mechanics.limit import LimitState, limit_load
+
+SHAKE = 1e-5  # of loads, areas and lengths
+SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size
+
+
+@dataclass(frozen=True)
+class LimitDerivatives:
+    """The limit load, in N, and its derivatives by the names of the changes.
+
+    In N per unit of each parameter; None where there is none.
+    """
+
+    load: float
+    by: dict[str, float | None]
+
+
+def limit_derivatives(
+    assembly: Assembly, loads: Loads, changes: Mapping[str, Change], *, friction: bool = False
+) -> LimitDerivatives:
+    """The limit load of ``assembly`` and its derivatives; arguments and errors of `limit_load`.
+
+    Three solutions are enough, however many changes there are, where the forces and the mechanism
+    are unique; two more for each change where they are not. ValueError for a change with other
+    pieces, faces or numbers of nodes.
+    """
+    for name, change in changes.items():
+        for other, _ in (change.before, change.after):
+            if _shape(other) != _shape(assembly):
+                raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
+    state = limit_load(assembly, loads, friction=friction)
+    shaken = [
+        limit_load(*_shaken(assembly, loads, sign), friction=friction) for sign in (SHAKE, -SHAKE)
+    ]
+    found: dict[str, float | None] = {}
+    for name, change in changes.items():
+        value, *others = (
+            _derivative(assembly, each, change, friction) for each in (state, *shaken)
+        )
+        least = max(abs(value), abs(state.load) / change.size)
+        found[name] = value if abs(others[0] - others[1]) <= SAME * least else None
+    return LimitDerivatives(state.load, found)
+
+
+def _shape(assembly: Assembly) -> tuple[int, tuple[tuple[int, int], ...], list[int]]:
+    ends = tuple((face.below, face.above) for face in assembly.faces)
+    return len(assembly.pieces), ends, assembly.nodes.face.tolist()
+
+
+def _derivative(assembly: Assembly, state: LimitState, change: Change, friction: bool) -> float:
+    """The derivative of the limit load with the forces and the mechanism of ``state`` held."""
+    left = [unbalanced_forces(*each, state.load, state.force) for each in _sides(change)]
+    value = -float(np.sum(state.mechanism * (left[1] - left[0])))
+    moved = equilibrium_matrix(assembly).T @ state.mechanism.ravel()
+    closing, *along = moved.reshape(-1, 3).T
+    slip, normal = np.hypot(*along), state.force[:, 0]
+    law = ContactLaw.of(assembly)
+    before, after = (ContactLaw.of(each) for each, _ in _sides(change))
+    friction_by = (after.friction - before.friction) * friction
+    bond_by = after.bond_friction - before.bond_friction
+    shear_by = after.shear_strength - before.shear_strength
+    opening = np.maximum(-closing - law.bond_friction * slip, 0.0)
+    bond = slip * (shear_by + normal * bond_by)
+    bond += opening * (after.tensile_strength - before.tensile_strength)
+    locked = np.abs(along[0]) * normal * friction_by + np.abs(along[1]) * shear_by
+    kind = np.array([face.kind for face in assembly.faces])[assembly.nodes.face]
+    by_node = np.where(law.cohesive, bond, slip * normal * friction_by)
+    value += float(np.sum(np.where(kind == Kind.LOCKED, locked, by_node)))
+    return value / change.difference
+
+
+def _sides(change: Change) -> tuple[tuple[Assembly, Loads], tuple[Assembly, Loads]]:
+    return change.before, change.after
+
+
+def _shaken(assembly: Assembly, loads: Loads, share: float) -> tuple[Assembly, Loads]:
+    """The problem with all numbers a little different, by ``share`` of their size."""
+    random, nodes = np.random.default_rng(0), assembly.nodes
+    position = nodes.position + share * assembly.length * random.uniform(
+        -1, 1, nodes.position.shape
+    )
+    area = nodes.area * (1.0 + share * random.uniform(-1.0, 1.0, nodes.area.shape))
+    # In proportion: a force where there was none might find nothing that carries it.
+    permanent = loads.permanent * (1.0 + share * random.uniform(-1.0, 1.0, loads.permanent.shape))
+    return (
+        replace(assembly, nodes=replace(nodes, position=position, area=area)),
+        replace(loads, permanent=permanent),
+    )

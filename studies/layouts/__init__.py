@@ -1,0 +1,1 @@
+"""The published joints on three layouts of the contact nodes."""
