@@ -59,10 +59,11 @@ def test_weights_change_what_is_least_and_scale_the_cost() -> None:
     assert least_cost(twice, 1.0).cost == pytest.approx(2 * least_cost(area, 1.0).cost, rel=1e-6)
 
 
-def test_strength_that_counts_half_needs_twice_the_locks() -> None:
+def test_locks_of_half_the_strength_are_needed_twice() -> None:
     blocks = two_blocks()
     given = design_on(blocks, [pushed(blocks, LOAD)])
-    half = replace(given, share=0.5)
+    inner = replace(KIND.inner, cohesion=0.5 * KIND.inner.cohesion)
+    half = design_on(blocks, [pushed(blocks, LOAD)], kind=replace(KIND, inner=inner))
     assert least_cost(half, 1.0).cost == pytest.approx(2 * least_cost(given, 1.0).cost, rel=1e-6)
 
 

@@ -59,7 +59,7 @@ def test_strength_is_raised_until_the_static_model_carries_the_cases() -> None:
     found = design_of(task_of(two_blocks()), notes.append)
     assert found.passes
     assert (found.cost, found.bound, found.raised) == (2.0, 1.0, 1)
-    assert any("static, peak of push fails at" in note for note in notes)
+    assert any("static, peak carries 0.9" in note for note in notes)
     once = two_blocks()
     once["design"]["raised"] = 0
     first = design_of(task_of(once))

@@ -8,7 +8,7 @@ roots and the history of friction.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from sidmacib.design.file import Task, designed
 from sidmacib.design.sizing import Choice, carried
@@ -53,7 +53,7 @@ def checks_of(
     """What the design's model and the others carry of every case with the rows of ``choice``."""
     found = [
         Check(each.case, DESIGN, each.factor, "condensed locks, associated friction", True)
-        for each in carried(replace(task.structure, share=1.0), choice)
+        for each in carried(task.structure, choice)
     ]
     assembly = assembly_of(designed(task, choice), folder=task.folder)
     for case in task.cases:

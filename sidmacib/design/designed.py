@@ -1,23 +1,24 @@
 """A design from a task: rows that carry all cases, can be built, and pass the checks.
 
-Directions and numbers are searched with the share of the locks' strength that counts. Layouts that
-cannot be built are barred, and the search goes on. Where a check fails, the share is lowered in
-proportion and all is done again, as locks that share their load unevenly must be stronger.
+Directions and numbers are searched so that the design's model carries what is demanded. Layouts
+that cannot be built are barred, and the search goes on. Where a case fails a check, more of it is
+demanded in proportion and all is done again: the design's model promises too much, as its locks
+share their load evenly and its friction is associated.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from sidmacib.design.blocking import Order, conflict, order_of
 from sidmacib.design.checks import Check, checks_of
 from sidmacib.design.direction import Directions, Found, Search, choice_of
-from sidmacib.design.file import Task, with_share
+from sidmacib.design.file import Task, with_demand
 from sidmacib.design.layouts import Layout
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import InfeasibleError, SolverError
 
-LEAST_CUT = 0.9  # of the share, when a check fails by less
-LEAST_SHARE = 0.02
+LEAST_RISE, MOST_RISE = 1.1, 3.0  # of the demand on a case that fails a check, in one round
+MOST_DEMAND = 50.0  # over what is asked
 MOST_BARRED = 50  # layouts that cannot be built
 
 
@@ -27,9 +28,9 @@ class Design:
 
     ``choice``: a row or None for each site. ``mixed``: the search with mixed rows, whose bound
     holds for any rows in any direction that carry the cases with the whole strength of locks and
-    can be built; ``whole``: with whole rows. ``share``: of the strength that the design counted on
-    at last. ``states``: what the design's model carries; ``needed``: what it needs of
-    the locks at the factor. ``raised``: how often strength was raised.
+    can be built; ``whole``: with whole rows. ``demand``: what was demanded at last of each case
+    over what is asked, by its name. ``states``: what the design's model carries; ``needed``: what
+    it needs of the locks at the factor. ``raised``: how often the demand was raised.
     """
 
     task: Task
@@ -38,7 +39,7 @@ class Design:
     bound: float
     mixed: Found
     whole: Found
-    share: float
+    demand: Mapping[str, float]
     states: tuple[Carried, ...]
     needed: tuple[Needed, ...]
     order: Order
@@ -64,36 +65,54 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
     """
     best: Design | None = None
     last: Design | None = None
-    share = 1.0
+    demand = dict.fromkeys((case.name for case in task.cases), 1.0)
     for raised in range(task.raised + 1):
         try:
-            found = _once(with_share(task, share), last, raised, note)
+            found = _once(task, demand, last, raised, note)
         except InfeasibleError as error:
             if best is None:
                 raise
-            note(f"no locks do with {share:.3g} of the strength: {error}")
+            note(f"no locks do where {_words(demand)}: {error}")
             break
-        except SolverError as error:  # of this share; the next one may be solved
+        except SolverError as error:  # of this demand; the next one may be solved
             if best is None and raised == task.raised:
                 raise
-            note(f"no answer with {share:.3g} of the strength: {error}")
-            share *= LEAST_CUT
+            note(f"no answer where {_words(demand)}: {error}")
+            demand = {case: LEAST_RISE * each for case, each in demand.items()}
             continue
         last = found
         if best is None or _worst(found) > _worst(best):
             best = found
-        if best.passes:
+        if best.passes or not found.failing or not found.cost:  # which no strength changes
             break
-        ratio = _worst(found) / task.factor
-        share *= min(LEAST_CUT, max(ratio, 0.3))
-        if ratio >= 1.0 or share < LEAST_SHARE or not found.cost:  # which no strength changes
+        demand = _raised(found)
+        if max(demand.values()) > MOST_DEMAND:
             break
-        worst = min(found.failing, key=lambda check: check.factor or 0.0, default=None)
-        which = f"{worst.model} of {worst.case}" if worst else "a check"
-        note(f"{which} fails at {ratio:.3g} of the factor: counting on {share:.3g} of the strength")
+        note(f"{_reason(found)}; now {_words(demand)}")
     if best is None:
         raise SolverError(f"design: no answer in {task.raised + 1} rounds")
     return best
+
+
+def _raised(design: Design) -> dict[str, float]:
+    """The next demand: more of each case that fails a check."""
+    demand = dict(design.demand)
+    for case in {check.case for check in design.failing}:
+        factors = [check.factor or 0.0 for check in design.failing if check.case == case]
+        missing = design.task.factor / max(min(factors), design.task.factor / MOST_RISE)
+        demand[case] *= max(LEAST_RISE, missing)
+    return demand
+
+
+def _reason(design: Design) -> str:
+    """The check that fails by most, in words."""
+    worst = min(design.failing, key=lambda check: check.factor or 0.0)
+    found = "has no answer" if worst.factor is None else f"carries {worst.factor:.3g} times"
+    return f"{worst.model} {found} {worst.case}"
+
+
+def _words(demand: Mapping[str, float]) -> str:
+    return "demanded are " + ", ".join(f"{each:.3g} times {case}" for case, each in demand.items())
 
 
 def _worst(design: Design) -> float:
@@ -103,13 +122,19 @@ def _worst(design: Design) -> float:
     return min([*failing, *known])
 
 
-def _once(task: Task, last: Design | None, raised: int, note: Callable[[str], None]) -> Design:
-    """A design with the share of the strength that ``task`` has; ``last``: of the round before."""
-    structure = task.structure
+def _once(
+    task: Task,
+    demand: Mapping[str, float],
+    last: Design | None,
+    raised: int,
+    note: Callable[[str], None],
+) -> Design:
+    """A design for a ``demand`` on each case; ``last``: of the round before."""
+    structure = with_demand(task, demand).structure
     try:
         search = Search(structure, task.factor)
     except InfeasibleError:
-        raise InfeasibleError(_why_not(task)) from None
+        raise InfeasibleError(_why_not(replace(task, structure=structure))) from None
     barred: list[Directions] = []
     while True:
         mixed, whole = (
@@ -129,7 +154,6 @@ def _once(task: Task, last: Design | None, raised: int, note: Callable[[str], No
             break
         note(f"{len(blocking)} rows of locks leave a block no way to its place: barred")
         barred.append(blocking)
-    sure = replace(task.structure, share=1.0)
     return Design(
         task,
         choice,
@@ -137,9 +161,9 @@ def _once(task: Task, last: Design | None, raised: int, note: Callable[[str], No
         max(mixed.bound, whole.bound) if last is None else last.bound,
         mixed,
         whole,
-        structure.share,
-        carried(sure, choice),
-        needed(sure, choice, task.factor),
+        dict(demand),
+        carried(task.structure, choice),
+        needed(task.structure, choice, task.factor),
         order_of(assembly, sites, choice),
         last.checks if last and last.choice == choice else checks_of(task, choice, note),
         raised,
@@ -147,10 +171,7 @@ def _once(task: Task, last: Design | None, raised: int, note: Callable[[str], No
 
 
 def _why_not(task: Task) -> str:
-    share = task.structure.share
     most = " with all locks that there is room for"
-    if share < 1.0:
-        most += f", of whose strength {share:.3g} counts"
     try:
         largest = largest_factor(task.structure)
     except InfeasibleError:

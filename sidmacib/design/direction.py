@@ -66,7 +66,7 @@ class Search:
         """Errors of `least_cost`."""
         self.structure = structure
         self.relaxed = least_cost(structure, factor)
-        self.strengths = csr_array(structure.share / structure.unit * structure.strengths)
+        self.strengths = csr_array(structure.strengths / structure.unit)
         largest = np.asarray(self.strengths.max(axis=1).todense()).ravel()
         self.lacks = [_Lack(structure, case, factor, largest) for case in structure.all_cases]
         self.mechanisms = list(self.relaxed.mechanisms)

@@ -282,9 +282,12 @@ def _flag(key: str, value: Any) -> bool:
     return value
 
 
-def with_share(task: Task, share: float) -> Task:
-    """The task with so much of the locks' strength counted on."""
-    return replace(task, structure=replace(task.structure, share=share))
+def with_demand(task: Task, demand: Mapping[str, float]) -> Task:
+    """The task with the load of each case, by its name, multiplied by its ``demand``."""
+    cases = tuple(
+        replace(case, load=case.load * demand[case.name]) for case in task.structure.cases
+    )
+    return replace(task, structure=replace(task.structure, cases=cases))
 
 
 def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:

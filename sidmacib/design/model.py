@@ -24,7 +24,7 @@ from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
-from sidmacib.validation import refused, require_not_negative
+from sidmacib.validation import require_not_negative
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,21 +52,17 @@ class Site:
 class Structure:
     """What is to be designed: an assembly without locks, its sites and load cases.
 
-    That it stands before loads are raised is a case too. ``share``: the part of the locks' strength
-    that the design counts on. ``option``: where the forces of locks act. ValueError for a share out
-    of its range, or no site.
+    That it stands before loads are raised is a case too. ``option``: where the forces of locks act.
+    ValueError without a site.
     """
 
     assembly: Assembly
     sites: tuple[Site, ...]
     cases: tuple[Case, ...]
     weights: Weights
-    share: float = 1.0
     option: ContactOption = OPTIONS["option3"]
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.share <= 1.0:
-            raise refused("share", self.share, "more than 0 and at most 1")
         if not any(site.layouts for site in self.sites):
             raise ValueError("design: no interface has room for locks")
 
@@ -103,7 +99,7 @@ class Structure:
 
     @cached_property
     def strengths(self) -> csr_array:
-        """Strength (N) along each of `rows` of each of `layouts`, whole: without the share."""
+        """Strength (N) along each of `rows` of each of `layouts`."""
         values = [layout.strength for layout in self.layouts]
         shape = len(self.rows), len(self.layouts)
         return csr_array((values, (self.row_of, np.arange(len(values)))), shape)

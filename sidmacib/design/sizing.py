@@ -82,7 +82,7 @@ def least_cost(structure: Structure, factor: float, allowed: Flags | None = None
     locks do.
     """
     parts = cp.Variable(len(structure.layouts), nonneg=True)
-    strength = structure.share / structure.unit * (structure.strengths @ parts)
+    strength = structure.strengths / structure.unit @ parts
     constraints: list[cp.Constraint] = [_each_once(structure, parts)]
     if allowed is not None:
         constraints.append(parts <= allowed.astype(float))
@@ -108,7 +108,7 @@ def largest_factor(structure: Structure) -> float:
     """
     parts = cp.Variable(len(structure.layouts), nonneg=True)
     factor = cp.Variable()
-    strength = structure.share / structure.unit * (structure.strengths @ parts)
+    strength = structure.strengths / structure.unit @ parts
     constraints: list[cp.Constraint] = [_each_once(structure, parts)]
     for case in structure.all_cases:
         constraints += case_forces(structure, case, factor, strength).constraints
@@ -116,7 +116,7 @@ def largest_factor(structure: Structure) -> float:
 
 
 def carried(structure: Structure, choice: Choice) -> tuple[Carried, ...]:
-    """What the rows of ``choice`` carry of each case, with the share of strength that counts.
+    """What the rows of ``choice`` carry of each case.
 
     `InfeasibleError` if a structure does not stand with them.
     """
@@ -131,7 +131,7 @@ def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
     count = len(structure.sites)
     if not np.isfinite(largest):
         return Carried(case.name, largest, np.zeros(count))
-    slopes = work_of(structure, forces) * structure.share / structure.unit
+    slopes = work_of(structure, forces) / structure.unit
     sites = np.array([site for site, _ in structure.rows])
     by_strength = np.bincount(sites, np.where(strength > 0.0, slopes, 0.0), minlength=count)
     return Carried(case.name, largest, by_strength.astype(float))
@@ -164,7 +164,7 @@ def _needed(structure: Structure, choice: Choice, factor: float, case: Case) -> 
 def _strength(structure: Structure, choice: Choice) -> Floats:
     """Strength along each of `Structure.rows` in units, as much as counts."""
     whole = np.asarray(structure.strengths @ structure.chosen(choice))
-    return np.asarray(structure.share / structure.unit * whole)
+    return np.asarray(whole / structure.unit)
 
 
 def work_of(structure: Structure, forces: CaseForces) -> Floats:

@@ -33,7 +33,8 @@ class Fineness:
 # Two cells, so that dry faces may open in part. FINE, with smaller increments that follow friction
 # more closely, shows how far a load depends on both. Elastic blocks cost more, and three nodes a
 # side represent their bending.
-COARSE, FINE, ELASTIC = Fineness(2, 0.1), Fineness(4, 0.05), Fineness(1, 0.1)
+COARSE, FINE = Fineness(2, 0.1), Fineness(4, 0.05)
+ELASTIC, FINE_ELASTIC = Fineness(1, 0.1), Fineness(2, 0.1)
 FINEST = Fineness(6, 0.05)  # for dry faces so stiff that four cells may not be enough
 
 

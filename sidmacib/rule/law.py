@@ -13,10 +13,16 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.rule.first_failure import FINE, FINEST, first_failure
+from sidmacib.rule.first_failure import (
+    FINE,
+    FINE_ELASTIC,
+    FINEST,
+    Fineness,
+    first_failure,
+)
 from sidmacib.validation import refused, require_positive
 
-SAFETY, SAFETY_ELASTIC = 1.06, 1.20
+SAFETY, SAFETY_ELASTIC = 1.06, 1.12
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 SPANS = {
@@ -65,20 +71,18 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """A load that ``joint`` carries, for design.
 
-    For rigid pieces the first failure is computed on two meshes with two load increments, and on
-    a third mesh where dry faces are more than `STIFFER` times as stiff as roots. The difference
-    between the highest and the lowest is subtracted from the lowest: joints that are about to rock
-    depend on the mesh, and rough ones on the increments, by more than `SAFETY` covers. Elastic
-    blocks are solved on one mesh; `SAFETY_ELASTIC` covers its error as well.
+    The first failure is computed on two meshes, of rigid pieces with two load increments, and on a
+    third mesh where dry faces of these are more than `STIFFER` times as stiff as roots. The
+    difference between the highest and the lowest is subtracted from the lowest: joints that are
+    about to rock depend on the mesh, and rough ones on the increments, by more than `SAFETY` and
+    `SAFETY_ELASTIC` cover.
 
     Errors of `law`. `CapacityError` too if only friction between the locks keeps the joint from
     overturning, and for one rigid piece in torsion with a friction above `ROUGHEST`.
     """
     _require_no_snap(joint, direction)
     load = law(joint, direction, push).load
-    if joint.elastic is not None:
-        return _designed(joint, direction, load / SAFETY_ELASTIC)
-    meshes = (FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (FINE,)
+    meshes, margin = _finer_meshes(joint), SAFETY if joint.elastic is None else SAFETY_ELASTIC
     loading = Loading(direction, push=push)
     loads = (load, *(first_failure(joint, loading, mesh).load for mesh in meshes))
     least = min(loads) - (max(loads) - min(loads))
@@ -87,7 +91,13 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
             f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
             f"{max(loads):.4g} N; use the static model"
         )
-    return _designed(joint, direction, least / SAFETY)
+    return _designed(joint, direction, least / margin)
+
+
+def _finer_meshes(joint: Joint) -> tuple[Fineness, ...]:
+    if joint.elastic is not None:
+        return (FINE_ELASTIC,)
+    return (FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (FINE,)
 
 
 def spans_of(joint: Joint) -> dict[str, float]:

@@ -36,10 +36,10 @@ STIFFEST = 5e3  # E / (Kn b) of elastic blocks: stiffer ones are rigid
 SMOOTH, LIGHT = 0.2, 0.2  # shares of the joints without friction, without weight
 DIMENSIONS = 17
 POPULATION = 6  # joints of a generation, over the dimensions
-CELLS = {False: 5, True: 2}  # of the search, along a lock's shorter side; True: elastic blocks
+CELLS = {False: 5, True: 3}  # of the search, along a lock's shorter side; True: elastic blocks
 CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
-    True: ((NodeLayout.LOBATTO, 2), (NodeLayout.LOBATTO, 3), (NodeLayout.VERTICES, 4)),
+    True: ((NodeLayout.LOBATTO, 3), (NodeLayout.LOBATTO, 4), (NodeLayout.VERTICES, 5)),
 }
 
 

@@ -36,6 +36,7 @@ SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tri
 RESIDUAL = 1e-9  # of the contact law, over the loads
 FLOOR = 1e-9  # of a node's stiffness: added where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
+LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
 LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -94,17 +95,33 @@ class ElasticSolver:
         """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
 
         Raises `NoEquilibriumError` where Newton's method finds none and, if ``thorough``, none from
-        the equilibrium without friction either: from there it also converges where all dry nodes
-        begin without any force.
+        the equilibrium without friction either, at once or with friction raised in steps: from
+        there it also converges where all dry nodes begin without any force.
         """
-        friction = self.contact_law.friction
-        found = self._newton(load, guess, state, friction)
+        found = self._newton(load, guess, state, self.contact_law.friction)
         if found is None and thorough:
-            smooth = self._newton(load, guess, state, np.zeros_like(friction))
-            if smooth is not None:
-                found = self._newton(load, smooth.unknowns, state, friction)
+            found = self._roughened(load, guess, state)
         if found is None:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
+        return found
+
+    def _roughened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
+        """Equilibrium from that without friction, which is then raised in steps; None if they fail.
+
+        A step that fails is halved, one that succeeds doubled.
+        """
+        friction = self.contact_law.friction
+        found = self._newton(load, guess, state, np.zeros_like(friction))
+        share, step = 0.0, 1.0
+        while found is not None and share < 1.0:
+            if step < LEAST_STEP:
+                return None
+            further = min(share + step, 1.0)
+            rougher = self._newton(load, found.unknowns, state, further * friction)
+            if rougher is None:
+                step /= 2
+            else:
+                found, share, step = rougher, further, 2 * step
         return found
 
     def _newton(
