@@ -107,7 +107,7 @@ def _raised(design: Design) -> dict[str, float]:
 def _reason(design: Design) -> str:
     """The check that fails by most, in words."""
     worst = min(design.failing, key=lambda check: check.factor or 0.0)
-    found = "has no answer" if worst.factor is None else f"carries {worst.factor:.3g} times"
+    found = "has no answer" if worst.factor is None else f"carries {worst.factor:.4g} times"
     return f"{worst.model} {found} {worst.case}"
 
 

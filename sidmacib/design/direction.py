@@ -19,6 +19,7 @@ from scipy.sparse import csr_array, eye_array, hstack
 
 from sidmacib.design.layouts import Layout
 from sidmacib.design.model import Case, CaseForces, Structure, case_forces
+from sidmacib.design.silence import silent
 from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Floats
@@ -144,13 +145,14 @@ class Search:
             least, unit = np.array([each.least for each in self.mechanisms]), work.max(axis=1)
             work = np.hstack([work / unit[:, None], np.zeros((len(work), rows))])
             constraints.append(LinearConstraint(work, least / unit - SHORT))
-        answer = milp(
-            np.append(cost, np.zeros(rows)),
-            integrality=[float(whole)] * layouts + [1.0] * rows,
-            bounds=Bounds(0.0, 1.0),
-            constraints=constraints,
-            options={"mip_rel_gap": gap, "time_limit": max(time_limit, 1.0)},
-        )
+        with silent():
+            answer = milp(
+                np.append(cost, np.zeros(rows)),
+                integrality=[float(whole)] * layouts + [1.0] * rows,
+                bounds=Bounds(0.0, 1.0),
+                constraints=constraints,
+                options={"mip_rel_gap": gap, "time_limit": max(time_limit, 1.0)},
+            )
         if answer.status == _INFEASIBLE:
             placed = " and leave every block a way to its place" if barred else ""
             raise InfeasibleError(f"{WHAT}: no rows of locks carry all cases{placed}")

@@ -92,7 +92,7 @@ class Task:
     from. ``factor``: that all cases are to be carried by; by the ``first_failure`` or the peak of
     the static model. ``no_dilation``: whether limit analysis without dilation, which takes up to 60
     rounds, is a check, too. ``buildable``: whether an order of placing is needed. ``raised``: how
-    often strength may be raised after a check that fails.
+    often more may be demanded after a check that fails.
     """
 
     description: Mapping[str, Any]

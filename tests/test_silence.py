@@ -1,0 +1,30 @@
+"""What compiled code prints although it is asked not to."""
+
+import subprocess
+import sys
+
+PRINTS = """
+import ctypes
+from sidmacib.design.silence import silent
+c = ctypes.CDLL(None)
+print("before")
+with silent():
+    c.printf(b"noise in the buffer\\n")
+    c.puts(b"more noise")
+print("after")
+c.puts(b"heard again")
+"""
+
+
+def test_only_what_is_printed_meanwhile_is_dropped() -> None:
+    found = subprocess.run(
+        [sys.executable, "-c", PRINTS], capture_output=True, text=True, check=True
+    )
+    assert set(found.stdout.split("\n")) == {"before", "after", "heard again", ""}
+
+
+def test_without_standard_output_nothing_happens() -> None:
+    close = (
+        "import os; os.close(1); from sidmacib.design.silence import silent\nwith silent(): pass"
+    )
+    assert subprocess.run([sys.executable, "-c", close], check=False).returncode == 0
