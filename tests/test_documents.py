@@ -215,12 +215,20 @@ def test_keys_of_the_configuration_have_the_values_that_a_page_gives_them(page: 
         read_study({**EXAMPLES, **change})
 
 
+def anchors(page: Path) -> set[str]:
+    """Names by which links reach the headings of a page, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", BLOCK.sub("", page.read_text()), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title).strip().lower().replace(" ", "-") for title in headings}
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_links_lead_to_files(page: Path) -> None:
+def test_links_lead_to_files_and_headings(page: Path) -> None:
     for target in LINK.findall(page.read_text()):
         if "://" not in target:
-            path = (page.parent / target.partition("#")[0]).resolve()
+            file, _, heading = target.partition("#")
+            path = (page.parent / file).resolve() if file else page
             assert path.exists() or path in MADE, target
+            assert not heading or heading in anchors(path), target
 
 
 @pytest.fixture(scope="module")
