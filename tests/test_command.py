@@ -14,7 +14,7 @@ from analysis.drawing.labels import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
-from sidmacib.command.output import COLOURS, bars, curves
+from sidmacib.command.output import COLOURS, bars, curves, status_line
 from sidmacib.effects import sensitivity
 from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
@@ -373,3 +373,23 @@ def test_studies_are_shown_in_the_project_only(
     assert "cases" not in run("--help").output
     monkeypatch.chdir(ROOT)
     assert "cases" in run("--help").output
+
+
+def test_large_loads_are_shown_without_an_exponent() -> None:
+    loads = run("capacity", "-n", "101", "-m", "sidmacib").output.splitlines()[1]
+    assert loads.split()[2] == "12000"
+
+
+def test_a_terminal_sees_what_is_computed_and_nothing_of_it_at_the_end(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with status_line() as show:
+        show("1 of 2: law, e/a = 0")
+    assert capsys.readouterr().err == "\r\x1b[K1 of 2: law, e/a = 0\r\x1b[K"
+
+
+def test_a_file_sees_no_progress(capsys: pytest.CaptureFixture[str]) -> None:
+    with status_line() as show:
+        show("1 of 2: law, e/a = 0")
+    assert capsys.readouterr().err == ""

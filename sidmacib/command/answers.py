@@ -129,16 +129,23 @@ MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
 
 
 def capacity_rows(
-    joint: Joint, ratios: Sequence[float], models: Sequence[str], push: Push
+    joint: Joint,
+    ratios: Sequence[float],
+    models: Sequence[str],
+    push: Push,
+    progress: Callable[[str], object] = str,
 ) -> list[Row]:
     """Shear and torque that each model gives, in each direction e / a.
 
-    A model that refuses the joint has a note in place of a load.
+    A model that refuses the joint has a note in place of a load. ``progress`` is told what is
+    computed next.
     """
-    rows = []
+    rows: list[Row] = []
     for ratio in ratios:
         direction = Direction(ratio)
         for name in models:
+            place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
+            progress(f"{place}: {name}, e/a = {ratio:g}")
             try:
                 answer = MODELS[name](joint, direction, push)
             except ERRORS as error:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, text_of
+from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
 from sidmacib.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
@@ -116,7 +116,9 @@ def capacity(
 
     joint = joint_of(flags)
     asked = list(dict.fromkeys(models or usual_models(joint)))
-    rows = capacity_rows(joint, list(dict.fromkeys(ratios)), asked, Push(push))
+    directions = list(dict.fromkeys(ratios))
+    with status_line() as progress:
+        rows = capacity_rows(joint, directions, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
@@ -158,7 +160,8 @@ def envelope(
 
     joint = joint_of(flags)
     asked = list(dict.fromkeys(models or ("safe", "law")))
-    rows = capacity_rows(joint, DIRECTIONS, asked, Push(push))
+    with status_line() as progress:
+        rows = capacity_rows(joint, DIRECTIONS, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)

@@ -4,7 +4,9 @@ import csv
 import io
 import json
 import math
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from sidmacib.joint import Joint
 
 DIGITS = 4
+LARGEST = 1e9  # number shown without an exponent
 FORMATS = ("table", "json", "csv")
 # Of models, as in the figures of studies.
 COLOURS = {
@@ -59,7 +62,29 @@ def _is_number(value: Any) -> bool:
 def _cell(value: Any) -> str:
     if value is None:
         return "-"
-    return f"{value:.{DIGITS}g}" if isinstance(value, float) else str(value)
+    if not isinstance(value, float):
+        return str(value)
+    whole = 10**DIGITS <= abs(value) < LARGEST
+    return f"{value:.0f}" if whole else f"{value:.{DIGITS}g}"
+
+
+@contextmanager
+def status_line() -> Iterator[Callable[[str], object]]:
+    """A function that shows a line on the terminal in place of the one before, erased at the end.
+
+    It shows nothing where standard error is not a terminal.
+    """
+    if not sys.stderr.isatty():
+        yield str
+        return
+
+    def show(words: str) -> None:
+        click.echo(f"\r\x1b[K{words}", err=True, nl=False)
+
+    try:
+        yield show
+    finally:
+        show("")
 
 
 def draw(figure: "Figure", path: Path) -> None:
