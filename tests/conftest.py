@@ -20,8 +20,9 @@ import pandas as pd
 import pytest
 from hypothesis import settings
 
-from sidmacib.joint import Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Loading
+from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -32,7 +33,6 @@ from sidmacib.mechanics.assembly import (
     shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.pieces import lock_faces
 from sidmacib.problem import Problem
 from workflow.case import Case
 from workflow.configuration import read_study

@@ -14,9 +14,9 @@ from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.loading import Loading, LoadShare, Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case

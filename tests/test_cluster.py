@@ -14,8 +14,8 @@ import pytest
 import yaml
 from conftest import ROOT, a_case
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from workflow.__main__ import profile_named
 from workflow.case import Case

@@ -15,15 +15,15 @@ from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves
-from sidmacib.effects import sensitivity
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.effects import sensitivity
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, Push
+from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.pairs import pairs_of
-from sidmacib.weights import lock_weights
 
 
 def test_capacity_prints_the_loads_of_the_library() -> None:

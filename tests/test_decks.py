@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Block, OwnLock
-from sidmacib.loading import lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Block, OwnLock
+from sidmacib.joint.loading import lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import assemble
 from workflow.case import Case
 from workflow.cases import cases_of
 from workflow.configuration import read_study

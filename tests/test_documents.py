@@ -131,7 +131,7 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
         [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
+    assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
     if CHROMIUM is None:
         return

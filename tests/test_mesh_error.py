@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.tables.mesh_error import MeshErrors, errors_of
-from sidmacib.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.case import Case

@@ -19,7 +19,7 @@ from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
 from analysis.report.plain import plain
 from analysis.report.provenance import as_yaml, provenance, versions_of
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
 from workflow.cases import cases_of
 from workflow.configuration import read_study

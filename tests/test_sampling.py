@@ -14,8 +14,8 @@ from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import active
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from studies.locks import law
 from studies.locks.bonds import bonds_table

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
-from sidmacib.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble
 from workflow.cases import cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes

@@ -13,7 +13,7 @@ from analysis.summary.summary import leading_models, summary
 from analysis.tables.fit import fit_table
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint import Direction
+from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import safe
 from workflow.cases import cases_of
 from workflow.configuration import read_study

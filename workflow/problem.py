@@ -1,6 +1,7 @@
 """The problem that a case poses to its model."""
 
-from sidmacib.problem import Problem, posed
+from sidmacib.joint.loading import posed
+from sidmacib.problem import Problem
 from workflow.case import Case
 
 

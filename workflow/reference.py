@@ -12,7 +12,7 @@ from pydantic import BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sidmacib.hold_down import HoldDown
+from sidmacib.joint.hold_down import HoldDown
 from sidmacib.quantities import Number, Span
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table

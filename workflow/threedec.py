@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Assembly,

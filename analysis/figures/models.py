@@ -15,9 +15,9 @@ from analysis.figures.material import Material
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
+from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.problem import posed
 from workflow.case import REFERENCE
 from workflow.cases import cases_of
 from workflow.models import LAWS, REFERENCE_MODEL

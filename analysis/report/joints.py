@@ -12,7 +12,7 @@ from analysis.report.plain import plain_value
 from analysis.report.provenance import sizes_of
 from analysis.summary.summary import AGREEMENT
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of

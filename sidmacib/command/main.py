@@ -12,7 +12,7 @@ import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, text_of
-from sidmacib.loading import Push
+from sidmacib.joint.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
 MODELS = ("safe", "law", "static", "limit", "sidmacib")

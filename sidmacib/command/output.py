@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
-    from sidmacib.joint import Joint
+    from sidmacib.joint.joint import Joint
 
 DIGITS = 4
 FORMATS = ("table", "json", "csv")

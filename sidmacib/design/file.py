@@ -12,7 +12,7 @@ import yaml
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import Case, Site, Structure
-from sidmacib.joint import DRY, INNER
+from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number, shown

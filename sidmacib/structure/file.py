@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.contact_points.options import OPTIONS
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from sidmacib.fields import from_plain
-from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table

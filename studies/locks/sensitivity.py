@@ -14,8 +14,8 @@ import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
 from sidmacib.fields import from_plain
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.results.tables import Table, write_table

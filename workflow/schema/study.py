@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Length
 from workflow.case import REFERENCE

@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from sidmacib.fields import from_plain
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from workflow.sampling import SampledJoint, Sampling, sampled_joints
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.case import REFERENCE, Case, case_name
 from workflow.results.record import CaseRecord, ResultError
