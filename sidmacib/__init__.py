@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.rule.inverse import Search, all_candidates, cheapest, fewest_locks
     from sidmacib.rule.law import LawCapacity, law, safe
     from sidmacib.rule.pairs import Pairs, pairs_of
-    from sidmacib.structure.vertices import vertex_effects
+    from sidmacib.structure.analysis.vertices import vertex_effects
 
 # Where each public name is: a module is imported when one of its names is first used, as solvers
 # take longer to import than most models take to run.
@@ -74,7 +74,7 @@ _HOME = {
     "sensitivity": "joint.effects",
     "static_first_failure": "mechanics.static.model",
     "static_peak": "mechanics.static.model",
-    "vertex_effects": "structure.vertices",
+    "vertex_effects": "structure.analysis.vertices",
 }
 
 __all__ = [

@@ -14,10 +14,10 @@ from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.limit_sensitivity import limit_derivatives
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.vertices import vertex_effects
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
-from sidmacib.structure.vertices import vertex_effects
 from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)

@@ -20,7 +20,7 @@ from analysis.report.files import FILES, REPORT
 from analysis.report.page import page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_content, structures_verdict, with_room
-from sidmacib.structure.file import assembly_of
+from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import read_study
 from workflow.planning.snakefile import plan_of

@@ -14,8 +14,8 @@ from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.errors import CapacityError
 from sidmacib.problem import Problem
-from sidmacib.structure.file import structure_of
-from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined
 from workflow.results.record import ResultError
 from workflow.solvers import structure_limit

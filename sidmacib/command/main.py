@@ -304,7 +304,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
-        from sidmacib.structure.file import read_structure
+        from sidmacib.structure.files.structure_file import read_structure
         from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
@@ -314,7 +314,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
-            from sidmacib.structure.compas_results import write_compas_results
+            from sidmacib.structure.files.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas, limit)
     _require_answer(rows)

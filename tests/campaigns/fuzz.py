@@ -28,7 +28,7 @@ from test_record import case_of, write_engine_files
 
 from sidmacib.command.main import main as command
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from workflow.case import Case
 from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study, read_study_file

@@ -17,7 +17,7 @@ class StructureCase:
     """One run of a model of a structure.
 
     ``description``: of the structure and its load, plain values as in a file of
-    `sidmacib.structure.file`. ``numerics``: for engines only.
+    `sidmacib.structure.files.structure_file`. ``numerics``: for engines only.
     """
 
     name: str

@@ -113,7 +113,7 @@ def structure_faults(study: Study) -> Iterator[str]:
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
-    from sidmacib.structure.file import assembly_of, loads_of  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import assembly_of, loads_of  # noqa: PLC0415
 
     for variant, group in groupby(described(section), key=itemgetter(1)):
         place = f"variants.{variant}" if variant != REFERENCE else "description"

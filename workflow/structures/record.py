@@ -14,7 +14,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Problem
-from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.case import CaseId
 from workflow.outcome import State
