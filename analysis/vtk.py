@@ -15,7 +15,7 @@ from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.solution import Equilibrium
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.files import force_to_stress
 
 CORNERS = np.array(

@@ -34,12 +34,12 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.problem import Problem
-from workflow.case import Case
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.joints.case import Case
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord

@@ -16,15 +16,15 @@ from promises import require_kept
 
 from sidmacib.command.main import main
 from sidmacib.yaml_text import parsed
-from workflow import reference
-from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
+from workflow.planning.cases import cases_of
 from workflow.planning.snakefile import plan_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.files import CASE, OUTPUTS, RECORD
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
+from workflow.site import reference
 
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery" / "made"

@@ -24,7 +24,7 @@ from sidmacib.mechanics.static.peak_spread import (
     static_capacity,
 )
 from sidmacib.problem import Problem
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.record import CaseRecord
 from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved

@@ -15,7 +15,6 @@ from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.cases import cases_of
 from workflow.configuration import (
     ConfigError,
     load_configuration,
@@ -23,6 +22,7 @@ from workflow.configuration import (
     read_study,
     read_study_file,
 )
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 CONFIG = (ROOT / "config.yaml").read_bytes()

@@ -11,7 +11,7 @@ from analysis.vtk import write_path
 from sidmacib.joint.joint import Direction, Elastic, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import Case
+from workflow.joints.case import Case
 
 
 def case_of(joint: Joint, ratio: float) -> Case:

@@ -21,10 +21,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from analysis.report.files import REPORT
-from workflow.cases import case_count, find_case, find_place
 from workflow.configuration import CallError, ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.models import CLOSED_FORM, REFERENCE_MODEL
+from workflow.planning.cases import case_count, find_case, find_place
 from workflow.results.files import RECORD
 from workflow.run.job import end_with_parent
 from workflow.run.results_folder import use_writable_caches

@@ -10,8 +10,8 @@ from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE
 from workflow.engines import ENGINES
+from workflow.joints.case import REFERENCE
 from workflow.model import Ability, Need
 from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study

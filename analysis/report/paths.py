@@ -16,7 +16,7 @@ from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
-from workflow.case import REFERENCE, Case
+from workflow.joints.case import REFERENCE, Case
 from workflow.models import REFERENCE_MODEL
 
 STEPS = 24  # of a path, at most

@@ -11,7 +11,7 @@ from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.summary import AGREEMENT
 from sidmacib.structure.files.structure_file import assembly_of
-from workflow.case import REFERENCE
+from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
 from workflow.structures.case import StructureCase
 

@@ -19,7 +19,7 @@ from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Problem
-from workflow.case import Case, CaseId
+from workflow.joints.case import Case, CaseId
 from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from workflow.case import CaseId
 from workflow.configuration import ConfigError, read_study_file
+from workflow.joints.case import CaseId
 from workflow.planning.plan import Job, why
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import read_records

@@ -11,8 +11,7 @@ from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.quantities import FractureEnergy, Modulus
 from workflow.schema.dem import NumericsChanges
-from workflow.schema.section import Section, changes_to
-from workflow.schema.values import Eccentricities, Lengths
+from workflow.schema.values import Eccentricities, Lengths, Section, changes_to
 
 
 class Pieces(StrEnum):

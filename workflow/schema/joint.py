@@ -12,8 +12,16 @@ from pydantic import Field
 from sidmacib.joint.joint import DRY, INNER, Block, Joint, OwnLock
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length, Modulus, Number, Poisson
-from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Eccentricities, Lengths, Name, Several, Some
+from workflow.schema.values import (
+    Eccentricities,
+    Lengths,
+    Name,
+    Section,
+    Several,
+    Some,
+    changes_to,
+    section_of,
+)
 
 MOST_LOCKS = 101
 SIZES = ("a", "b", "h", "H")

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from workflow.case import REFERENCE, CaseId
 from workflow.engines.numerics import Numerics
+from workflow.joints.case import REFERENCE, CaseId
 
 FOLDER = "structures"  # below the results folder
 

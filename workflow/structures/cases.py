@@ -6,8 +6,8 @@ from itertools import groupby
 from operator import itemgetter
 
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE, CaseId
 from workflow.engines import ENGINES
+from workflow.joints.case import REFERENCE, CaseId
 from workflow.model import Ability
 from workflow.models import MODELS, SOLVED
 from workflow.schema import Study

@@ -16,7 +16,7 @@ from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
-from workflow.case import CaseId
+from workflow.joints.case import CaseId
 from workflow.outcome import State
 from workflow.results.files import read_lines
 from workflow.results.record import ResultError, check_balance, check_loads, rounded

@@ -2,7 +2,7 @@
 
 from sidmacib.joint.loading import posed
 from sidmacib.problem import Problem
-from workflow.case import Case
+from workflow.joints.case import Case
 
 
 def problem_of(case: Case) -> Problem:

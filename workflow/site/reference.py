@@ -18,9 +18,8 @@ from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
 from workflow.schema import Study
 from workflow.schema.measured import words
-from workflow.schema.section import Section
 from workflow.schema.structures import samples
-from workflow.schema.values import eccentricity, entries, folder, name, several, some
+from workflow.schema.values import Section, eccentricity, entries, folder, name, several, some
 
 WORDS = {  # of checks that are functions
     eccentricity: "a number of at least 0 (e / a), or torsion",
