@@ -42,8 +42,9 @@ export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EV
 BIN := .venv/bin
 # `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
 # has started reaches it too, because it checks whether make is ending.
-WORKFLOW = @trap '' INT; exec $(BIN)/python -m workflow --end-with-parent
-TO = "$$CONFIG" --results="$$RESULTS"
+RUN = @trap '' INT; exec $(BIN)/python -m
+TO = "$$CONFIG" $(INTO)
+INTO = --results="$$RESULTS" --end-with-parent
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
@@ -51,25 +52,25 @@ COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal 
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
-	$(WORKFLOW) study $(TO) --profile="$$PROFILE"
+	$(RUN) workflow study $(TO) --profile="$$PROFILE"
 
 locks: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
-	$(WORKFLOW) study studies/locks/config.yaml --results="$$RESULTS" --profile="$$PROFILE"
+	$(RUN) workflow study studies/locks/config.yaml $(INTO) --profile="$$PROFILE"
 
 case: .venv/study.ready
-	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
+	$(RUN) analysis case $(TO) --case="$$CASE" --model="$$MODEL"
 
 calibrate: .venv/study.ready
-	$(WORKFLOW) calibrate $(TO)
+	$(RUN) analysis calibrate $(TO)
 
 report: .venv/study.ready
-	$(WORKFLOW) report $(TO)
+	$(RUN) workflow report $(TO)
 
 explore: .venv/study.ready
 	@exec $(BIN)/python -m analysis.explore.app
 
 decks: .venv/study.ready
-	$(WORKFLOW) decks $(TO)
+	$(RUN) workflow decks $(TO)
 
 docs: .venv/test.ready
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
@@ -115,14 +116,14 @@ scaling: .venv/test.ready
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/snakefmt --check Snakefile workflow/rules studies
+	$(BIN)/snakefmt --check Snakefile workflow/rules analysis/rules studies
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
 format: .venv/test.ready
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
-	$(BIN)/snakefmt Snakefile workflow/rules studies
+	$(BIN)/snakefmt Snakefile workflow/rules analysis/rules studies
 
 .venv/study.ready: requirements.txt pyproject.toml | early system
 	@sh workflow/environment.sh

@@ -17,7 +17,6 @@ from conftest import ROOT, a_case
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
-from workflow.__main__ import profile_named
 from workflow.configuration import ConfigError, read_study
 from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
@@ -37,6 +36,7 @@ from workflow.run.attempts import (
     last_try,
     was_killed,
 )
+from workflow.run.command import profile_named
 from workflow.steps import engine as engine_step
 
 

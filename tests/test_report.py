@@ -13,7 +13,7 @@ from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
 
 from analysis.report import paths
-from analysis.report.files import FILES, REPORT
+from analysis.report.files import FILES
 from analysis.report.joints import law_of
 from analysis.report.json_values import json_table
 from analysis.report.page import page
@@ -24,6 +24,7 @@ from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.planning.snakefile import plan_of
+from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study

@@ -16,7 +16,7 @@ from test_report import MOST_BYTES
 
 from analysis.report import structures
 from analysis.report.content import content
-from analysis.report.files import FILES, REPORT
+from analysis.report.files import FILES
 from analysis.report.page import page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_content, structures_verdict, with_room
@@ -26,6 +26,7 @@ from workflow.configuration import read_study
 from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.job import run_job
+from workflow.run.results_folder import REPORT
 from workflow.structures.case import StructureCase
 from workflow.structures.cases import structure_cases
 
