@@ -1,5 +1,6 @@
 # make study   run the whole study: tables, figures, report and a summary in $(RESULTS)
 # make case    run one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
+# make cases  list the cases of a study and their state: done, failed, outdated, to do; FORMAT=json or csv
 # make report  write only the report, report.html in $(RESULTS)
 # make explore open pages with sliders for any joint and for structures, served to this machine only
 # make calibrate  find the geometry and friction that fit the published numbers
@@ -26,6 +27,7 @@
 CONFIG ?= config.yaml
 RESULTS ?=
 CASE ?=
+FORMAT ?= table
 MODEL ?=
 BASE ?=
 PROFILE ?=
@@ -38,7 +40,7 @@ PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
-export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
 # `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
 # has started reaches it too, because it checks whether make is ending.
@@ -48,7 +50,7 @@ INTO = --results="$$RESULTS" --end-with-parent
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
+.PHONY: study locks case cases report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
@@ -59,6 +61,9 @@ locks: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
 
 case: .venv/study.ready
 	$(RUN) analysis case $(TO) --case="$$CASE" --model="$$MODEL"
+
+cases: .venv/study.ready
+	$(RUN) workflow cases $(TO) --format="$$FORMAT"
 
 calibrate: .venv/study.ready
 	$(RUN) analysis calibrate $(TO)

@@ -1,4 +1,4 @@
-"""The commands behind `make study`, `make report` and `make decks`."""
+"""The commands behind `make study`, `make report`, `make decks` and `make cases`."""
 
 from workflow.run.process import end_on_signals, read_utf8
 
@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from sidmacib.command.output import FORMATS, text_of
 from workflow.configuration import ConfigError, installed_engines, read_study_file
 from workflow.consistency import notes
 from workflow.models import REFERENCE_MODEL
@@ -97,14 +98,24 @@ def write_decks(config: Path, results: str | None) -> str | None:
     return None
 
 
+def list_cases(config: Path, results: str | None, form: str) -> None:
+    """Print the cases of a study and their state."""
+    from workflow.run.case_states import case_rows
+
+    print(text_of(case_rows(config, results), form))
+
+
 def main() -> None:
     """Command line: a command, a configuration and a results folder."""
-    parser = options_of("python -m workflow", __doc__, ["study", "report", "decks"])
+    parser = options_of("python -m workflow", __doc__, ["study", "report", "decks", "cases"])
     parser.add_argument(
         "--profile", help="profile of a cluster: a folder in profiles, such as slurm"
     )
     parser.add_argument(
         "--without-engines", action="store_true", help="write the report without results of engines"
+    )
+    parser.add_argument(
+        "--format", default="table", choices=FORMATS, help="of the list of cases; default: table"
     )
     arguments = parser.parse_args()
     config, results = arguments.config, arguments.results or None
@@ -112,6 +123,7 @@ def main() -> None:
         "study": lambda: run_study(config, results, profile_named(arguments.profile)),
         "report": lambda: write_report(config, results, not arguments.without_engines),
         "decks": lambda: write_decks(config, results),
+        "cases": lambda: list_cases(config, results, arguments.format),
     }
     run_command(commands[arguments.what], arguments)
 
