@@ -1,5 +1,6 @@
 # make study   run the whole study: tables, figures, report and a summary in $(RESULTS)
 # make case    run one case, CASE=n3-mesh0.02-e0.1a (and MODEL=static)
+# make cases  list the cases of a study and their state: done, failed, outdated, to do; FORMAT=json or csv
 # make report  write only the report, report.html in $(RESULTS)
 # make explore open pages with sliders for any joint and for structures, served to this machine only
 # make calibrate  find the geometry and friction that fit the published numbers
@@ -26,6 +27,7 @@
 CONFIG ?= config.yaml
 RESULTS ?=
 CASE ?=
+FORMAT ?= table
 MODEL ?=
 BASE ?=
 PROFILE ?=
@@ -38,38 +40,42 @@ PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
-export CONFIG RESULTS CASE MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
 # `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
 # has started reaches it too, because it checks whether make is ending.
-WORKFLOW = @trap '' INT; exec $(BIN)/python -m workflow --end-with-parent
-TO = "$$CONFIG" --results="$$RESULTS"
+RUN = @trap '' INT; exec $(BIN)/python -m
+TO = "$$CONFIG" $(INTO)
+INTO = --results="$$RESULTS" --end-with-parent
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 
-.PHONY: study locks case report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
+.PHONY: study locks case cases report explore calibrate decks docs bench test test-slurm test-container faults fuzz mutants same attack structures scaling lint format lock early system system-test clean
 .DELETE_ON_ERROR:
 
 study: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
-	$(WORKFLOW) study $(TO) --profile="$$PROFILE"
+	$(RUN) workflow study $(TO) --profile="$$PROFILE"
 
 locks: .venv/study.ready $(if $(filter slurm,$(PROFILE)),.venv/slurm.ready)
-	$(WORKFLOW) study studies/locks/config.yaml --results="$$RESULTS" --profile="$$PROFILE"
+	$(RUN) workflow study studies/locks/config.yaml $(INTO) --profile="$$PROFILE"
 
 case: .venv/study.ready
-	$(WORKFLOW) case $(TO) --case="$$CASE" --model="$$MODEL"
+	$(RUN) analysis case $(TO) --case="$$CASE" --model="$$MODEL"
+
+cases: .venv/study.ready
+	$(RUN) workflow cases $(TO) --format="$$FORMAT"
 
 calibrate: .venv/study.ready
-	$(WORKFLOW) calibrate $(TO)
+	$(RUN) analysis calibrate $(TO)
 
 report: .venv/study.ready
-	$(WORKFLOW) report $(TO)
+	$(RUN) workflow report $(TO)
 
 explore: .venv/study.ready
 	@exec $(BIN)/python -m analysis.explore.app
 
 decks: .venv/study.ready
-	$(WORKFLOW) decks $(TO)
+	$(RUN) workflow decks $(TO)
 
 docs: .venv/test.ready
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
@@ -115,14 +121,14 @@ scaling: .venv/test.ready
 lint: .venv/test.ready
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/snakefmt --check Snakefile workflow/rules studies
+	$(BIN)/snakefmt --check Snakefile workflow/rules analysis/rules studies
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
 
 format: .venv/test.ready
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
-	$(BIN)/snakefmt Snakefile workflow/rules studies
+	$(BIN)/snakefmt Snakefile workflow/rules analysis/rules studies
 
 .venv/study.ready: requirements.txt pyproject.toml | early system
 	@sh workflow/environment.sh

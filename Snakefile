@@ -46,8 +46,8 @@ STUDY_FILES = []
 if STUDY.samples:
 
     include: "workflow/rules/cases.smk"
-    include: "workflow/rules/tables.smk"
-    include: "workflow/rules/pages.smk"
+    include: "analysis/rules/tables.smk"
+    include: "analysis/rules/pages.smk"
     include: "workflow/rules/on_request.smk"
 
     STUDY_FILES += [
@@ -72,14 +72,14 @@ if STUDY.structures:
 
 if STUDY.samples or STUDY.structures:
 
-    include: "workflow/rules/report.smk"
+    include: "analysis/rules/report.smk"
 
     STUDY_FILES += rules.report.output
 
 
 if STUDY.measured is not None:
 
-    include: "workflow/rules/measured.smk"
+    include: "analysis/rules/measured.smk"
 
     STUDY_FILES += rules.measured.output
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from sidmacib.joint import Block
+from sidmacib.joint.joint import Block
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 

@@ -10,7 +10,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, Compound
-from sidmacib.structure.file import structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord, read_structure_records
 

@@ -10,12 +10,12 @@ from xml.etree import ElementTree
 import meshio
 import numpy as np
 
-from sidmacib.load_path import load_path
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.pieces import upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.pieces import upper_block
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.files import force_to_stress
 
 CORNERS = np.array(

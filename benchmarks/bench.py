@@ -199,7 +199,7 @@ def law_curve_seconds(locks: int) -> float:
 def elastic_seconds(locks: int, mesh: float) -> float:
     """CPU-s of the static model for elastic pieces, one above all locks, in pure shear."""
     import sidmacib
-    from sidmacib.joint import UpperBody
+    from sidmacib.joint.joint import UpperBody
 
     elastic = sidmacib.Elastic(1e10, 0.2)
     joint = sidmacib.Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=elastic)

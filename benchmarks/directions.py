@@ -9,7 +9,7 @@ import time
 from sidmacib.design.direction import Search
 from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import Case, Site, Structure
-from sidmacib.joint import DRY, INNER
+from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.loads import acceleration, free_weight

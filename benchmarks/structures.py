@@ -22,7 +22,7 @@ from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
 from workflow.planning.closure import ROOT

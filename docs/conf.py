@@ -6,8 +6,11 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from workflow import reference  # noqa: E402
-from workflow.site import gallery, options  # noqa: E402
+from workflow.site import (  # noqa: E402
+    gallery,
+    options,
+    reference,
+)
 
 project = "multilock"
 author = "the multilock developers"

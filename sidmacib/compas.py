@@ -14,9 +14,9 @@ import numpy as np
 from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
 from sidmacib.mechanics.limit import limit_load, require_standing
-from sidmacib.structure.compas import NAME
-from sidmacib.structure.compas_results import compas_results
-from sidmacib.structure.file import assembly_of
+from sidmacib.structure.files.compas import NAME
+from sidmacib.structure.files.compas_results import compas_results
+from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.structure.loads import free_weight, weight_of_free
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml

@@ -39,7 +39,7 @@ def number_of(kind: Any) -> Number | None:
     return next((each for each in getattr(kind, "__metadata__", ()) if type(each) is Number), None)
 
 
-def from_plain(kind: type[Kind], value: Any) -> Kind:
+def dataclass_from(kind: type[Kind], value: Any) -> Kind:
     """The dataclass ``kind`` from what `dataclasses.asdict` and JSON make of one.
 
     ValueError or TypeError if ``value`` is anything else.

@@ -2,10 +2,7 @@
 
 from typing import NamedTuple
 
-from sidmacib.joint import Joint
-from sidmacib.loading import Loading, lateral_load
-from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.pieces import assemble
+from sidmacib.mechanics.assembly import Assembly, Loads
 
 
 class Problem(NamedTuple):
@@ -13,14 +10,3 @@ class Problem(NamedTuple):
 
     assembly: Assembly
     loads: Loads
-
-
-def posed(
-    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
-) -> Problem:
-    """The pieces of ``joint`` on cells of at most ``mesh`` (m), under ``loading``.
-
-    Errors of `sidmacib.assemble` and `sidmacib.lateral_load`.
-    """
-    assembly = assemble(joint, mesh, nodes)
-    return Problem(assembly, lateral_load(joint, assembly, loading))

@@ -10,13 +10,13 @@ import re
 import sys
 from pathlib import Path
 
-import benchmarks.page
 import studies.attack.page
 import studies.elastic.page
 import studies.layouts.page
 import studies.locks.page
 import studies.measured.specimens
 import studies.published.page
+import studies.run_times
 import studies.structures.page
 
 BLOCK = re.compile(r"(<!-- numbers: ([\w-]+) -->\n)(?:.*?\n)??(<!-- end -->)", re.DOTALL)
@@ -28,7 +28,7 @@ BLOCKS = {
     **studies.attack.page.BLOCKS,
     **studies.structures.page.BLOCKS,
     **studies.measured.specimens.BLOCKS,
-    **benchmarks.page.BLOCKS,
+    **studies.run_times.BLOCKS,
 }
 
 

@@ -20,8 +20,9 @@ import pandas as pd
 import pytest
 from hypothesis import settings
 
-from sidmacib.joint import Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Loading
+from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -32,14 +33,13 @@ from sidmacib.mechanics.assembly import (
     shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.pieces import lock_faces
 from sidmacib.problem import Problem
-from workflow.case import Case
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.joints.case import Case
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, RESULT, read_records
 from workflow.results.record import CaseRecord

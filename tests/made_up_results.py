@@ -10,8 +10,8 @@ from analysis.tables.capacity import capacity_table
 from analysis.tables.collect import cases_table, weights_table
 from analysis.tables.fit import best_table, fit_table
 from analysis.tables.validation import validation_table
-from sidmacib.weights import LockWeight
-from workflow.case import Case
+from sidmacib.joint.weights import LockWeight
+from workflow.joints.case import Case
 from workflow.results.record import CaseRecord, failed_record
 from workflow.schema import Study
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
 from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import LEAST, after_peak
 from sidmacib.mechanics.static.model import solver_of, static_peak
-from sidmacib.problem import Problem, posed
+from sidmacib.problem import Problem
 
 MESH = 0.03  # m
 SMOOTH = FaceMaterial(1e10, 1e10, friction=0.0, cohesion=0.0, tensile_strength=0.0)

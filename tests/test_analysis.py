@@ -27,8 +27,8 @@ from analysis.tables.validation import quantity_label
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active
-from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.planning.cases import cases_of
 from workflow.results.record import CaseRecord, failed_record
 from workflow.results.tables import (
     CAPACITY,

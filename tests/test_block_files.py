@@ -13,9 +13,9 @@ from structures import dry, moved
 
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.file import read_structure, structure_of, with_bodies
+from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.structure_file import read_structure, structure_of, with_bodies
 from sidmacib.structure.loads import acceleration
-from sidmacib.structure.meshes import blocks_from_mesh
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 

@@ -44,7 +44,7 @@ def run(
     folder = folder or checkout.parent
     environment = {name: value for name, value in os.environ.items() if name not in CACHES}
     options = (str(folder / "study.yaml"), f"--results={folder / 'results'}")
-    command = (sys.executable, "-m", "workflow", "case", *options, "--case=n3-mesh0.03-e0a")
+    command = (sys.executable, "-m", "analysis", "case", *options, "--case=n3-mesh0.03-e0a")
     return subprocess.run(
         [*(AS_ANYBODY if os.getuid() == 0 else ()), *command],
         check=False,

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from conftest import DISTINCT, a_case, run_case
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, Direction, Joint, UpperBody
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised
 from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
-from sidmacib.pieces import assemble
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.engines import ENGINES
 from workflow.engines.calculix.deck import Deck, line_weights

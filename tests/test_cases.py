@@ -14,16 +14,16 @@ from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.loading import Loading, LoadShare, Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
-from workflow.case import Case
-from workflow.cases import case_count, cases_of, find_case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
+from workflow.joints.case import Case
 from workflow.models import SOLVED, detailed
+from workflow.planning.cases import case_count, cases_of, find_case
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}
@@ -403,7 +403,9 @@ def test_an_override_among_ten_thousand_cases_is_corrected_soon() -> None:
     assert time.process_time() - start < 5.0
 
 
-@pytest.mark.parametrize("module", ["workflow.cases", "workflow.case", "workflow.models"])
+@pytest.mark.parametrize(
+    "module", ["workflow.planning.cases", "workflow.joints.case", "workflow.models"]
+)
 def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     text = f"import sys, {module}; print(*sys.modules)"
     found = subprocess.run(
@@ -411,5 +413,5 @@ def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     )
     heavy = {"cvxpy", "pandas", "numba", "scipy", "matplotlib", "pyarrow", "jinja2"}
     assert not heavy & set(found.stdout.split())
-    if module == "workflow.case":
+    if module == "workflow.joints.case":
         assert "pydantic" not in found.stdout.split()

@@ -14,14 +14,13 @@ import pytest
 import yaml
 from conftest import ROOT, a_case
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
-from workflow.__main__ import profile_named
-from workflow.case import Case
 from workflow.configuration import ConfigError, read_study
 from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
+from workflow.joints.case import Case
 from workflow.planning.closure import described
 from workflow.planning.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
 from workflow.planning.plan import planned, prepared
@@ -37,6 +36,7 @@ from workflow.run.attempts import (
     last_try,
     was_killed,
 )
+from workflow.run.command import profile_named
 from workflow.steps import engine as engine_step
 
 

@@ -8,22 +8,21 @@ from pathlib import Path
 
 import pytest
 from command_runner import answers, run
-from conftest import ROOT
 
 from analysis.drawing.labels import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line
-from sidmacib.effects import sensitivity
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.effects import sensitivity
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, Push
+from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.rule.law import law, safe
 from sidmacib.rule.pairs import pairs_of
-from sidmacib.weights import lock_weights
 
 
 def test_capacity_prints_the_loads_of_the_library() -> None:
@@ -236,16 +235,6 @@ def test_weights_are_over_the_cohesion() -> None:
     )
 
 
-def test_cases_are_listed_where_the_workflow_is(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "study.yaml").write_text("samples: {n3: {locks: 3}}\n")
-    monkeypatch.chdir(tmp_path)
-    found = run("cases", "study.yaml")
-    assert found.exit_code == 1
-    assert "no workflow here; run this in the folder of the project" in found.output
-
-
 def test_tables_are_aligned_and_csv_is_csv() -> None:
     table = run("law", "-n", "5").output.splitlines()
     assert table[0].startswith("what")
@@ -278,7 +267,6 @@ def test_a_model_that_refuses_says_why_and_others_go_on() -> None:
         (("weights", "-e", ".2", "-e", ".3"), "-e is given more than once; it must be given once"),
         (("law", "-n", "3", "--locks", "5"), "-n is given more than once"),
         (("envelope", "--picture", "x.unknown"), "--picture x.unknown"),
-        (("cases", "nothing.yaml"), "does not exist"),
     ],
 )
 def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], words: str) -> None:
@@ -288,23 +276,7 @@ def test_errors_name_flag_value_and_what_is_allowed(arguments: tuple[str, ...], 
     assert "Traceback" not in found.output
 
 
-def test_the_cases_of_a_study_have_a_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    root = Path(__file__).parents[1]
-    monkeypatch.chdir(root)
-    config = tmp_path / "study.yaml"
-    config.write_text(
-        "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\n"
-        "models: [static, law]\ndem: {engines: []}\n"
-    )
-    rows = answers("cases", str(config), "--results", str(tmp_path / "results"))
-    assert {row["state"] for row in rows} == {"to do"}
-    assert {row["case"] for row in rows} >= {"n3-mesh0.02-e0a"}
-    monkeypatch.chdir(tmp_path)
-    elsewhere = run("cases", str(config))
-    assert "run this in the folder of the project" in elsewhere.output
-
-
-@pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "law", "cases"])
+@pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "law"])
 def test_help_is_there_for_every_command(command: str) -> None:
     found = run(command, "--help")
     assert found.exit_code == 0
@@ -364,15 +336,6 @@ def test_too_large_a_limit_analysis_is_refused_in_one_line() -> None:
     found = run("capacity", "-n", "300", "-m", "limit", "-a", "0.1")
     assert found.exit_code == 1
     assert "GiB; at most 2 GiB are allowed" in found.output
-
-
-def test_studies_are_shown_in_the_project_only(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert "cases" not in run("--help").output
-    monkeypatch.chdir(ROOT)
-    assert "cases" in run("--help").output
 
 
 def test_large_loads_are_shown_without_an_exponent() -> None:

@@ -6,8 +6,8 @@ import pytest
 from command_runner import answers, run
 
 from sidmacib.command.inverse import chart, prices_of, sought, values_of
-from sidmacib.joint import Joint
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Push
 from sidmacib.rule.demand import Demand, Prices
 from sidmacib.rule.inverse import cheapest, fewest_locks
 

@@ -14,9 +14,9 @@ from test_compas import assembly, model
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.compas import read_compas, read_compas_interfaces
-from sidmacib.structure.corner_forces import at_corners
-from sidmacib.structure.file import read_structure, structure_of
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas_results import at_corners
+from sidmacib.structure.files.structure_file import read_structure, structure_of
 
 CENTRE = np.array([0.2, 0.3, 0.5])
 

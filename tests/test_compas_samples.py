@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sidmacib.structure.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 
 compas = pytest.importorskip("compas")
 compas_cra = pytest.importorskip("compas_cra")

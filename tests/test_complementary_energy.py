@@ -11,15 +11,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import assemble
 
 
 @pytest.mark.parametrize("locks", [3, 4, 5])

@@ -9,7 +9,7 @@ from conftest import block_on_ground
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sidmacib.joint import INNER, Joint
+from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.newton import forces_and_tangents, node_force, node_tangent

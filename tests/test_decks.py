@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Block, OwnLock
-from sidmacib.loading import lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Block, OwnLock
+from sidmacib.joint.loading import lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import assemble
-from workflow.case import Case
-from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.joints.case import Case
+from workflow.joints.problem import problem_of
 from workflow.outcome import Outcome
-from workflow.problem import problem_of
+from workflow.planning.cases import cases_of
 from workflow.results.files import force_to_stress
 from workflow.results.record import ResultError, record_of
 from workflow.solvers.static import solve

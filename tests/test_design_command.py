@@ -19,7 +19,7 @@ from sidmacib.design.file import designed, task_of
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 
 

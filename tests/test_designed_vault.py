@@ -10,8 +10,8 @@ from sidmacib.design.direction import Search, choice_of
 from sidmacib.design.file import read_task, task_of, write_designed
 from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.compas import read_compas
-from sidmacib.structure.file import read_structure
+from sidmacib.structure.files.compas import read_compas
+from sidmacib.structure.files.structure_file import read_structure
 from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
 
 

@@ -16,15 +16,15 @@ from promises import require_kept
 
 from sidmacib.command.main import main
 from sidmacib.yaml_text import parsed
-from workflow import reference
-from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
+from workflow.planning.cases import cases_of
 from workflow.planning.snakefile import plan_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.files import CASE, OUTPUTS, RECORD
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
+from workflow.site import reference
 
 DOCS = ROOT / "docs"
 GALLERY = DOCS / "gallery" / "made"
@@ -108,7 +108,7 @@ def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.M
     }
     assert len(wanted) >= 5
     for words in sorted(wanted):
-        monkeypatch.chdir(ROOT if words[0] in ("cases", "assembly", "design") else tmp_path)
+        monkeypatch.chdir(ROOT if words[0] in ("assembly", "design") else tmp_path)
         found = CliRunner().invoke(main, list(words))
         assert found.exit_code == 0, f"multilock {' '.join(words)}: {found.output}"
 
@@ -131,7 +131,7 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
         [*command, str(ROOT / "docs"), str(tmp_path)], capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert "sidmacib.joint.Joint" in (tmp_path / "api.html").read_text()
+    assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
     if CHROMIUM is None:
         return

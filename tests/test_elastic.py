@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.loading import posed as posed_problem
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -30,8 +32,6 @@ from sidmacib.mechanics.elastic.solver import ElasticSolver
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import solver_of, static_first_failure, static_peak
-from sidmacib.pieces import assemble
-from sidmacib.problem import posed as posed_problem
 
 YOUNG = 1e10
 LAYOUTS = list(NodeLayout)

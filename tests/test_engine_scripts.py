@@ -14,11 +14,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stack import tilted_stack
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble
 from workflow.engines.liggghts.deck import (
     Deck,
     patches,

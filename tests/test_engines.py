@@ -10,12 +10,12 @@ import pytest
 from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case
 from stack import overturning, tilted_stack
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import assemble
 from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError

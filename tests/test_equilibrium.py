@@ -11,7 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -24,7 +25,6 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.equilibrium import face_frames, wrenches
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.springs import compliance, natural_frequencies
-from sidmacib.pieces import assemble
 
 vectors = arrays(float, 3, elements=st.floats(-10, 10))
 
@@ -110,7 +110,7 @@ def test_frequencies_do_not_depend_on_the_length_that_measures_rotations(joint: 
 
 def test_a_programme_that_only_needs_frequencies_imports_no_solver() -> None:
     modules = "assembly", "equilibrium", "springs", "contact_law"
-    code = "import sys, sidmacib.pieces, sidmacib.loading\n"
+    code = "import sys, sidmacib.joint.pieces, sidmacib.joint.loading\n"
     code += "".join(f"import sidmacib.mechanics.{name}\n" for name in modules)
     code += "assert not {'numba', 'scipy', 'cvxpy'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from conftest import block_on_ground
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine

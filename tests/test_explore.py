@@ -19,10 +19,10 @@ from analysis.explore.state import (
     checked,
     from_query,
 )
-from sidmacib.joint import Direction
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.problem import Problem, posed
+from sidmacib.problem import Problem
 from sidmacib.rule.law import MOST_ECCENTRIC_PAIR, law
 from workflow.configuration import read_study
 

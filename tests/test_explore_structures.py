@@ -20,7 +20,7 @@ from analysis.explore.examples import (
 )
 from analysis.explore.structures import limit, static, structure_answer
 from sidmacib.command.structures import structure_rows
-from sidmacib.structure.file import structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import parsed, read_yaml
 
 QUICK = sorted(EXAMPLES.keys() - {"vault"})

@@ -1,5 +1,6 @@
 """What a run that fails leaves on the screen."""
 
+import csv
 import os
 import subprocess
 import sys
@@ -19,7 +20,9 @@ def test_a_run_that_fails_shows_no_summary_of_an_earlier_one_and_its_reason_last
     solved = Workspace(tmp_path / "study")
     solved.configure({**SOLVED, "eccentricities": [0]})
     earlier = ("results/summary.txt", "results/report.html")
+    assert _states(solved) == {"static": "to do"}
     assert solved.snakemake(*earlier).returncode == 0
+    assert _states(solved) == {"static": "done"}
     engine = tmp_path / "kills-its-job"
     engine.write_text("#!/bin/sh\nkill -KILL $PPID\n")
     engine.chmod(0o755)
@@ -42,3 +45,18 @@ def test_a_run_that_fails_shows_no_summary_of_an_earlier_one_and_its_reason_last
     words = "killed by SIGKILL, probably because memory ran out"
     assert reason == f"  Failed: yade: n3-mesh0.03-e0a: {words}; log: {log}"
     assert words in log.read_text()
+    assert _states(solved, YADE_PYTHON=str(engine))["yade"] == "to do"  # none was written
+
+
+def _states(study: Workspace, **environment: str) -> dict[str, str]:
+    """States of the cases of a study by model, as `make cases` prints them."""
+    asked = ["cases", str(study.folder / "study.yaml"), f"--results={study.results}"]
+    found = subprocess.run(
+        [sys.executable, "-m", "workflow", *asked, "--format", "csv"],
+        check=True,
+        cwd=ROOT,
+        env={**os.environ, **environment},
+        capture_output=True,
+        text=True,
+    )
+    return {row["model"]: row["state"] for row in csv.DictReader(found.stdout.splitlines())}

@@ -9,9 +9,9 @@ from analysis.figures.catalogue import figures_of
 from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY
 from analysis.figures.stress_maps import _cells, _thinned
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble, lock_faces
 from workflow.configuration import read_study, read_study_file
 from workflow.models import detailed
 

@@ -10,12 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.pieces import assemble
 from sidmacib.rule.first_failure import ELASTIC, JointFailure, first_failure
 from sidmacib.rule.pairs import pairs_of
 

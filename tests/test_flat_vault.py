@@ -8,7 +8,7 @@ from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.loads import free_weight
 from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description, name, text
 

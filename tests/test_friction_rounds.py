@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import NoEquilibriumError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
@@ -23,7 +24,6 @@ from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_round
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
-from sidmacib.pieces import assemble
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
 ROUGH = Joint(

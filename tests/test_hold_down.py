@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import PLATE, assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import Mode, StaticSolution, static_peak
-from sidmacib.pieces import PLATE, assemble
 
 PUSHED = Loading(Direction(0.0))
 WITHOUT_PLATE = [HoldDown.force(900.0), HoldDown.pressure(1e5), HoldDown.weight()]

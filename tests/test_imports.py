@@ -17,7 +17,7 @@ HEAVY = {"cvxpy", "highspy", "clarabel", "scipy", "pandas", "pyarrow", "numba", 
     "yaml",
 }
 DESCRIPTION = (
-    *("errors", "joint", "pieces", "loading", "validation"),
+    *("errors", "joint.joint", "joint.pieces", "joint.loading", "validation"),
     *("contact_points.options", "contact_points.reductions"),
     *("mechanics.assembly", "mechanics.equilibrium", "mechanics.contact_law"),
 )

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import pytest
 
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Kind
-from sidmacib.pieces import assemble
 from sidmacib.rule.demand import Demand, Prices, bonded_area, candidate, joint_area, volume_cut
 from sidmacib.rule.inverse import all_candidates, cheapest, cheapest_of, fewest_locks, variants
 from sidmacib.rule.law import safe

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Block, Direction, Joint
+from sidmacib.joint.joint import Block, Direction, Joint
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:

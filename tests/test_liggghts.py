@@ -10,11 +10,11 @@ import pytest
 from conftest import DISTINCT, a_case
 from test_execute import becomes_true
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, execute
 from workflow.engines.numerics import Numerics

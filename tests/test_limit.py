@@ -11,16 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError, InfeasibleError, UnboundedError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.limit import LimitState, limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import assemble
 
 
 def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:

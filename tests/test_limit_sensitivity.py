@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 from structures import dry
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
 from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.limit_sensitivity import limit_derivatives
-from sidmacib.problem import Problem, posed
+from sidmacib.problem import Problem
+from sidmacib.structure.analysis.vertices import vertex_effects
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import acceleration, free_weight
 from sidmacib.structure.structure import structure
-from sidmacib.structure.vertices import vertex_effects
 from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)

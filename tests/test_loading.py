@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import INNER, Direction, Joint
-from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble
 
 loadings = st.builds(
     Loading,

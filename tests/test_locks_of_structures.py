@@ -10,13 +10,13 @@ from structures import dry
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.errors import CapacityError, InfeasibleError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, Direction, Joint, UpperBody
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.problem import Problem, posed
+from sidmacib.problem import Problem
 from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.cutting import cut

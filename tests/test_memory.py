@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Elastic, Joint, UpperBody
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Elastic, Joint, UpperBody
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.elastic import memory
 from sidmacib.mechanics.elastic.memory import memory_needed
 from sidmacib.mechanics.elastic.solver import ElasticSolver
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import assemble
 
 
 def joint(locks: int, body: UpperBody = UpperBody.COLUMNS) -> Joint:

@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.tables.mesh_error import MeshErrors, errors_of
-from sidmacib.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from analysis.tables.collect import MeshErrors, errors_of
+from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
-from workflow.case import Case
-from workflow.cases import second_mesh
+from workflow.joints.case import Case
+from workflow.planning.cases import second_mesh
 from workflow.results.record import CaseRecord, failed_record
 
 LIMIT = 100.0  # N, made-up capacity at an ever finer mesh

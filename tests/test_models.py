@@ -5,10 +5,10 @@ from dataclasses import fields, replace
 import pytest
 from conftest import ROOT
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble
 from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics

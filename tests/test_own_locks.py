@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacity
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock
-from sidmacib.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock
+from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.pieces import assemble, lock_faces
+from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import StaticSolution, static_peak
-from sidmacib.pieces import assemble, lock_faces
-from sidmacib.weights import LockWeight, lock_weights
 
 own_locks = st.builds(
     OwnLock,

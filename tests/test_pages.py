@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from benchmarks import page as scaling
+from studies import run_times
 from studies.elastic import page as elastic
 from studies.layouts import page as layouts
 from studies.locks.bonds import BONDS
@@ -129,7 +129,7 @@ def test_samples_of_as_many_locks_stand_below_each_other(
 
 def test_growth_has_a_row_for_each_number_of_cases(tmp_path: Path) -> None:
     (tmp_path / "tables").mkdir()
-    columns = [column for column, _ in scaling.COLUMNS.values()]
+    columns = [column for column, _ in run_times.COLUMNS.values()]
     rows = [dict.fromkeys(columns, number) for number in (1000.4, 20_000.0)]
     pd.DataFrame(rows).to_csv(tmp_path / "tables/scaling.csv", index=False)
     lines = BLOCKS["scaling"](tmp_path).splitlines()

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.rule.pairs import Pairs, bearing_pairs, pairs_of
 
 LAGS = st.floats(1e-6, 1e3)

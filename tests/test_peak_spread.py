@@ -10,8 +10,9 @@ import pytest
 from analysis.report.joints import verdict_of_spread
 from analysis.summary.summary import spread_lines
 from analysis.tables.collect import compared_loads
-from sidmacib.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mechanics.static import peak_spread as module
@@ -22,9 +23,8 @@ from sidmacib.mechanics.static.peak_spread import (
     peak_spread,
     static_capacity,
 )
-from sidmacib.pieces import assemble
 from sidmacib.problem import Problem
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.record import CaseRecord
 from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved

@@ -6,8 +6,8 @@ import pytest
 from benchmarks.peers import box, furthest_by_highs, peer_times, standard_form
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction
-from sidmacib.joint import Joint
-from sidmacib.pieces import cut_pieces
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.pieces import cut_pieces
 
 
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])

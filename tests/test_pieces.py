@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Block, Joint, UpperBody
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Block, Joint, UpperBody
+from sidmacib.joint.pieces import assemble, lock_faces, upper_block
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Cuboid,
@@ -16,7 +17,6 @@ from sidmacib.mechanics.assembly import (
     Rectangle,
     shared_face,
 )
-from sidmacib.pieces import assemble, lock_faces, upper_block
 
 joints = st.builds(
     Joint,

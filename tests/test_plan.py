@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from conftest import ROOT
 
-from workflow.case import Case
-from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
 from workflow.engines.execute import EngineError, EngineNoAnswerError
+from workflow.joints.case import Case
 from workflow.planning.batches import BATCH, BATCH_TIME, batches
+from workflow.planning.cases import cases_of
 from workflow.planning.needs import solved_needs
 from workflow.planning.plan import Job, prepared
 from workflow.planning.receipts import STALE, fault, read_receipt, write_receipt

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
-from sidmacib.pieces import assemble
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script

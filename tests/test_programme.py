@@ -13,7 +13,7 @@ import sidmacib.contact_points.programme as programme_module
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
 from sidmacib.contact_points.programme import Sidmacib, _programme, capacities, capacity
 from sidmacib.errors import InfeasibleError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.optimisation import solve
 

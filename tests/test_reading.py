@@ -15,7 +15,6 @@ from conftest import ROOT
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from workflow.cases import cases_of
 from workflow.configuration import (
     ConfigError,
     load_configuration,
@@ -23,6 +22,7 @@ from workflow.configuration import (
     read_study,
     read_study_file,
 )
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 CONFIG = (ROOT / "config.yaml").read_bytes()
@@ -278,11 +278,18 @@ def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
     assert read_study(config).dem.numerics.damping == 0.3
 
 
-@pytest.mark.parametrize("what", [["study"], ["case", "--case", "n3-mesh0.02-e0a"], ["decks"]])
+@pytest.mark.parametrize(
+    "what",
+    [
+        ["workflow", "study"],
+        ["workflow", "decks"],
+        ["analysis", "case", "--case", "n3-mesh0.02-e0a"],
+    ],
+)
 def test_commands_end_with_the_line_and_no_traceback(what: list[str], tmp_path: Path) -> None:
     path = written(tmp_path, f"{STUDY}geometry: {{a: true}}")
     found = subprocess.run(
-        [sys.executable, "-m", "workflow", what[0], str(path), *what[1:]],
+        [sys.executable, "-m", *what[:2], str(path), *what[2:]],
         check=False,
         cwd=ROOT,
         capture_output=True,

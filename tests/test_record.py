@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
+from sidmacib.joint.pieces import assemble
+from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import assemble
-from sidmacib.weights import lock_weights
-from workflow.case import Case
+from workflow.joints.case import Case
+from workflow.joints.problem import problem_of
 from workflow.outcome import Outcome, State
-from workflow.problem import problem_of
 from workflow.results.files import (
     HISTORY,
     NODE_COLUMNS,

@@ -7,7 +7,7 @@ import pytest
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS, active, half_rule
-from sidmacib.joint import Block, Direction, Joint, OwnLock
+from sidmacib.joint.joint import Block, Direction, Joint, OwnLock
 
 WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
 

@@ -14,11 +14,11 @@ import pytest
 from stack import tilted_stack
 from structures import dry
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load, posed
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, Loads, NodeLayout
-from sidmacib.pieces import assemble
-from sidmacib.problem import Problem, posed
+from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure

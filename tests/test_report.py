@@ -13,17 +13,18 @@ from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
 
 from analysis.report import paths
-from analysis.report.files import FILES, REPORT
+from analysis.report.files import FILES
 from analysis.report.joints import law_of
+from analysis.report.json_values import json_table
 from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
-from analysis.report.plain import plain
 from analysis.report.provenance import as_yaml, provenance, versions_of
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
-from workflow.cases import cases_of
 from workflow.configuration import read_study
+from workflow.planning.cases import cases_of
 from workflow.planning.snakefile import plan_of
+from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study
@@ -94,7 +95,7 @@ def test_the_versions_of_engines_are_those_of_the_cases() -> None:
 
 def test_what_is_missing_or_infinite_is_plain() -> None:
     table = pd.DataFrame({"a": [1.0, float("nan"), float("inf")], "b": ["x", None, "y"]})
-    assert plain(table)["rows"] == [[1.0, "x"], [None, None], ["inf", "y"]]
+    assert json_table(table)["rows"] == [[1.0, "x"], [None, None], ["inf", "y"]]
 
 
 # --- in a browser --------------------------------------------------------------------------------

@@ -16,16 +16,17 @@ from test_report import MOST_BYTES
 
 from analysis.report import structures
 from analysis.report.content import content
-from analysis.report.files import FILES, REPORT
+from analysis.report.files import FILES
 from analysis.report.page import page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_content, structures_verdict, with_room
-from sidmacib.structure.file import assembly_of
+from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import read_study
 from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.job import run_job
+from workflow.run.results_folder import REPORT
 from workflow.structures.case import StructureCase
 from workflow.structures.cases import structure_cases
 

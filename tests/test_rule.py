@@ -7,14 +7,13 @@ from typing import Any
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, Push, lateral_load, posed
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
-from sidmacib.pieces import assemble
-from sidmacib.problem import posed
 from sidmacib.rule.law import RULES, SAFETY, law, safe
 
 BODIES = (UpperBody.COLUMNS, UpperBody.MONOLITHIC)

@@ -14,8 +14,8 @@ from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import active
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from studies.locks import law
 from studies.locks.bonds import bonds_table
@@ -27,8 +27,8 @@ from studies.locks.paper_joint import assumed_sizes_table, characteristic_table
 from studies.locks.points import points_of
 from studies.locks.sensitivity import PARAMETERS, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.joints.sampling import SampledJoint, sampled_joints
 from workflow.planning.snakefile import plan_of
-from workflow.sampling import SampledJoint, sampled_joints
 from workflow.schema.sampling import SamplingSection
 from workflow.steps import sampling as solve_step
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from sidmacib.mechanics.assembly import Kind
-from sidmacib.structure.file import structure_of
+from sidmacib.structure.files.structure_file import structure_of
 
 
 def block(x: float, z: float, **more: Any) -> dict[str, Any]:

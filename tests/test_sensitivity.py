@@ -10,17 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import sidmacib.mechanics.rigid.solver as rigid
-from sidmacib.effects import Effect, Sensitivity, fields_of, sensitivity
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.effects import Effect, Sensitivity, fields_of, sensitivity
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.loading import Loading, Push, lateral_load, posed
+from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
 from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import path_to_first_failure
-from sidmacib.pieces import assemble, reassemble
-from sidmacib.problem import posed
 
 SMOOTH = replace(DRY, friction=0.0)
 WEAK = replace(INNER, tensile_strength=0.0)

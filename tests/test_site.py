@@ -13,7 +13,7 @@ from promises import require_kept
 
 import sidmacib
 from sidmacib.command.main import main
-from sidmacib.parameters import PARAMETERS
+from sidmacib.joint.parameters import PARAMETERS
 from workflow.site import rule_graph
 from workflow.site.accessible import accessible
 from workflow.site.gallery import examples, index, page, read, run, write_gallery

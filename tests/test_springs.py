@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from stack import tilted_stack
 
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
@@ -14,7 +15,6 @@ from sidmacib.mechanics.newton import node_forces, solve_linear, tangent_stiffne
 from sidmacib.mechanics.rigid.ordering import ordering
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs
-from sidmacib.pieces import assemble
 
 ASSEMBLIES = {
     "columns": assemble(Joint(4), 0.03, NodeLayout.CENTRES),

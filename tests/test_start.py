@@ -62,7 +62,7 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     words = ["study.yaml", "--results", "results", "--case", "n3-mesh0.02-e0a"]
     words[0], words[2] = str(tmp_path / words[0]), str(tmp_path / words[2])
     posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
-    found = started("-m", "workflow", "case", *words, **posix)
+    found = started("-m", "analysis", "case", *words, **posix)
     assert found.returncode == 0, found.stderr
     assert "V = 24" in found.stdout
 
@@ -120,7 +120,7 @@ def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None
     path = tmp_path / "study.yaml"
     path.write_text(SMALL + "overrides: {n3-mesh0.02-torsion: {ramp_periods: 50}}\n")
     asked = ["case", str(path), "--case", "n3-mesh0.02-e0a"]
-    assert started("-m", "workflow", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
+    assert started("-m", "analysis", *asked).stderr.startswith(f"{path}: overrides: 'n3-mesh0.02-")
     path.write_text(SMALL)
     asked[-1] = "n4"
-    assert started("-m", "workflow", *asked).stderr.startswith("CASE: 'n4' is not a case")
+    assert started("-m", "analysis", *asked).stderr.startswith("CASE: 'n4' is not a case")

@@ -14,9 +14,10 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, INNER, Direction, Joint
-from sidmacib.loading import Loading, Push, lateral_load
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint
+from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -31,7 +32,6 @@ from sidmacib.mechanics.contact_law import ContactLaw, utilisation
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
-from sidmacib.pieces import assemble, lock_faces
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:

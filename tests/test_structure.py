@@ -12,14 +12,13 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved, tilt
 
 from sidmacib.errors import InfeasibleError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.problem import posed
 from sidmacib.structure.blocks import Block, box, normal_of, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import overlap, shared_volume

@@ -15,11 +15,11 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayou
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import Condensed, Locks
 from sidmacib.structure.structure import structure
-from sidmacib.structure.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from studies.structures.shapes import arch
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineNoAnswerError

@@ -14,8 +14,8 @@ from conftest import ROOT
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.file import read_structure, structure_of
-from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.analysis.forces import interface_forces
+from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 from sidmacib.yaml_text import read_yaml
 from workflow.structures.case import changed

@@ -3,9 +3,9 @@
 import re
 from pathlib import Path
 
-from sidmacib.structure.file import LOCKS, OPTIONAL, SHAPES
-from sidmacib.structure.keys import MATERIAL
-from sidmacib.structure.selection import RULE
+from sidmacib.structure.files.keys import MATERIAL
+from sidmacib.structure.files.selection import RULE
+from sidmacib.structure.files.structure_file import LOCKS, OPTIONAL, SHAPES
 
 PAGE = (Path(__file__).parents[1] / "docs/structure_file.md").read_text()
 SECTIONS = dict(

@@ -9,10 +9,10 @@ import pytest
 import yaml
 from structures import dry
 
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.limit_tilt import limit_tilt
 from sidmacib.structure.structure import structure
-from sidmacib.structure.tilt import Tilt, static_tilt
 from studies.structures import page, samples
 from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.finite_rotation import relaxed_tilt

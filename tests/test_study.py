@@ -12,14 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
-from sidmacib.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import Joint, OwnLock, UpperBody
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.pieces import assemble
-from workflow.cases import cases_of
 from workflow.configuration import ConfigError, installed_engines, read_study
 from workflow.consistency import node_estimate, notes
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import (
@@ -31,7 +31,7 @@ from workflow.schema.joint import (
     LockSection,
     SampleSection,
 )
-from workflow.schema.section import Section
+from workflow.schema.values import Section
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}

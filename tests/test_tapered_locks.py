@@ -6,9 +6,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, LoadShare
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, LoadShare
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import Block, box, prism

@@ -13,11 +13,8 @@ from structures import dry, moved
 
 from sidmacib.errors import CapacityError, InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Vector
-from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.limit_tilt import limit_tilt
-from sidmacib.structure.locks import Condensed, Locks
-from sidmacib.structure.structure import Pair, structure
-from sidmacib.structure.tilt import (
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import (
     Motion,
     Tilt,
     load_of_tilt,
@@ -28,6 +25,9 @@ from sidmacib.structure.tilt import (
     tilting,
     turned,
 )
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.structure import Pair, structure
 from studies.structures.shapes import arch
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)

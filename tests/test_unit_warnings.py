@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.unit_warnings import unit_warnings
 from workflow.configuration import read_study
 from workflow.consistency import notes
 

@@ -9,12 +9,12 @@ import pytest
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib
-from sidmacib.hold_down import Hold, HoldDown
-from sidmacib.joint import INNER, Direction, Joint, OwnLock
-from sidmacib.loading import Loading
+from sidmacib.joint.hold_down import Hold, HoldDown
+from sidmacib.joint.joint import INNER, Direction, Joint, OwnLock
+from sidmacib.joint.loading import Loading
+from sidmacib.joint.parameters import PARAMETERS, with_parameters
+from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.parameters import PARAMETERS, with_parameters
-from sidmacib.pieces import assemble
 
 NO_NUMBERS = [math.nan, math.inf, -math.inf, "1", None, True]
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from analysis.vtk import write_path
-from sidmacib.joint import Direction, Elastic, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Elastic, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import Case
+from workflow.joints.case import Case
 
 
 def case_of(joint: Joint, ratio: float) -> Case:

@@ -121,7 +121,7 @@ def _with_descriptions(config: dict[str, Any], path: Path) -> dict[str, Any]:
     structures = config.get("structures")
     if not isinstance(structures, Mapping):
         return config
-    from sidmacib.structure.file import with_bodies  # noqa: PLC0415 (polygons take long to import)
+    from sidmacib.structure.files.structure_file import with_bodies  # noqa: PLC0415 (polygons take long to import)
 
     read = {}
     for name, section in structures.items():

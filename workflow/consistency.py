@@ -4,14 +4,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from sidmacib.contact_points.reductions import REDUCTIONS
-from sidmacib.joint import Joint, UpperBody
-from sidmacib.loading import LoadShare
+from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.loading import LoadShare
+from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.quantities import shown
-from sidmacib.unit_warnings import unit_warnings
-from workflow.case import REFERENCE
 from workflow.engines import ENGINES
+from workflow.joints.case import REFERENCE
 from workflow.model import Ability, Need
 from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study

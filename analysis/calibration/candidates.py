@@ -22,7 +22,7 @@ import pandas as pd
 
 from analysis.calibration.curve_shape import TwoParts
 from analysis.published import Published
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from workflow.configuration import ConfigError
 from workflow.model import Ability
 from workflow.models import MODELS

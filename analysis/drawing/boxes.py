@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.pieces import PLATE, cut_pieces, lock_name, upper_block
 from sidmacib.mechanics.assembly import Vector
-from sidmacib.pieces import PLATE, cut_pieces, lock_name, upper_block
 
 MM = 1e3  # of a m
 

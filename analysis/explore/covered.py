@@ -6,7 +6,7 @@ import numpy as np
 
 from analysis.explore.state import SLIDERS, Settings
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction
+from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import require_covered
 
 MOST_VALUES = 41  # of a slider, that are tried

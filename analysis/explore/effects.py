@@ -4,10 +4,10 @@ from functools import lru_cache
 
 from analysis.explore.pictures import COARSE
 from analysis.explore.state import Settings
-from sidmacib.effects import Field, sensitivity
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.effects import Field, sensitivity
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 
 # What a slider changes; the tensile strength goes with the cohesion.
 FIELDS = (

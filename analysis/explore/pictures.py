@@ -10,14 +10,13 @@ from analysis.drawing.labels import label_of
 from analysis.explore.state import Settings
 from sidmacib.drawing import BLUE, GREY
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.static.peak_spread import static_capacity
-from sidmacib.problem import posed
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
-from sidmacib.weights import lock_weights
 
 RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root

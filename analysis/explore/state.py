@@ -6,9 +6,9 @@ from dataclasses import asdict, dataclass
 from typing import Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import INNER, Joint, UpperBody
-from sidmacib.parameters import with_parameters
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import INNER, Joint, UpperBody
+from sidmacib.joint.parameters import with_parameters
 
 FIRST = Joint(5)
 MOST_NAMES = 40  # in a link
@@ -220,7 +220,7 @@ def as_python(state: Settings) -> str:
         [
             "from dataclasses import replace",
             "import sidmacib",
-            *(["from sidmacib.joint import UpperBody"] if state.one_piece else []),
+            *(["from sidmacib import UpperBody"] if state.one_piece else []),
             "",
             f"inner = replace(sidmacib.Joint(3).inner, cohesion={joint.inner.cohesion:g}, "
             f"tensile_strength={joint.inner.tensile_strength:g})",

@@ -9,13 +9,13 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
-from analysis.report.plain import plain_value
+from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.errors import CapacityError
 from sidmacib.problem import Problem
-from sidmacib.structure.file import structure_of
-from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.structure.structure import refined
 from workflow.results.record import ResultError
 from workflow.solvers import structure_limit
@@ -120,7 +120,7 @@ def _line(what: str, row: dict[str, Any], part: str, remark: str) -> list[Any]:
     if part and share is not None and load is not None:
         share *= load / row["load_N"]
     percent = None if error is None else 100.0 * error
-    return [what, load if tilt is None else tilt, plain_value(share), plain_value(percent), remark]
+    return [what, load if tilt is None else tilt, json_value(share), json_value(percent), remark]
 
 
 def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
@@ -170,6 +170,6 @@ def _shape(example: str, locks: float | None) -> dict[str, Any]:
 def _plain(table: pd.DataFrame) -> list[dict[str, Any]]:
     """The rows of a table by column, for JSON."""
     return [
-        {str(name): plain_value(value) for name, value in row.items()}
+        {str(name): json_value(value) for name, value in row.items()}
         for row in table.to_dict("records")
     ]

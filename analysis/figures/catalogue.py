@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from workflow.case import REFERENCE, Case
-from workflow.cases import cases_of
+from workflow.joints.case import REFERENCE, Case
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 MOST_SAMPLES = 12  # that are drawn: a sweep over many has tables

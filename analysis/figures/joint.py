@@ -8,8 +8,8 @@ from analysis.drawing.boxes import MM, boxes
 from analysis.figures import style
 from analysis.figures.material import Material
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
-from sidmacib.joint import Joint
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Push
 
 X, Y, Z = range(3)
 

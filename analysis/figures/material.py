@@ -7,7 +7,7 @@ import pandas as pd
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
 from analysis.published import read_published
 from analysis.tables.study_points import study_points
-from workflow.case import REFERENCE, Case
+from workflow.joints.case import REFERENCE, Case
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
 

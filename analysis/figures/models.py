@@ -15,12 +15,12 @@ from analysis.figures.material import Material
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
+from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.problem import posed
-from workflow.case import REFERENCE
-from workflow.cases import cases_of
+from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, REFERENCE_MODEL
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 MOST_BEHIND = 40  # points of a path behind its peak

@@ -13,9 +13,9 @@ from analysis.drawing.boxes import MM
 from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.material import Material, Stresses
-from sidmacib.loading import Push
+from sidmacib.joint.loading import Push
+from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Rectangle
-from sidmacib.pieces import assemble, lock_faces
 
 TEXT = 8.0  # points, of all that is written in a map
 

@@ -11,7 +11,7 @@ from matplotlib.lines import Line2D
 from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
 from analysis.figures.material import Material
-from sidmacib.joint import UpperBody
+from sidmacib.joint.joint import UpperBody
 
 BODIES = {  # those that are drawn: words and line
     UpperBody.COLUMNS: ("columns", "o-"),

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of
-from analysis.report.plain import plain_value
+from analysis.report.json_values import json_value
 from analysis.summary.answers import Answer, answers, percent
 from analysis.summary.rules import (
     PEAK_ACCURACY,
@@ -70,7 +70,7 @@ def _row(error: RuleError) -> dict[str, Any]:
         "mesh_error": "" if pd.isna(error.mesh_error) else percent(error.mesh_error),
         "where": f"{error.sample}, {direction_words(error.ratio)}",
         "safe": error.safe,
-        "ratio": plain_value(error.ratio),
+        "ratio": json_value(error.ratio),
     }
 
 

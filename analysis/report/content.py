@@ -10,7 +10,7 @@ import pandas as pd
 from analysis.drawing.labels import SERIES, label_of
 from analysis.report.answer import answer_content
 from analysis.report.joints import joints_content, joints_verdict
-from analysis.report.plain import plain
+from analysis.report.json_values import json_table
 from analysis.report.provenance import provenance
 from analysis.report.structures import (
     structures_content,
@@ -58,8 +58,8 @@ def content(
         "provenance": provenance(study, tables),
         "names": names,
         "verdict": verdict,
-        "tables": {name: plain(table) for name, table in shown.items()},
-        "failed": plain(pd.concat(failed)),
+        "tables": {name: json_table(table) for name, table in shown.items()},
+        "failed": json_table(pd.concat(failed)),
     }
 
 

@@ -1,6 +1,5 @@
-"""Names of the report and of the files that it is made from: what a plan needs to know of it."""
+"""Names of the files that the report is made from: what a plan needs to know of it."""
 
-REPORT = "report.html"
 PARTS = ("joints", "structures")  # of which each has a template and a script
 FOLDER = "analysis/report"
 SHARED = "analysis/drawing"  # with the explorer

@@ -7,18 +7,18 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
+from analysis.report.json_values import json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.report.plain import plain_value
 from analysis.report.provenance import sizes_of
 from analysis.summary.summary import AGREEMENT
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
-from workflow.case import REFERENCE
-from workflow.cases import cases_of
+from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
+from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 PEAK = "dem_pure_shear_N"
@@ -32,11 +32,11 @@ def law_of(joint: Joint) -> dict[str, list[Any]]:
     rows |= {name: [] for name in RULES}
     for locks in NUMBERS_OF_LOCKS:
         similar = replace(joint, locks=locks, different=())
-        rows["closed"].append(plain_value(pairs_of(similar).working))
+        rows["closed"].append(json_value(pairs_of(similar).working))
         rows["half"].append((locks - 1) / 2 if locks % 2 else None)
         for name, rule in RULES.items():
             try:
-                rows[name].append(plain_value(rule(similar, Direction(0.0)).load / similar.T0))
+                rows[name].append(json_value(rule(similar, Direction(0.0)).load / similar.T0))
             except (CapacityError, ValueError):
                 rows[name].append(None)
     return rows

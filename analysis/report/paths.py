@@ -8,15 +8,15 @@ import numpy as np
 
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Joint
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Push, posed
+from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import cut_pieces, lock_faces, upper_block
-from sidmacib.problem import Problem, posed
-from workflow.case import REFERENCE, Case
+from sidmacib.problem import Problem
+from workflow.joints.case import REFERENCE, Case
 from workflow.models import REFERENCE_MODEL
 
 STEPS = 24  # of a path, at most

@@ -10,8 +10,8 @@ import pandas as pd
 from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.summary import AGREEMENT
-from sidmacib.structure.file import assembly_of
-from workflow.case import REFERENCE
+from sidmacib.structure.files.structure_file import assembly_of
+from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
 from workflow.structures.case import StructureCase
 

@@ -7,9 +7,9 @@ from analysis.drawing.labels import label_of, option_name, rule_name
 from analysis.tables.capacity import law_capacity
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS
-from sidmacib.joint import Direction
-from workflow.cases import Place
+from sidmacib.joint.joint import Direction
 from workflow.models import LAWS
+from workflow.planning.cases import Place
 from workflow.results.record import CaseRecord
 from workflow.schema import Study
 

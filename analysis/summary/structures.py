@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.mechanics.solution import SPREAD_LIMIT
-from workflow.case import REFERENCE
+from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")

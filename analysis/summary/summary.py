@@ -20,7 +20,7 @@ from analysis.tables.misfit import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
-from workflow.case import REFERENCE
+from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import (
     BEST_FIT,

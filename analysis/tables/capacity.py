@@ -13,10 +13,10 @@ from sidmacib.contact_points.envelope import envelope
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction
+from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import RULES, LawCapacity
-from workflow.case import REFERENCE, case_name
 from workflow.consistency import needs
+from workflow.joints.case import REFERENCE, case_name
 from workflow.models import LAWS, MODELS, detailed
 from workflow.results.tables import (
     CAPACITY,

@@ -2,16 +2,17 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from analysis.tables.mesh_error import MeshErrors, errors_of
-from workflow.case import REFERENCE
-from workflow.models import REFERENCE_MODEL, first_failure_only
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
+from workflow.joints.case import REFERENCE
+from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
@@ -21,6 +22,14 @@ SHARED = (
     *("model", "variant", "sample", "case", "locks", "mesh_m", "eccentricity_m"),
     "eccentricity_over_a",
 )
+
+
+@dataclass(frozen=True)
+class MeshErrors:
+    """Relative mesh errors of a result's load and of its first failure; None: not known."""
+
+    load: float | None = None
+    first_failure: float | None = None
 
 
 def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
@@ -165,3 +174,49 @@ def run(
     write_table(WEIGHT_SUMS, weight_sums(weights), outputs["weight_sums"])
     write_table(CASES, cases_table(records, every), outputs["cases"])
     write_table(MODELS, models_table(records, every), outputs["models"])
+
+
+def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors]:
+    """Mesh errors of results by model and name of the case; results without an error are left out.
+
+    A model with one mesh takes the errors of the same joint, nodes and load from a model that is
+    solved in this process: from the static model where possible.
+    """
+    records = [record for record in records if record.load_N is not None]
+    series: dict[tuple[str, str, str], list[CaseRecord]] = {}
+    for r in records:
+        series.setdefault((r.model, r.variant, r.series), []).append(r)
+    by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
+    lendable: dict[tuple[str, float], MeshErrors] = {}
+    for lender in SOLVED:
+        for (model, _, joint), errors in by_series.items():
+            if model == lender:
+                lendable |= {
+                    (joint, mesh): e for mesh, e in errors.items() if (joint, mesh) not in lendable
+                }
+    by_case = {
+        (r.model, r.name): by_series[r.model, r.variant, r.series].get(
+            r.mesh_m, lendable.get((r.series, r.mesh_m))
+        )
+        for r in records
+    }
+    return {case: errors for case, errors in by_case.items() if errors is not None}
+
+
+def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
+    """Mesh errors of results of one joint and model, by mesh (m).
+
+    Where peaks spread too far the load is the first failure, and so is its error.
+    """
+    records = list(records)
+    layout = NodeLayout(records[0].nodes)
+    loads = {r.cells: r.load_N for r in records if r.load_N is not None}
+    kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)
+    load = mesh_errors(loads, layout, kind)
+    known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
+    first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
+    return {
+        r.mesh_m: MeshErrors((load if r.is_peak else first).get(r.cells), first.get(r.cells))
+        for r in records
+        if r.cells in load
+    }

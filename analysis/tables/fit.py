@@ -19,9 +19,9 @@ from analysis.tables.study_points import study_points
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.pair_loads import pair_loads
 from sidmacib.contact_points.programme import Sidmacib
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
-from workflow.case import REFERENCE
+from workflow.joints.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
 from workflow.schema import Study
 

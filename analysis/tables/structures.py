@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.structure.tilt import tilt_of_load
+from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
 from workflow.structures.record import (

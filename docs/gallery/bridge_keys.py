@@ -11,7 +11,7 @@ from dataclasses import replace
 import matplotlib.pyplot as plt
 
 import sidmacib
-from sidmacib.joint import UpperBody
+from sidmacib import UpperBody
 
 smooth = replace(sidmacib.Joint(3).dry, friction=0.0)
 bodies = {

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import sidmacib
-from sidmacib.joint import UpperBody
+from sidmacib import UpperBody
 
 pure_shear = sidmacib.Direction(0)
 moduli = np.geomspace(3e9, 2e11, 9)  # Pa

@@ -8,7 +8,7 @@ corner first, and one lock takes the joint down. Locks further back have ever le
 import matplotlib.pyplot as plt
 
 import sidmacib
-from sidmacib.weights import lock_weights
+from sidmacib import lock_weights
 
 joint = sidmacib.Joint(locks=9, a=0.08, H=0.06)  # m
 direction = sidmacib.Direction(0.3)  # e / a

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.solution import StaticSolution
@@ -62,9 +62,9 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.load_path import load_path
+    from sidmacib.joint.load_path import load_path
+    from sidmacib.joint.loading import posed
     from sidmacib.mechanics.static.peak_spread import static_capacity
-    from sidmacib.problem import posed
 
     loading, meshes = Loading(direction, push=push), _meshes(joint)
     coarse = load_path(joint, loading, meshes[0])[1]
@@ -98,8 +98,8 @@ def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticCapacity") 
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.joint.loading import posed
     from sidmacib.mechanics.limit import limit_load
-    from sidmacib.problem import posed
 
     problem = posed(joint, Loading(direction, push=push), _meshes(joint)[1])
     return Answer(float(limit_load(*problem).load), "bonds that yield, no friction")
@@ -176,8 +176,8 @@ def reason(error: Exception) -> str:
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
     """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
-    from sidmacib.load_path import load_path
-    from sidmacib.weights import lock_weights
+    from sidmacib.joint.load_path import load_path
+    from sidmacib.joint.weights import lock_weights
 
     loading = Loading(Direction(ratio), push=push)
     assembly, solution = load_path(joint, loading, _meshes(joint)[1])
@@ -204,7 +204,7 @@ def effect_rows(joint: Joint, ratio: float, push: Push) -> tuple[str, list[Row]]
 
     `CapacityError` if the static model has no such failure.
     """
-    from sidmacib.effects import sensitivity
+    from sidmacib.joint.effects import sensitivity
 
     direction = Direction(ratio)
     found = sensitivity(joint, Loading(direction, push=push), _meshes(joint)[1])

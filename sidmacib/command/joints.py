@@ -7,13 +7,13 @@ from typing import Any
 
 import click
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Push
+from sidmacib.joint.parameters import PARAMETERS, Parameter, with_parameters
+from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
-from sidmacib.parameters import PARAMETERS, Parameter, with_parameters
 from sidmacib.quantities import Number, shown
-from sidmacib.unit_warnings import unit_warnings
 
 DEFAULT = Joint(5)
 LOCKS = Number(at_least=1, at_most=300, whole=True)  # the static model of more takes minutes

@@ -1,6 +1,5 @@
 """The command `multilock`."""
 
-import importlib
 import json
 import sys
 from collections.abc import Iterator, Sequence
@@ -12,7 +11,7 @@ import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
-from sidmacib.loading import Push
+from sidmacib.joint.loading import Push
 
 DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
@@ -49,9 +48,6 @@ completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
 """
 
 
-WORKFLOW = Path("workflow", "run", "case_states.py")  # in the project's folder only
-
-
 class Once(click.Command):
     """A command that refuses an option given twice, of which click would take the last."""
 
@@ -68,14 +64,9 @@ class Once(click.Command):
 
 
 class Commands(click.Group):
-    """The commands, of which ``cases`` is there where the workflow is."""
+    """Commands of that kind."""
 
     command_class = Once
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """Names of the commands."""
-        names = super().list_commands(ctx)
-        return [name for name in names if name != "cases" or WORKFLOW.is_file()]
 
 
 @click.group(cls=Commands, context_settings=CONTEXT, help=HELP)
@@ -307,7 +298,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
-        from sidmacib.structure.file import read_structure
+        from sidmacib.structure.files.structure_file import read_structure
         from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
@@ -317,7 +308,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
         if compas is not None:
-            from sidmacib.structure.compas_results import write_compas_results
+            from sidmacib.structure.files.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas, limit)
     _require_answer(rows)
@@ -364,21 +355,3 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
 
 def _progress(line: str) -> None:
     click.echo(line, err=True)
-
-
-@main.command()
-@click.argument("config", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--results", help="Results folder, in place of the configuration's.")
-@_format
-def cases(config: Path, results: str | None, form: str) -> None:
-    """A study's cases and their state. Works only in the project's folder."""
-    if not WORKFLOW.is_file():
-        raise click.ClickException("no workflow here; run this in the folder of the project")
-    sys.path.insert(0, str(Path.cwd()))
-    try:
-        state = importlib.import_module("workflow.run.case_states")
-    except ModuleNotFoundError as error:
-        words = f"{error.name} is not installed; make .venv/study.ready has what a study needs"
-        raise click.ClickException(words) from None
-    with _refused_in_one_line():
-        click.echo(text_of(state.case_rows(config, results), form))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from sidmacib.command.answers import Row
-    from sidmacib.joint import Joint
+    from sidmacib.joint.joint import Joint
 
 DIGITS = 4
 LARGEST = 1e9  # number shown without an exponent

@@ -10,13 +10,13 @@ from sidmacib.mechanics.polygons import CondensedLocks
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
-from sidmacib.structure.forces import interface_forces
-from sidmacib.structure.limit_mesh_error import limit_mesh_error
-from sidmacib.structure.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.forces import interface_forces
+from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.analysis.tilt import Tilt, moves_most, static_tilt
 from sidmacib.structure.loads import free_weight
-from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
 from sidmacib.structure.structure import refined
-from sidmacib.structure.tilt import Tilt, moves_most, static_tilt
 
 
 def limit_of(problem: Problem) -> LimitState | CapacityError | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.validation import is_number, refused
 

@@ -29,7 +29,7 @@ from sidmacib.contact_points.programme import (
     friction_along,
     pressing_lever,
 )
-from sidmacib.joint import Direction
+from sidmacib.joint.joint import Direction
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.validation import refused
 

@@ -22,11 +22,11 @@ import cvxpy as cp
 import numpy as np
 
 from sidmacib.contact_points.options import ContactOption, contact_points
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.pieces import cut_pieces, upper_block
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import Family
-from sidmacib.pieces import cut_pieces, upper_block
 from sidmacib.validation import refused, require_not_negative
 
 KEPT = 16  # programmes that are asked again, such as those of a loop over directions

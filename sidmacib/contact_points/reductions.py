@@ -11,7 +11,7 @@ in strength.
 import math
 from collections.abc import Callable, Sequence
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 
 Weights = Sequence[float]
 

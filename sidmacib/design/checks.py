@@ -17,8 +17,8 @@ from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.file import assembly_of
-from sidmacib.structure.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.structure.structure import refined
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"

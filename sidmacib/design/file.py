@@ -12,13 +12,12 @@ import yaml
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import Case, Site, Structure
-from sidmacib.joint import DRY, INNER
+from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number, shown
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.file import assembly_of, description_in, loads_of
-from sidmacib.structure.keys import (
+from sidmacib.structure.files.keys import (
     MATERIAL,
     POSITIVE,
     listed,
@@ -28,8 +27,9 @@ from sidmacib.structure.keys import (
     read_number,
     vector,
 )
+from sidmacib.structure.files.selection import ALL
+from sidmacib.structure.files.structure_file import assembly_of, description_in, loads_of
 from sidmacib.structure.loads import free_weight
-from sidmacib.structure.selection import ALL
 from sidmacib.validation import refused
 
 KEYS = (

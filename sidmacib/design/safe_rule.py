@@ -2,7 +2,7 @@
 
 from sidmacib.design.layouts import Layout
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.rule.law import safe

@@ -80,7 +80,7 @@ def limit_load(
     (N): the load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
     sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and rounded to that.
     ValueError for ``friction`` under a fixed plate, whose force has no limit: use a given force
-    instead, see `sidmacib.hold_down`. `sidmacib.errors.CapacityError` if there is no largest load.
+    instead, see `sidmacib.HoldDown`. `sidmacib.errors.CapacityError` if there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(

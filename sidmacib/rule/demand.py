@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.rule.law import SAFETY, SAFETY_ELASTIC, law, safe
 from sidmacib.validation import refused, require_not_negative
 

@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
-from sidmacib.joint import Joint
-from sidmacib.loading import Push
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Push
 from sidmacib.rule.demand import Candidate, Demand, Prices, candidate
 from sidmacib.rule.law import SPANS
 from sidmacib.validation import refused

@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.rule.first_failure import (
     FINE,

@@ -11,8 +11,8 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import require_covered

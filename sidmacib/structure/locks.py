@@ -1,7 +1,7 @@
 """Interfaces with locks: cut out of the blocks, or condensed into contact points.
 
 A row of locks lies across the plane of an interface, half of their height on either side. They
-belong to the two blocks in turn, as in a `sidmacib.joint.Joint`: each meets its own block across a
+belong to the two blocks in turn, as in a `sidmacib.Joint`: each meets its own block across a
 bonded inner face, and the other block and its neighbours across dry faces.
 """
 
@@ -13,8 +13,8 @@ import numpy as np
 import shapely
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block

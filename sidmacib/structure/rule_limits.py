@@ -16,10 +16,10 @@ import shapely
 from scipy.spatial import ConvexHull
 
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Block as Side
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Block as Side
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.polygons import ResultantLimits
 from sidmacib.rule.law import RULES, LawCapacity

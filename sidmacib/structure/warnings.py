@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Iterator
 
+from sidmacib.joint.unit_warnings import STIFFNESS, STRENGTH, Value, beyond, rough
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.interfaces import mean_size, touching
-from sidmacib.unit_warnings import STIFFNESS, STRENGTH, Value, beyond, rough
 
 BLOCK = (1e-3, 50.0)  # m, diagonal of a block
 DENSITY = (100.0, 3e4)  # kg/m3: below are kN/m3 and t/m3

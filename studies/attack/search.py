@@ -21,13 +21,12 @@ import pandas as pd
 from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import Hold, HoldDown
-from sidmacib.joint import Block, Direction, Joint, UpperBody
-from sidmacib.load_path import load_path
-from sidmacib.loading import Loading, Push
+from sidmacib.joint.hold_down import Hold, HoldDown
+from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.problem import posed
 from sidmacib.rule.law import SPANS, safe
 
 WIDTH, KN, COHESION = 0.05, 1e10, 8e4  # b (m), Kn (Pa/m), Pa: what all ratios are to

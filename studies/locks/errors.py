@@ -10,7 +10,7 @@ import pandas as pd
 
 from sidmacib.contact_points.options import OPTIONS, ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
-from sidmacib.joint import Direction, Joint
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table

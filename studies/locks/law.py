@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
-from workflow.sampling import SampledJoint
+from workflow.joints.sampling import SampledJoint
 from workflow.steps.joints import joints_of, write_rows
 
 MANY = 41  # locks

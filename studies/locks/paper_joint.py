@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sidmacib.fields import from_plain
-from sidmacib.joint import Direction, Joint, UpperBody
+from sidmacib.fields import dataclass_from
+from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
@@ -110,6 +110,6 @@ def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> None:
     """Write both tables."""
-    base = from_plain(Joint, arguments["base"])
+    base = dataclass_from(Joint, arguments["base"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
     write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])

@@ -13,13 +13,13 @@ import numpy as np
 import pandas as pd
 from scipy.stats import loguniform, sobol_indices, uniform
 
-from sidmacib.fields import from_plain
-from sidmacib.joint import Direction, Joint, UpperBody
-from sidmacib.loading import Loading
+from sidmacib.fields import dataclass_from
+from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
+from workflow.joints.sampling import Sampling, with_ratios
 from workflow.results.tables import Table, write_table
-from workflow.sampling import Sampling, with_ratios
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
@@ -93,6 +93,6 @@ def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> None:
     """Write the table."""
-    sampling = from_plain(Sampling, arguments["sampling"])
-    base = from_plain(Joint, arguments["base"])
+    sampling = dataclass_from(Sampling, arguments["sampling"])
+    base = dataclass_from(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])

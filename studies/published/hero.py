@@ -20,14 +20,13 @@ from PIL import Image, ImageSequence
 from analysis.drawing.boxes import MM
 from analysis.vtk import displacements
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.pieces import lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.pieces import lock_faces, upper_block
-from sidmacib.problem import posed
 from workflow.configuration import read_study_file
 
 CHECKOUT = Path(__file__).parents[2]

@@ -17,7 +17,7 @@ from analysis.tables.validation import (
     difference_text,
     quantity_label,
 )
-from sidmacib.joint import Direction
+from sidmacib.joint.joint import Direction
 from studies.markdown import (
     direction,
     markdown,

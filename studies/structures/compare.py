@@ -17,8 +17,15 @@ from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.problem import Problem
-from sidmacib.structure.limit_tilt import limit_tilt
-from sidmacib.structure.tilt import LARGEST, Tilt, static_tilt, tilt_of_load, tilting, turned
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import (
+    LARGEST,
+    Tilt,
+    static_tilt,
+    tilt_of_load,
+    tilting,
+    turned,
+)
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
 from studies.structures.pyramid import pyramid_tilt

@@ -19,7 +19,7 @@ from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.structure.tilt import LARGEST, Tilt
+from sidmacib.structure.analysis.tilt import LARGEST, Tilt
 
 STEP = 0.25  # degrees
 STEPS = 2_000_000  # of time, in which the block must come to rest

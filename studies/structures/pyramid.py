@@ -14,8 +14,8 @@ from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.structure.limit_tilt import SECTOR
-from sidmacib.structure.tilt import LARGEST, Tilt, turned
+from sidmacib.structure.analysis.limit_tilt import SECTOR
+from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
 
 SIDES = 8
 INFEASIBLE, UNBOUNDED = 2, 3  # of HiGHS, as SciPy has it

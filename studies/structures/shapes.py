@@ -11,11 +11,11 @@ from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Loads, Vector
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.limit_tilt import limit_tilt
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.structure import structure
-from sidmacib.structure.tilt import Tilt, static_tilt
 from studies.structures.samples import dry
 
 HELD = 3.0  # friction at which nothing slides

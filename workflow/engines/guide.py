@@ -6,7 +6,7 @@ Apart from `workflow.engines.render`, so that whoever only plans loads no compil
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.tilt import Tilt, load_of_tilt, static_tilt
+from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, static_tilt
 from workflow.engines.scripts.assembly import Guide
 
 

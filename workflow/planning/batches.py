@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from sidmacib.mechanics.assembly import Failure
-from workflow.case import Case, CaseId, case_name
-from workflow.cases import cases_of, second_mesh
 from workflow.engines import ENGINES
+from workflow.joints.case import Case, CaseId, case_name
 from workflow.model import Ability
 from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
+from workflow.planning.cases import cases_of, second_mesh
 from workflow.planning.needs import solved_needs
 from workflow.schema import Study
 from workflow.structures.case import StructureCase

@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from workflow.case import Case
 from workflow.consistency import node_estimate
+from workflow.joints.case import Case
 
 MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
 START = 60.0  # s: to begin at all

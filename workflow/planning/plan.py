@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from workflow.case import Case, CaseId
+from workflow.joints.case import Case, CaseId
 from workflow.planning.closure import code_digest, described
 from workflow.planning.needs import Needs
 from workflow.planning.receipts import STALE, digest_of, fault, read_receipt, write_whole

@@ -12,7 +12,7 @@ from snakemake import api
 from snakemake.io import strip_wildcard_constraints
 from snakemake.iocontainers import Wildcards
 
-from workflow.case import Case, CaseId
+from workflow.joints.case import Case, CaseId
 from workflow.planning.batches import Batch, CaseJobs
 from workflow.planning.closure import ROOT
 from workflow.planning.plan import Files, Job, Plan, flat

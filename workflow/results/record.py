@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
+from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Problem
-from sidmacib.weights import LockWeight, lock_weights
-from workflow.case import Case, CaseId
+from workflow.joints.case import Case, CaseId
 from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from workflow.case import CaseId
-from workflow.configuration import ConfigError, read_study_file
+from workflow.configuration import read_study_file
+from workflow.joints.case import CaseId
 from workflow.planning.plan import Job, why
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import read_records
@@ -19,13 +19,10 @@ REFUSED = "refused"  # by a model that cannot do such a structure
 def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     """One row for each case, with its state, peak (N), and the reason if there is none.
 
-    Outdated is what was made from another configuration or by other code. ValueError for a
+    Outdated is what was made from another configuration or by other code. `ConfigError` for a
     configuration that is not valid.
     """
-    try:
-        study = read_study_file(config, results)
-    except ConfigError as error:
-        raise ValueError(str(error)) from None
+    study = read_study_file(config, results)
     plan, folder = plan_of(study), Path(study.results)
     rows = []
     for job in plan.made.values():

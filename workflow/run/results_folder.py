@@ -18,6 +18,7 @@ from typing import TextIO
 from workflow.configuration import CallError
 
 LOCK = ".lock"
+REPORT = "report.html"
 CACHES = {  # of Snakemake, matplotlib and numba: in the environment, and where they are by default
     "XDG_CACHE_HOME": Path("~/.cache"),
     "MPLCONFIGDIR": Path("~/.config/matplotlib"),

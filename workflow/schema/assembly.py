@@ -5,14 +5,13 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, PlainSerializer
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import UpperBody
-from sidmacib.loading import LoadShare, Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import UpperBody
+from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.quantities import FractureEnergy, Modulus
 from workflow.schema.dem import NumericsChanges
-from workflow.schema.section import Section, changes_to
-from workflow.schema.values import Eccentricities, Lengths
+from workflow.schema.values import Eccentricities, Lengths, Section, changes_to
 
 
 class Pieces(StrEnum):

@@ -4,8 +4,7 @@ from typing import Annotated, Any
 
 from sidmacib.quantities import Number
 from workflow.engines.numerics import Numerics
-from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Several
+from workflow.schema.values import Section, Several, changes_to, section_of
 
 _KEYS: Any = section_of(Numerics)
 

@@ -1,6 +1,6 @@
 """The joints of a study: sizes, materials, and locks that differ.
 
-Keys, ranges, units and defaults are those of `sidmacib.joint`; narrower only where a study needs
+Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study needs
 it: its joints weigh something, their inner faces hold, and their dry faces have no strength.
 """
 
@@ -9,11 +9,19 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from sidmacib.joint import DRY, INNER, Block, Joint, OwnLock
+from sidmacib.joint.joint import DRY, INNER, Block, Joint, OwnLock
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length, Modulus, Number, Poisson
-from workflow.schema.section import Section, changes_to, section_of
-from workflow.schema.values import Eccentricities, Lengths, Name, Several, Some
+from workflow.schema.values import (
+    Eccentricities,
+    Lengths,
+    Name,
+    Section,
+    Several,
+    Some,
+    changes_to,
+    section_of,
+)
 
 MOST_LOCKS = 101
 SIZES = ("a", "b", "h", "H")

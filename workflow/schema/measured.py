@@ -6,8 +6,7 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, model_validator
 
 from sidmacib.quantities import Number, shown
-from workflow.schema.section import Section
-from workflow.schema.values import Eccentricity, Name, Several
+from workflow.schema.values import Eccentricity, Name, Section, Several
 
 LONGEST = 500  # letters of a source
 FORMULA = ("=", "+", "-", "@")  # what formulas begin with

@@ -8,8 +8,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.quantities import Number, Part, shown
-from workflow.schema.section import Section
-from workflow.schema.values import Entries, Name, Some
+from workflow.schema.values import Entries, Name, Section, Some
 
 
 class OptionSection(Section):

@@ -6,8 +6,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field
 
 from sidmacib.quantities import shown
-from workflow.schema.section import Section
-from workflow.schema.values import Name, Several, entries
+from workflow.schema.values import Name, Section, Several, entries
 
 NO_JOINTS: Mapping[str, Any] = {}  # the samples of a study that has structures only
 

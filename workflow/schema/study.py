@@ -6,12 +6,11 @@ from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Length
-from workflow.case import REFERENCE
+from workflow.joints.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
-from workflow.schema.calibration import CalibrationSection
 from workflow.schema.campaign import Campaign
 from workflow.schema.dem import DemSection, NumericsChanges
 from workflow.schema.joint import (
@@ -21,8 +20,7 @@ from workflow.schema.joint import (
     SampleSection,
 )
 from workflow.schema.measured import MeasuredSection
-from workflow.schema.sampling import SamplingSection
-from workflow.schema.section import Section
+from workflow.schema.sampling import CalibrationSection, SamplingSection
 from workflow.schema.sidmacib import SidmacibSection
 from workflow.schema.structures import NO_JOINTS, SomeOrStructures, StructureSection
 from workflow.schema.values import (
@@ -31,6 +29,7 @@ from workflow.schema.values import (
     Lengths,
     Name,
     Positive,
+    Section,
     Several,
 )
 

@@ -3,10 +3,10 @@
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.problem import Problem
-from sidmacib.structure.limit_mesh_error import limit_mesh_error
-from sidmacib.structure.limit_tilt import limit_tilt
-from sidmacib.structure.mesh_error import MeshErrors
-from sidmacib.structure.tilt import Tilt, load_of_tilt
+from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
+from sidmacib.structure.analysis.limit_tilt import limit_tilt
+from sidmacib.structure.analysis.mesh_error import MeshErrors
+from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
 from workflow.outcome import Outcome, State
 from workflow.structures.found import MECHANISM, Found
 

@@ -10,9 +10,14 @@ from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.solution import Equilibrium, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
 from sidmacib.problem import Problem
-from sidmacib.structure.mesh_error import UNKNOWN, Failures, MeshErrors, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import (
+    UNKNOWN,
+    Failures,
+    MeshErrors,
+    structure_mesh_errors,
+)
+from sidmacib.structure.analysis.tilt import PRECISION, Tilt, load_of_tilt, static_tilt
 from sidmacib.structure.structure import refined
-from sidmacib.structure.tilt import PRECISION, Tilt, load_of_tilt, static_tilt
 from workflow.outcome import Outcome, State
 from workflow.solvers.static import solve_with_path
 from workflow.structures.found import AT_THE_PEAK, MECHANISM, Found

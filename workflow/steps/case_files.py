@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.files import (
     BATCH_HISTORY,
     BATCH_NODES,

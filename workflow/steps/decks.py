@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.threedec import deck
 
 

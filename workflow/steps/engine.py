@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from workflow.case import Case
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
-from workflow.problem import problem_of
+from workflow.joints.case import Case
+from workflow.joints.problem import problem_of
 from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
 from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 from workflow.run.attempts import KilledError, Settled, last_try

@@ -8,15 +8,15 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sidmacib.fields import from_plain
-from sidmacib.joint import Joint
-from workflow.sampling import SampledJoint, Sampling, sampled_joints
+from sidmacib.fields import dataclass_from
+from sidmacib.joint.joint import Joint
+from workflow.joints.sampling import SampledJoint, Sampling, sampled_joints
 
 
 def joints_of(arguments: Mapping[str, Any]) -> Iterator[SampledJoint]:
     """The joints of a batch, from ``start`` to before ``stop``."""
-    sampling = from_plain(Sampling, arguments["sampling"])
-    base = from_plain(Joint, arguments["base"])
+    sampling = dataclass_from(Sampling, arguments["sampling"])
+    base = dataclass_from(Joint, arguments["base"])
     return sampled_joints(sampling, base, arguments["start"], arguments["stop"])
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from workflow.case import Case
+from workflow.joints.case import Case
 from workflow.results.files import write_record
 from workflow.results.record import ResultError, failed_record, record_of
 from workflow.threedec import read_returned

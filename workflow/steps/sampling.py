@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.case import REFERENCE, Case, case_name
+from workflow.joints.case import REFERENCE, Case, case_name
+from workflow.joints.sampling import SampledJoint
 from workflow.results.record import CaseRecord, ResultError
-from workflow.sampling import SampledJoint
 from workflow.solvers import limit, static
 from workflow.steps.joints import joints_of, write_rows
 from workflow.steps.solve import solved
@@ -57,7 +57,7 @@ def solved_rows(
 
 
 def parameters(one: SampledJoint) -> dict[str, Any]:
-    """The joint's parameters; ratios as in `workflow.sampling.Sampling`."""
+    """The joint's parameters; ratios as in `workflow.joints.sampling.Sampling`."""
     joint, inner = one.joint, one.joint.inner
     stored = inner.cohesion**2 / (2.0 * inner.shear_stiffness)
     return {

@@ -6,7 +6,7 @@ from typing import Any
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.structure.file import structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import refusal, run_engine

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError, UnboundedError
-from sidmacib.structure.file import structure_of
+from sidmacib.structure.files.structure_file import structure_of
 from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.model import Ability
 from workflow.models import MODELS

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from workflow.case import REFERENCE, CaseId
 from workflow.engines.numerics import Numerics
+from workflow.joints.case import REFERENCE, CaseId
 
 FOLDER = "structures"  # below the results folder
 
@@ -17,7 +17,7 @@ class StructureCase:
     """One run of a model of a structure.
 
     ``description``: of the structure and its load, plain values as in a file of
-    `sidmacib.structure.file`. ``numerics``: for engines only.
+    `sidmacib.structure.files.structure_file`. ``numerics``: for engines only.
     """
 
     name: str

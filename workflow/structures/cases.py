@@ -6,8 +6,8 @@ from itertools import groupby
 from operator import itemgetter
 
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE, CaseId
 from workflow.engines import ENGINES
+from workflow.joints.case import REFERENCE, CaseId
 from workflow.model import Ability
 from workflow.models import MODELS, SOLVED
 from workflow.schema import Study
@@ -113,7 +113,7 @@ def structure_faults(study: Study) -> Iterator[str]:
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
-    from sidmacib.structure.file import assembly_of, loads_of  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import assembly_of, loads_of  # noqa: PLC0415
 
     for variant, group in groupby(described(section), key=itemgetter(1)):
         place = f"variants.{variant}" if variant != REFERENCE else "description"

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.structure.mesh_error import UNKNOWN, MeshErrors
+from sidmacib.structure.analysis.mesh_error import UNKNOWN, MeshErrors
 from workflow.outcome import Outcome
 
 AT_THE_PEAK = "at the peak"

@@ -14,9 +14,9 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.problem import Problem
-from sidmacib.structure.forces import interface_forces
+from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
-from workflow.case import CaseId
+from workflow.joints.case import CaseId
 from workflow.outcome import State
 from workflow.results.files import read_lines
 from workflow.results.record import ResultError, check_balance, check_loads, rounded

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
 from sidmacib.quantities import shown
-from workflow.case import REFERENCE, Case, CaseId, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, needs, node_estimate
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine
 from workflow.engines.numerics import Numerics
+from workflow.joints.case import REFERENCE, Case, CaseId, case_name
 from workflow.model import Model
 from workflow.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from workflow.schema import Study

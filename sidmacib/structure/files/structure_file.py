@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from sidmacib.contact_points.options import OPTIONS
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.problem import Problem
 from sidmacib.quantities import Number, choice, shown
 from sidmacib.rule.law import RULES
+from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.compas import DENSITIES, NAME, read_compas
-from sidmacib.structure.interfaces import NEAR, interfaces
-from sidmacib.structure.keys import (
+from sidmacib.structure.files.compas import DENSITIES, NAME, read_compas
+from sidmacib.structure.files.keys import (
     MATERIAL,
     POSITIVE,
     listed,
@@ -26,12 +26,12 @@ from sidmacib.structure.keys import (
     vector,
     vectors,
 )
+from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.selection import Pair, Selection
+from sidmacib.structure.interfaces import NEAR, interfaces
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import Condensed, Locks
-from sidmacib.structure.meshes import blocks_from_mesh
-from sidmacib.structure.selection import Pair, Selection
 from sidmacib.structure.structure import structure
-from sidmacib.structure.tilt import Tilt, tilting
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from sidmacib.fields import require_kinds
-from sidmacib.hold_down import HoldDown
+from sidmacib.joint.hold_down import HoldDown
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, Failure
 from sidmacib.quantities import Count, Density, Length
 from sidmacib.validation import is_number, refused

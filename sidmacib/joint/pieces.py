@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from sidmacib.hold_down import Hold
-from sidmacib.joint import Joint, UpperBody
+from sidmacib.joint.hold_down import Hold
+from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,

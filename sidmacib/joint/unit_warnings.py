@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
 
 # Far beyond any lock of stone, concrete or timber, and any printed model.
 LENGTH = (1e-3, 10.0)

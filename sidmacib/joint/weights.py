@@ -9,11 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.joint import Joint
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.pieces import lock_faces
 from sidmacib.validation import require_positive
 
 

@@ -6,9 +6,9 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
-from sidmacib.fields import from_plain
-from sidmacib.joint import Direction, Joint
-from sidmacib.loading import Loading
+from sidmacib.fields import dataclass_from
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.numerics import Numerics
 
@@ -92,7 +92,7 @@ class Case:
     def from_json(cls, text: str | bytes) -> "Case":
         """The case that `to_json` wrote; ValueError if ``text`` is anything else."""
         try:
-            return from_plain(cls, json.loads(text, parse_constant=_refused))
+            return dataclass_from(cls, json.loads(text, parse_constant=_refused))
         except (TypeError, RecursionError, ValueError) as error:
             raise ValueError(f"not a case: {error}") from None
 

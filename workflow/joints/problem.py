@@ -1,7 +1,8 @@
 """The problem that a case poses to its model."""
 
-from sidmacib.problem import Problem, posed
-from workflow.case import Case
+from sidmacib.joint.loading import posed
+from sidmacib.problem import Problem
+from workflow.joints.case import Case
 
 
 def problem_of(case: Case) -> Problem:

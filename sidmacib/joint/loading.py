@@ -1,4 +1,4 @@
-"""The lateral load on the joint's pieces."""
+"""The lateral load on the joint's pieces, and both as the input of a model."""
 
 import math
 from dataclasses import dataclass
@@ -7,9 +7,10 @@ from enum import StrEnum
 import numpy as np
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint import Direction, Joint
-from sidmacib.mechanics.assembly import Assembly, Loads, SideLoad, self_weight
-from sidmacib.pieces import lock_name, upper_bodies
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.pieces import assemble, lock_name, upper_bodies
+from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout, SideLoad, self_weight
+from sidmacib.problem import Problem
 from sidmacib.validation import refused, require_member
 
 
@@ -86,3 +87,14 @@ def _loaded(joint: Joint, loading: Loading) -> set[str]:
     if loading.share is LoadShare.FACE and joint.is_upper(lock):
         names.add(lock_name(lock))
     return names
+
+
+def posed(
+    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+) -> Problem:
+    """The pieces of ``joint`` on cells of at most ``mesh`` (m), under ``loading``.
+
+    Errors of `sidmacib.assemble` and `sidmacib.lateral_load`.
+    """
+    assembly = assemble(joint, mesh, nodes)
+    return Problem(assembly, lateral_load(joint, assembly, loading))

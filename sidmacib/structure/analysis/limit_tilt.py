@@ -3,7 +3,7 @@
 With friction that is associated this is an upper bound: blocks that wedge each other carry any load
 in limit analysis, but in a path of loading only if something presses them together first.
 
-Apart from `sidmacib.structure.tilt`, so that whoever follows a path loads no solver of programmes.
+Apart from `tilt`, so that following a path loads no solver of programmes.
 """
 
 import math
@@ -15,8 +15,8 @@ from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
+from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned, turning
 from sidmacib.structure.loads import free_weight
-from sidmacib.structure.tilt import LARGEST, Tilt, turned, turning
 
 SECTOR = 60.0  # degrees that one programme of limit analysis sees
 SCAN = 5.0  # degrees between programmes where what they see is no sector

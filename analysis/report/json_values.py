@@ -1,4 +1,4 @@
-"""Tables as plain values for JSON."""
+"""Tables and their values for JSON."""
 
 import math
 from typing import Any
@@ -6,15 +6,15 @@ from typing import Any
 import pandas as pd
 
 
-def plain(table: pd.DataFrame) -> dict[str, Any]:
+def json_table(table: pd.DataFrame) -> dict[str, Any]:
     """A table's columns and rows for JSON: None for a missing value, "inf" for an infinite one."""
     return {
         "columns": list(table.columns),
-        "rows": [[plain_value(value) for value in row] for row in table.itertuples(index=False)],
+        "rows": [[json_value(value) for value in row] for row in table.itertuples(index=False)],
     }
 
 
-def plain_value(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """A value of a table for JSON, with six digits."""
     if value is None or value is pd.NA or (isinstance(value, float) and math.isnan(value)):
         return None

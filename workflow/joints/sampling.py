@@ -13,11 +13,11 @@ from typing import Annotated
 
 import numpy as np
 
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Joint, UpperBody
-from sidmacib.loading import Push
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Joint, UpperBody
+from sidmacib.joint.loading import Push
+from sidmacib.joint.parameters import with_parameters
 from sidmacib.mechanics.assembly import Elastic, Failure
-from sidmacib.parameters import with_parameters
 from sidmacib.quantities import Count, Number, Part, Span
 
 Limits = tuple[float, float]

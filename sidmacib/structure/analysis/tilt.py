@@ -5,8 +5,8 @@ turn a structure about an axis by an angle is to turn gravity by the opposite an
 the same throughout; as everywhere in the models, they are where they were built, so that only
 motions much smaller than the blocks are described.
 
-`static_tilt` follows the history of friction; `sidmacib.structure.limit_tilt` asks only whether any
-admissible forces carry gravity at an angle.
+`static_tilt` follows the history of friction; `limit_tilt` asks only whether any admissible forces
+carry gravity at an angle.
 """
 
 import math

@@ -12,15 +12,14 @@ from pydantic import BeforeValidator
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from sidmacib.hold_down import HoldDown
+from sidmacib.joint.hold_down import HoldDown
 from sidmacib.quantities import Number, Span
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
 from workflow.schema import Study
 from workflow.schema.measured import words
-from workflow.schema.section import Section
 from workflow.schema.structures import samples
-from workflow.schema.values import eccentricity, entries, folder, name, several, some
+from workflow.schema.values import Section, eccentricity, entries, folder, name, several, some
 
 WORDS = {  # of checks that are functions
     eccentricity: "a number of at least 0 (e / a), or torsion",

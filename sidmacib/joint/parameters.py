@@ -11,8 +11,8 @@ from enum import StrEnum
 from typing import Any
 
 from sidmacib.fields import kinds_of, number_of
-from sidmacib.hold_down import HoldDown
-from sidmacib.joint import Joint
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.quantities import Number, choice
 

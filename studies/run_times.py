@@ -1,4 +1,4 @@
-"""Numbers of pages: how a study grows with its cases, and a wall with its blocks."""
+"""Numbers of pages from `make scaling` and `make bench`: how run times grow."""
 
 import math
 from pathlib import Path

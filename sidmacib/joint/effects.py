@@ -4,14 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from sidmacib.hold_down import AMOUNTS
-from sidmacib.joint import Joint
-from sidmacib.loading import Loading, lateral_load
+from sidmacib.joint.hold_down import AMOUNTS
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.loading import Loading, lateral_load, posed
+from sidmacib.joint.pieces import reassemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.static.sensitivity import Derivative, failure_derivatives
-from sidmacib.pieces import reassemble
-from sidmacib.problem import posed
 
 STEP = 1e-5  # of a parameter, over itself, in the differences of what is assembled
 
@@ -117,7 +116,7 @@ def sensitivity(
     ``mesh`` in m: the largest cell; the number of cells does not change with the sizes. The loading
     keeps its e / a. At a value of 0, the effect is that of more. ``fields``: the parameters; None:
     all that the joint has. `sidmacib.CapacityError` where no bond fails first, and for elastic
-    pieces; errors of `sidmacib.problem.posed`.
+    pieces; errors of `sidmacib.joint.loading.posed`.
     """
     fields = fields_of(joint) if fields is None else fields
     assembly, loads = posed(joint, loading, mesh, nodes)

@@ -1,7 +1,6 @@
 """Mesh error of limit analysis of a structure.
 
-Apart from `sidmacib.structure.mesh_error`, so that whoever follows a path loads no solver of
-programmes.
+Apart from `mesh_error`, so that following a path loads no solver of programmes.
 """
 
 from sidmacib.errors import CapacityError

@@ -1,0 +1,1 @@
+"""Answers about structures: tilts, mesh errors, forces of interfaces, effects of vertices."""

@@ -1,0 +1,1 @@
+"""Structures in files: their own YAML, COMPAS, triangle meshes; and results for COMPAS."""

@@ -1,0 +1,1 @@
+"""A joint in a study: its case, the problem that it poses, samplings of joints."""
