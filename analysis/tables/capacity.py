@@ -15,7 +15,7 @@ from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import RULES, LawCapacity
-from workflow.consistency import needs
+from workflow.consistency import requirements
 from workflow.joints.case import REFERENCE, case_name
 from workflow.models import LAWS, MODELS, detailed
 from workflow.results.tables import (
@@ -88,7 +88,7 @@ def law_capacity(
     """
     change = study.every_variant[variant]
     assembly = change.assembly(study.assembly)
-    if (reason := MODELS[name].refusal(needs(study, assembly, sample))) is not None:
+    if (reason := MODELS[name].refusal(requirements(study, assembly, sample))) is not None:
         raise ValueError(reason)
     return RULES[name](study.joint(sample, change), Direction(ratio), assembly.push)
 
