@@ -22,8 +22,14 @@ from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.joints.case import Case
 from workflow.planning.closure import described
-from workflow.planning.needs import Needs, engine_needs, nodes_of, sampling_needs, solved_needs
 from workflow.planning.plan import planned, prepared
+from workflow.planning.resources import (
+    Resources,
+    engine_resources,
+    nodes_of,
+    sampling_resources,
+    solved_resources,
+)
 from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, RESULT
 from workflow.run.attempts import (
@@ -48,29 +54,29 @@ def test_more_nodes_ask_for_more() -> None:
     coarse, fine = case_on(mesh=0.02), case_on(mesh=0.005)
     assert nodes_of(fine) > 5 * nodes_of(coarse)
     for one, other in (
-        (engine_needs(coarse, 3600), engine_needs(fine, 3600)),
-        (solved_needs([coarse]), solved_needs([fine])),
+        (engine_resources(coarse, 3600), engine_resources(fine, 3600)),
+        (solved_resources([coarse]), solved_resources([fine])),
     ):
         assert one.time < other.time
         assert one.memory <= other.memory
 
 
 def test_an_engine_asks_for_no_more_than_its_own_time_limit() -> None:
-    assert engine_needs(case_on(mesh=0.001), 60).time == 60
+    assert engine_resources(case_on(mesh=0.001), 60).time == 60
 
 
 def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
     case = case_on(mesh=0.02)
     soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
-    assert solved_needs([soft]).time > 10 * solved_needs([case]).time
-    assert solved_needs([case, case]).time == 2 * solved_needs([case]).time
-    assert sampling_needs(64).time > sampling_needs(8).time
+    assert solved_resources([soft]).time > 10 * solved_resources([case]).time
+    assert solved_resources([case, case]).time == 2 * solved_resources([case]).time
+    assert sampling_resources(64).time > sampling_resources(8).time
 
 
 def test_a_further_attempt_asks_for_twice_as_much() -> None:
-    needs = Needs(memory=1000, time=600.0)
-    assert needs.megabytes(2) == 2 * needs.megabytes(1) == 2000
-    assert needs.minutes(2) == 2 * needs.minutes(1)
+    resources = Resources(memory=1000, time=600.0)
+    assert resources.megabytes(2) == 2 * resources.megabytes(1) == 2000
+    assert resources.minutes(2) == 2 * resources.minutes(1)
 
 
 def test_only_a_job_that_was_killed_counts_as_killed(tmp_path: Path) -> None:

@@ -12,12 +12,12 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
-from workflow.model import Ability, Model, Need
+from workflow.model import Ability, Model, Requirement
 from workflow.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
 from workflow.outcome import Outcome, State
 
-DUCTILE = Need(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
-STIFF = Need(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
+DUCTILE = Requirement(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
+STIFF = Requirement(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
 
 
 def loaded(joint: Joint) -> Problem:
@@ -43,7 +43,10 @@ def test_sidmacib_is_held_against_models_that_follow_progressive_failure() -> No
 def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_several() -> None:
     model = Model(name="rule", label="", colour="", abilities=frozenset({Ability.BRITTLE}))
     assert model.refusal([]) is None
-    assert model.refusal([Need(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")]) is None
+    assert (
+        model.refusal([Requirement(Ability.BRITTLE, "assembly.failure", "brittle", "ductile")])
+        is None
+    )
     assert model.refusal([DUCTILE, STIFF]) == (
         "assembly.failure: ductile is not allowed with rule; it must be brittle"
     )

@@ -16,9 +16,9 @@ from workflow.engines.execute import EngineError, EngineNoAnswerError
 from workflow.joints.case import Case
 from workflow.planning.batches import BATCH, BATCH_TIME, batches
 from workflow.planning.cases import cases_of
-from workflow.planning.needs import solved_needs
 from workflow.planning.plan import Job, prepared
 from workflow.planning.receipts import STALE, fault, read_receipt, write_receipt
+from workflow.planning.resources import solved_resources
 from workflow.planning.snakefile import plan_of
 from workflow.run.job import run_job
 from workflow.run.results_folder import LockedError, lock
@@ -238,7 +238,7 @@ def test_every_case_is_in_one_batch_and_batches_have_the_size_that_is_asked_for(
 
 def test_cases_that_take_long_are_in_small_batches() -> None:
     found = batches(list(cases_of(read_study_file(ROOT / "studies/elastic/config.yaml")).values()))
-    times = [solved_needs(cases).time for cases in found.values()]
+    times = [solved_resources(cases).time for cases in found.values()]
     assert BATCH_TIME / 2 < np.mean(times) <= BATCH_TIME
     assert sum(map(len, found.values())) > 500
 

@@ -34,7 +34,7 @@ pytestmark = pytest.mark.study
 
 NARROW, WIDE = {"width": 390, "height": 800}, {"width": 1200, "height": 900}
 PLOTS = "document.querySelectorAll('#structures .js-plotly-plot .gl-container').length === 1"
-OF_FREE, OF_EDGES, OF_INTERFACES, OF_FIRST, OF_LINES, OF_DOTS = 1, 2, 3, 5, 6, 7  # traces
+OF_FREE, OF_FIRST, OF_LINES, OF_DOTS = 1, 5, 6, 7  # traces
 
 
 def example(name: str) -> dict[str, Any]:

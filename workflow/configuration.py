@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from sidmacib.quantities import shown
 from sidmacib.yaml_text import TextError, read_yaml
-from workflow.consistency import faults, needs
+from workflow.consistency import faults, requirements
 from workflow.engines import ENGINES
 from workflow.models import LAWS, MODELS, SOLVED
 from workflow.schema import Study
@@ -156,7 +156,7 @@ def _with_able_models(study: Study, config: Mapping[str, Any]) -> Study:
 
     def refused(name: str) -> bool:
         return any(
-            MODELS[name].refusal(needs(study, study.assembly, sample))
+            MODELS[name].refusal(requirements(study, study.assembly, sample))
             for sample, section in study.samples.items()
             if section.models is None or name in section.models
         )

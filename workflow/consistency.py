@@ -1,4 +1,4 @@
-"""Checks across the sections of a study, and of the needs that its models must meet."""
+"""Checks across the sections of a study, and what a study requires of its models."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -12,7 +12,7 @@ from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.quantities import shown
 from workflow.engines import ENGINES
 from workflow.joints.case import REFERENCE
-from workflow.model import Ability, Need
+from workflow.model import Ability, Requirement
 from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
@@ -78,36 +78,36 @@ def _measured(study: Study) -> Iterator[str]:
             )
 
 
-def needs(study: Study, assembly: AssemblySection, sample: str) -> tuple[Need, ...]:
-    """The needs of ``study`` for a model that runs ``sample`` with ``assembly``."""
-    found = []
+def requirements(study: Study, assembly: AssemblySection, sample: str) -> tuple[Requirement, ...]:
+    """What ``study`` requires of a model that runs ``sample`` with ``assembly``."""
+    return tuple(_requirements(study, assembly, sample))
+
+
+def _requirements(study: Study, assembly: AssemblySection, sample: str) -> Iterator[Requirement]:
     ability, allowed = FAILURES[assembly.failure]
-    found.append(Need(ability, "assembly.failure", str(assembly.failure), allowed))
+    yield Requirement(ability, "assembly.failure", str(assembly.failure), allowed)
     if assembly.pieces is Pieces.ELASTIC:
-        found.append(Need(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid"))
+        yield Requirement(Ability.ELASTIC, "assembly.pieces", "elastic", "rigid")
     else:
-        found.append(Need(Ability.RIGID, "assembly.pieces", "rigid", "elastic"))
+        yield Requirement(Ability.RIGID, "assembly.pieces", "rigid", "elastic")
     if assembly.load_share is not LoadShare.FACE:
-        found.append(Need(Ability.SHARED, "assembly.load_share", str(assembly.load_share), "face"))
+        yield Requirement(Ability.SHARED, "assembly.load_share", str(assembly.load_share), "face")
     if assembly.upper_body is UpperBody.JOINED:
         allowed = "columns or monolithic"
-        found.append(Need(Ability.JOINED, "assembly.upper_body", "joined", allowed))
+        yield Requirement(Ability.JOINED, "assembly.upper_body", "joined", allowed)
     for place, inner in _inner_faces(study, sample):
         if inner.bond_friction:
             name, value = f"{place}.bond_friction", f"{inner.bond_friction:g}"
-            found.append(Need(Ability.BOND_FRICTION, name, value, "0"))
+            yield Requirement(Ability.BOND_FRICTION, name, value, "0")
         if inner.normal_stiffness != inner.shear_stiffness:
-            found.append(
-                Need(
-                    Ability.TWO_STIFFNESSES,
-                    f"{place}.shear_stiffness",
-                    f"{inner.shear_stiffness:g} Pa/m",
-                    f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
-                )
+            yield Requirement(
+                Ability.TWO_STIFFNESSES,
+                f"{place}.shear_stiffness",
+                f"{inner.shear_stiffness:g} Pa/m",
+                f"the same as normal_stiffness, {inner.normal_stiffness:g} Pa/m",
             )
     if (locks := study.samples[sample].locks) == 1:  # nothing but friction carries the load
-        found.append(Need(Ability.FRICTION, f"samples.{sample}.locks", f"{locks}", "at least 2"))
-    return tuple(found)
+        yield Requirement(Ability.FRICTION, f"samples.{sample}.locks", f"{locks}", "at least 2")
 
 
 def _inner_faces(study: Study, sample: str) -> Iterator[tuple[str, FaceMaterial]]:
@@ -248,7 +248,7 @@ def _models(study: Study) -> Iterator[str]:
         yield from _names(key, names, allowed)
     known = [name for name in study.model_names if name in MODELS]
     refusals = (
-        MODELS[name].refusal(needs(study, study.assembly, sample))
+        MODELS[name].refusal(requirements(study, study.assembly, sample))
         for sample in study.samples
         for name in study.models_of(sample)
         # A rule that refuses a joint gives its reason in its rows of the tables.

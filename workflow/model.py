@@ -34,7 +34,7 @@ class Ability(StrEnum):
 
 
 @dataclass(frozen=True)
-class Need:
+class Requirement:
     """A requirement of a study on its models: an ability, because ``key`` has this ``value``.
 
     ``allowed``: the value that models without the ability can do.
@@ -61,13 +61,13 @@ class Model:
         can = self.abilities
         return Ability.FIRST_FAILURE in can and Ability.PROGRESSIVE not in can
 
-    def refusal(self, needs: Iterable[Need]) -> str | None:
-        """The first of the needs that the model does not meet, as one line; None if all are met."""
-        for need in needs:
-            if need.ability not in self.abilities:
+    def refusal(self, requirements: Iterable[Requirement]) -> str | None:
+        """The first requirement that the model does not meet, as one line; None if all are met."""
+        for each in requirements:
+            if each.ability not in self.abilities:
                 return (
-                    f"{need.key}: {need.value} is not allowed with {self.name}; "
-                    f"it must be {need.allowed}"
+                    f"{each.key}: {each.value} is not allowed with {self.name}; "
+                    f"it must be {each.allowed}"
                 )
         return None
 

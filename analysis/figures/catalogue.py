@@ -32,11 +32,6 @@ class FigureSpec:
     case: Case | None = None
 
 
-def figure_files(study: Study, detailed: tuple[str, ...]) -> list[str]:
-    """Paths of all figures of ``study``, below the results folder."""
-    return drawn_files(figures_of(study, detailed))
-
-
 def drawn_files(names: Iterable[str]) -> list[str]:
     """The files of the figures of these ``names``, below the results folder."""
     return [f"figures/{name}.{kind}" for name in names for kind in ("png", "pdf")]

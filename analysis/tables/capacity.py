@@ -15,7 +15,7 @@ from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import RULES, LawCapacity
-from workflow.consistency import needs
+from workflow.consistency import requirements
 from workflow.joints.case import REFERENCE, case_name
 from workflow.models import LAWS, MODELS, detailed
 from workflow.results.tables import (
@@ -63,12 +63,7 @@ def sidmacib_rows(study: Study, weights: pd.DataFrame) -> Iterator[dict[str, Any
                     yield {
                         "model": "sidmacib",
                         "variant": sidmacib_variant(name, friction, reduction),
-                        "sample": sample,
-                        "locks": joint.locks,
-                        "mesh_m": mesh,
-                        "eccentricity_m": ratio * joint.a,
-                        "eccentricity_over_a": ratio,
-                        "case": case_name(sample, mesh, ratio),
+                        **_place(study, sample, mesh, ratio),
                         "shear_N": point.shear,
                         "torque_Nm": point.torque,
                         "load_N": point.load,
@@ -88,7 +83,7 @@ def law_capacity(
     """
     change = study.every_variant[variant]
     assembly = change.assembly(study.assembly)
-    if (reason := MODELS[name].refusal(needs(study, assembly, sample))) is not None:
+    if (reason := MODELS[name].refusal(requirements(study, assembly, sample))) is not None:
         raise ValueError(reason)
     return RULES[name](study.joint(sample, change), Direction(ratio), assembly.push)
 
@@ -102,7 +97,6 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
     for name, sample, ratio in product(chosen, study.samples, study.eccentricities):
         if name not in study.models_of(sample):
             continue
-        joint = study.joint(sample)
         result: dict[str, Any] = dict.fromkeys(("load_N", "shear_N", "torque_Nm", "error"))
         try:
             known = law_capacity(study, name, sample, ratio)
@@ -113,15 +107,23 @@ def law_rows(study: Study) -> Iterator[dict[str, Any]]:
             yield {
                 "model": name,
                 "variant": REFERENCE,
-                "sample": sample,
-                "locks": joint.locks,
-                "mesh_m": mesh,
-                "eccentricity_m": ratio * joint.a,
-                "eccentricity_over_a": ratio,
-                "case": case_name(sample, mesh, ratio),
+                **_place(study, sample, mesh, ratio),
                 "first_failure_load_N": result["load_N"] if name == "law" else None,
                 **result,
             }
+
+
+def _place(study: Study, sample: str, mesh: float, ratio: float) -> dict[str, Any]:
+    """The columns that say where a capacity belongs: sample, mesh and direction, as in `CASES`."""
+    joint = study.joint(sample)
+    return {
+        "sample": sample,
+        "locks": joint.locks,
+        "mesh_m": mesh,
+        "eccentricity_m": ratio * joint.a,
+        "eccentricity_over_a": ratio,
+        "case": case_name(sample, mesh, ratio),
+    }
 
 
 def sidmacib_variant(option: str, friction: bool, reduction: str) -> str:
@@ -132,21 +134,16 @@ def sidmacib_variant(option: str, friction: bool, reduction: str) -> str:
 def published_rows(study: Study, published: Published) -> Iterator[dict[str, Any]]:
     """The paper's pure-shear capacities, for the samples that it has."""
     for sample in published.samples(study):
-        joint = study.joint(sample)
+        locks = study.joint(sample).locks
         for mesh in study.meshes:
-            value = published.dem_pure_shear(joint.locks, mesh)
-            values = {"sidmacib": published.numbers["limit_pure_shear"][joint.locks], "3dec": value}
+            value = published.dem_pure_shear(locks, mesh)
+            values = {"sidmacib": published.numbers["limit_pure_shear"][locks], "3dec": value}
             for variant, shear in values.items():
                 if shear is not None:
                     yield {
                         "model": "published",
                         "variant": variant,
-                        "sample": sample,
-                        "locks": joint.locks,
-                        "mesh_m": mesh,
-                        "eccentricity_m": 0.0,
-                        "eccentricity_over_a": 0.0,
-                        "case": case_name(sample, mesh, 0.0),
+                        **_place(study, sample, mesh, 0.0),
                         "shear_N": float(shear),
                         "torque_Nm": 0.0,
                         "load_N": float(shear),

@@ -71,8 +71,8 @@ def _option(parameter: Parameter) -> Callable[..., Any]:
     else:
         words += ": plate, weight, force:N or pressure:Pa"
         default = default.spelled
-    told = f"{default:g}" if isinstance(default, float) else default
-    words = f"{words[0].upper()}{words[1:]}.  [default: {told}]"
+    given = f"{default:g}" if isinstance(default, float) else default
+    words = f"{words[0].upper()}{words[1:]}.  [default: {given}]"
     return click.option(*names, type=kind, help=words)
 
 

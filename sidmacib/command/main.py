@@ -117,7 +117,7 @@ def capacity(
 
 @contextmanager
 def _refused_in_one_line() -> Iterator[None]:
-    """What a model says of a joint that it does not take, as click tells errors."""
+    """What a model says of a joint that it does not take, as an error of click."""
     from sidmacib.command.answers import ERRORS, reason
 
     try:

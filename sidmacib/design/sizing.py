@@ -21,7 +21,6 @@ from sidmacib.mechanics.optimisation import solve
 WHAT = "design"
 ACCURACIES = (1e-9, 1e-7, 1e-5)  # of factors, whose multipliers are sensitivities
 ENOUGH = 1e-6  # accuracy of costs
-LEAST_CASE = 1e-12  # over the unit: variable loads below are none
 Choice = Sequence[Layout | None]  # for each site
 
 

@@ -230,11 +230,11 @@ def compas(fuzz: Fuzz) -> None:
     """A model of compas_dem or an assembly of compas_cra, as values or as text."""
     given = fuzz.random.choice((model, assembly))()
     if fuzz.random.random() < 0.5:
-        told = json.dumps(fuzz.changed(given))
+        text = json.dumps(fuzz.changed(given))
     else:
-        told = fuzz.cut(json.dumps(given))
+        text = fuzz.cut(json.dumps(given))
     path = fuzz.folder / "compas.json"
-    path.write_text(told, encoding="utf-8", errors="surrogatepass")
+    path.write_text(text, encoding="utf-8", errors="surrogatepass")
 
     def read() -> None:
         read_compas_interfaces(path, read_compas(path, 2e3))

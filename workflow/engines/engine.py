@@ -10,7 +10,7 @@ from functools import cache
 from workflow.engines.numerics import Numerics
 from workflow.model import Ability, Model
 
-# What schedulers and MPI tell the processes that they start: an engine is none of them.
+# Variables that schedulers and MPI set for the processes that they start; not for engines.
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")
 
 

@@ -10,7 +10,7 @@ from workflow.joints.case import Case, CaseId, case_name
 from workflow.model import Ability
 from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.planning.cases import cases_of, second_mesh
-from workflow.planning.needs import solved_needs
+from workflow.planning.resources import solved_resources
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 from workflow.threedec import RETURNED as PRINTED
@@ -105,7 +105,7 @@ def batches(cases: list[Case]) -> dict[str, list[Case]]:
     So adding or changing a case moves no other case to another batch, unless there is so much to do
     that another bit is needed.
     """
-    bits, time = 0, solved_needs(cases).time
+    bits, time = 0, solved_resources(cases).time
     while len(cases) > BATCH << bits or time > BATCH_TIME * 2**bits:
         bits += 1
     found: dict[str, list[Case]] = {}

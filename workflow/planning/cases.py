@@ -12,7 +12,7 @@ from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
 from sidmacib.quantities import shown
 from workflow.configuration import CallError, ConfigError
-from workflow.consistency import MAX_NODES, needs, node_estimate
+from workflow.consistency import MAX_NODES, node_estimate, requirements
 from workflow.engines import ENGINES
 from workflow.engines.engine import Engine
 from workflow.engines.numerics import Numerics
@@ -122,7 +122,7 @@ def _runs(study: Study, models: Sequence[str]) -> Iterator[tuple[_Run, str]]:
                     and (
                         variant == REFERENCE or _within(variant, _part(study, run, sample).variants)
                     )
-                    and not model.refusal(needs(study, assembly, sample))
+                    and not model.refusal(requirements(study, assembly, sample))
                 ):
                     yield run, sample
 
@@ -155,7 +155,7 @@ def _levels(study: Study, joint: Joint, run: _Run, sample: str) -> tuple[float, 
 
 
 def second_mesh(joint: Joint, meshes: Collection[float], nodes: NodeLayout) -> float | None:
-    """The mesh (m) that ``meshes`` lack to tell a mesh error; None if they can, or nothing would.
+    """The mesh (m) that ``meshes`` lack for a mesh error; None if they suffice, or no mesh would.
 
     Half the finest, or twice where the half is `DEAR`, or has too many nodes.
     """

@@ -16,8 +16,8 @@ from typing import Any
 
 from workflow.joints.case import Case, CaseId
 from workflow.planning.closure import code_digest, described
-from workflow.planning.needs import Needs
 from workflow.planning.receipts import STALE, digest_of, fault, read_receipt, write_whole
+from workflow.planning.resources import Resources
 from workflow.run.results_folder import mended
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
@@ -39,7 +39,7 @@ class Job:
     depend on; ``settings``: plain data that they do not depend on. ``inputs``, ``outputs``: paths
     below the results folder, by name; ``also``: outputs that exist only if the job has a result.
     ``versions``: of the programs that it starts. ``finds``: the cases whose records are in
-    the first output. ``needs``: what it asks of a cluster.
+    the first output. ``resources``: what it asks of a cluster.
     """
 
     name: str
@@ -53,7 +53,7 @@ class Job:
     versions: Mapping[str, str] = field(default_factory=dict)
     settings: Mapping[str, Any] = field(default_factory=dict)
     finds: tuple[CaseId, ...] = ()
-    needs: Needs = field(default_factory=Needs)
+    resources: Resources = field(default_factory=Resources)
 
     @property
     def receipt(self) -> str:
@@ -80,7 +80,7 @@ class Job:
     def time_limit(self) -> float:
         """Time (s) after which the job is taken to be stuck; the limit of an engine is shorter."""
         limit = float(self.settings.get("time_limit", 0.0))
-        return limit + max(LEAST_LIMIT, STUCK * self.needs.time)
+        return limit + max(LEAST_LIMIT, STUCK * self.resources.time)
 
     @property
     def runs(self) -> tuple[str, ...]:
@@ -159,7 +159,7 @@ def compared(
 ) -> dict[str, Path]:
     """A file for each job, by name, that is newer than its results if they must be made again.
 
-    For whoever only looks: nothing in ``results`` is changed, the two files are in ``folder``.
+    For a dry run: nothing in ``results`` is changed, the two files are in ``folder``.
     """
     due, valid = folder / "due", folder / "valid"
     for path, moment in ((due, time.time() + 1e8), (valid, 0.0)):

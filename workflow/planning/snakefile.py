@@ -19,7 +19,7 @@ from workflow.planning.plan import Files, Job, Plan, flat
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 
-PARTS = ("step", "modules", "files", "versions", "settings", "needs")  # no arguments of a step
+PARTS = ("step", "modules", "files", "versions", "settings", "resources")  # no arguments of a step
 
 
 def plan_of(study: Study) -> Plan:

@@ -21,7 +21,6 @@ HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
 OUTPUTS = (HISTORY, NODES, RESULT)  # of an engine
 CASE, RECORD = "case.json", "record.json"
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
-BATCH_FILES = (BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY)  # files of cases that are solved together
 NODE_COLUMNS = (
     *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
     *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),

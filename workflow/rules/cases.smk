@@ -2,7 +2,7 @@
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
-from workflow.planning.needs import engine_needs, solved_needs
+from workflow.planning.resources import engine_resources, solved_resources
 from workflow.results.files import OUTPUTS
 
 WILDCARDS |= {
@@ -39,7 +39,9 @@ rule engine:
         modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
         files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
         versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
-        needs=lambda wildcards: engine_needs(case_in_engine(wildcards), STUDY.dem.time_limit),
+        resources=lambda wildcards: engine_resources(
+            case_in_engine(wildcards), STUDY.dem.time_limit
+        ),
     message:
         "{wildcards.engine}: {wildcards.case}"
     shell:
@@ -67,7 +69,7 @@ rule solve:
         cases=batch,
         module=lambda wildcards: MODELS[wildcards.model].module,
         modules=lambda wildcards: (MODELS[wildcards.model].module,),
-        needs=lambda wildcards: solved_needs(batch(wildcards).cases),
+        resources=lambda wildcards: solved_resources(batch(wildcards).cases),
     message:
         "{wildcards.model}: {wildcards.batch}"
     shell:

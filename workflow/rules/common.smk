@@ -75,16 +75,16 @@ def asks(name):
     otherwise 0, as in its environment.
     """
 
-    def needs(wildcards, attempt):
+    def requested(wildcards, attempt):
         job = name.format(**dict(wildcards.items()))
-        return PLAN.jobs[job].needs, attempt if was_killed(Path(RESULTS), job) else 1
+        return PLAN.jobs[job].resources, attempt if was_killed(Path(RESULTS), job) else 1
 
     def mem_mb(wildcards, attempt):
-        asked, tried = needs(wildcards, attempt)
+        asked, tried = requested(wildcards, attempt)
         return asked.megabytes(tried)
 
     def runtime(wildcards, attempt):
-        asked, tried = needs(wildcards, attempt)
+        asked, tried = requested(wildcards, attempt)
         return asked.minutes(tried)
 
     def last_try(wildcards, attempt):
@@ -105,7 +105,7 @@ def batch(wildcards):
 def group_of(model):
     """Cases of a model share jobs of the cluster if all of them are short."""
     jobs = (job for name, job in PLAN.jobs.items() if name.startswith(f"{model}/"))
-    return "cases" if all(job.needs.short for job in jobs) else None
+    return "cases" if all(job.resources.short for job in jobs) else None
 
 
 def sampling_of(wildcards):

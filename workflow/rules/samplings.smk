@@ -1,7 +1,7 @@
 # Included if the study has samplings: batches of their joints, and a table of all batches.
 from dataclasses import asdict
 
-from workflow.planning.needs import sampling_needs
+from workflow.planning.resources import sampling_resources
 
 JOINTS = 64  # per batch of a sampling
 STARTS = {  # the first joint of each batch, by sampling and number of the batch
@@ -21,7 +21,9 @@ JOINTS_OF_BATCH = {  # parameters of a step for the joints of a batch
     "stop": joint_after,
     "eccentricities": lambda wildcards: sampling_of(wildcards).eccentricities
     or STUDY.eccentricities,
-    "needs": lambda wildcards: sampling_needs(joint_after(wildcards) - first_joint(wildcards)),
+    "resources": lambda wildcards: sampling_resources(
+        joint_after(wildcards) - first_joint(wildcards)
+    ),
 }
 
 

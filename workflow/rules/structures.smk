@@ -2,7 +2,7 @@
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
-from workflow.planning.needs import structure_needs
+from workflow.planning.resources import structure_resources
 
 WILDCARDS |= {
     "structure_engine": [
@@ -35,7 +35,7 @@ rule structure_engine:
         modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
         files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
         versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
-        needs=lambda wildcards: structure_needs(1, STUDY.dem.time_limit),
+        resources=lambda wildcards: structure_resources(1, STUDY.dem.time_limit),
     message:
         "{wildcards.engine}: {wildcards.case}"
     shell:
@@ -59,7 +59,7 @@ rule structure_solve:
         cases=cases_of_structure,
         module=lambda wildcards: MODELS[wildcards.model].structures,
         modules=lambda wildcards: (MODELS[wildcards.model].structures,),
-        needs=lambda wildcards: structure_needs(len(cases_of_structure(wildcards).cases)),
+        resources=lambda wildcards: structure_resources(len(cases_of_structure(wildcards).cases)),
     message:
         "{wildcards.model}: {wildcards.structure}"
     shell:

@@ -43,7 +43,7 @@ class _Node:
     """A node of the graph: the mesh of its block, whether it is a support, its density (kg/m3).
 
     ``matrix``: where the block is, (4, 4); None for where its mesh is. ``density``: None if the
-    file tells none; ``material``: its name.
+    file gives none; ``material``: its name.
     """
 
     number: int

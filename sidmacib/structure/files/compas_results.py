@@ -42,10 +42,14 @@ def write_compas_results(
         raise ValueError("compas: the load must be an acceleration or a force, not a tilt")
     if isinstance(found, CapacityError):
         raise found
-    told = {"program": "multilock", "analysis": "limit, associated friction", "load_N": found.load}
+    source = {
+        "program": "multilock",
+        "analysis": "limit, associated friction",
+        "load_N": found.load,
+    }
     if content["dtype"] == MODEL:
         identity = content["guid"]
-        data = compas_results(problem.assembly, found.force, found.mechanism, identity, told)
+        data = compas_results(problem.assembly, found.force, found.mechanism, identity, source)
     else:
         data = with_interfaces(json.loads(model.read_text("utf-8")), problem.assembly, found.force)
     try:
@@ -67,7 +71,7 @@ def compas_results(
     ``force``: (N, 3) in N, see `sidmacib.mechanics.limit.LimitState`; ``mechanism``: (P, 6), of
     which the largest displacement is drawn as a tenth of a block. Nodes have their
     ``transformation``, edges the points and forces of all contacts between two blocks, compression
-    positive, on the second block; ``contacts`` tells them contact by contact, at its corners,
+    positive, on the second block; ``contacts`` lists them contact by contact, at its corners,
     ``contact_data`` the one that carries most.
     """
     nodes = [_node(piece.name) for piece in assembly.pieces]

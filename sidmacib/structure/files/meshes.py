@@ -79,7 +79,7 @@ def _block(name: str, mesh: trimesh.Trimesh, density: float, scale: float) -> Bl
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     mesh.update_faces(mesh.nondegenerate_faces())
     mesh.remove_unreferenced_vertices()
-    with np.errstate(invalid="ignore", divide="ignore"):  # of a mesh without volume: told below
+    with np.errstate(invalid="ignore", divide="ignore"):  # of a mesh without volume: an error below
         if mesh.volume < 0.0:
             mesh.invert()
     labels = grouped(len(mesh.faces), mesh.face_adjacency[mesh.face_adjacency_angles < SAME_PLANE])

@@ -269,7 +269,7 @@ class Deck:
             yield f"{node}, {direction}, {printed(force)}"
         yield from ("*NODE FILE", "U", "*END STEP")
 
-    # --- what its nodes tell ---------------------------------------------------------------------
+    # --- results of its nodes --------------------------------------------------------------------
     def jump_weights(self, number: int) -> dict[int, float]:
         """Shares of the grid's nodes in the displacement of below less above at a contact node.
 

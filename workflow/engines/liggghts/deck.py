@@ -330,7 +330,7 @@ class Deck:
         yield "fix gravity handles addforce v_pull_x v_pull_y v_pull_z"
 
     def _bodies(self) -> Iterator[str]:
-        """The drag, the rigid bodies, and the variables that tell how they move."""
+        """The drag, the rigid bodies, and the variables of their motion."""
         search, pieces, free = self.search, self.assembly.pieces, self.assembly.free
         rate = 2 * self.drag * 2 * math.pi / (search.period_steps * search.time_step_s)
         scales = " ".join(

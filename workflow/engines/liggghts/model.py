@@ -67,7 +67,7 @@ class LiggghtsModel:
     def _start(self) -> None:
         self.engine, self.load = LiggghtsProcess(self.ranks), 0.0
         self.cut_nodes: set[int] = set()
-        self.engine.tell(f"include {INPUT_SCRIPT}")
+        self.engine.send(f"include {INPUT_SCRIPT}")
         self._run(0)
 
     # --- the way to equilibrium ------------------------------------------------------------------
@@ -126,7 +126,7 @@ class LiggghtsModel:
             "load_start": start,
             "load_ramp": float(ramp),
         }
-        self.engine.tell(*(f"variable {name} equal {value!r}" for name, value in values.items()))
+        self.engine.send(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
     def _cut(self, nodes: Iterable[int]) -> Outcome:
         self.cut_nodes |= set(nodes)
@@ -138,7 +138,7 @@ class LiggghtsModel:
                 f"set atom {atom} type {kind}"
                 for atom, kind in zip(self.deck.atoms.spheres[node], types, strict=True)
             ]
-        self.engine.tell(*commands)
+        self.engine.send(*commands)
         self.engine.fresh = True
         return self._waits(1, SWING)
 

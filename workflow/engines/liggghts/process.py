@@ -55,9 +55,9 @@ class LiggghtsProcess:
         )
         self.marks = count()
         self.steps, self.fresh = 0, True
-        self.version = version_in(self.tell())
+        self.version = version_in(self.send())
 
-    def tell(self, *commands: str) -> list[str]:
+    def send(self, *commands: str) -> list[str]:
         """Give it commands, wait for their end, and return the lines that it printed."""
         assert self.process.stdin and self.process.stdout
         mark = f"done {next(self.marks)}"
@@ -81,14 +81,14 @@ class LiggghtsProcess:
     def run(self, steps: int) -> None:
         """Advance; what was changed since the last run is set up only where ``fresh``."""
         self.steps += steps
-        self.tell(f"run {steps} pre {'yes' if self.fresh else 'no'} post no")
+        self.send(f"run {steps} pre {'yes' if self.fresh else 'no'} post no")
         self.fresh = False
 
     def dump(self, group: str, columns: Sequence[str]) -> dict[int, list[float]]:
         """Numbers of the atoms of a group, by atom."""
         pattern = " ".join(["%d"] + ["%.17g"] * len(columns))
         columns_of = f"id {' '.join(columns)}"
-        self.tell(f'write_dump {group} custom now.dump {columns_of} modify format "{pattern}"')
+        self.send(f'write_dump {group} custom now.dump {columns_of} modify format "{pattern}"')
         path = Path("now.dump")
         rows = dumped_rows(path.read_text())
         path.unlink()
@@ -97,7 +97,7 @@ class LiggghtsProcess:
     def values(self, names: Sequence[str]) -> list[float]:
         """Values of variables."""
         text = " ".join("$" + "{" + name + "}" for name in names)
-        return printed_values(self.tell(f'print "values {text}"'))
+        return printed_values(self.send(f'print "values {text}"'))
 
     def stop(self) -> None:
         """End it by closing its input, so that it removes its temporary files."""

@@ -118,8 +118,8 @@ class Assembly:
 
     ``axis``: a unit vector if gravity turns: what always acts turns about it, by the load over
     `permanent_N` in radians. For elastic pieces only: ``sides``, the parts of the loads that act on
-    sides of pieces, the rest being spread over the volume; ``mesh_m`` and ``layout`` tell how the
-    nodes were made.
+    sides of pieces, the rest being spread over the volume; ``mesh_m`` and ``layout``: how the nodes
+    were made.
     """
 
     pieces: list[Piece]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .assembly import Guide, Search
-from .guess import AWAY, STOPS, STRIDE
+from .extrapolation import AWAY, STOPS, STRIDE
 from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -112,12 +112,12 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         while True:
             start, load = bracket.load, bracket.next_load()
             outcome = model.raised(start, load, (1.0, 1.0))
-            standing = outcome is Outcome.EQUILIBRIUM
+            balanced = outcome is Outcome.EQUILIBRIUM
             breaks = model.breakable and model.broken() > broken
-            first = standing and breaks and first_failure is None
+            first = balanced and breaks and first_failure is None
             # The first node may fail at a load that is next to none.
             near = load - start <= search.tolerance * (max(start, least) if first else start)
-            if standing and (near or not first):
+            if balanced and (near or not first):
                 break
             print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import Search
-from .guess import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
+from .extrapolation import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
 from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -109,20 +109,20 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         load = next_load(before, increment, tolerance)
         while True:
             outcome = model.raised(load)
-            standing = outcome is Outcome.EQUILIBRIUM
-            used = model.utilisation() if standing else {}
+            balanced = outcome is Outcome.EQUILIBRIUM
+            used = model.utilisation() if balanced else {}
             over = most_used(used)
             near = load - peak <= tolerance * max(peak, first)
-            if standing and (over <= 1.0 + tolerance or near):
+            if balanced and (over <= 1.0 + tolerance or near):
                 break  # what is overstressed from one load to the next is cut there
-            print(f"{load:12.4f} N {'breaks' if standing else 'fails'}", flush=True)
-            model.record(load, Outcome.OVERSTRESSED.value if standing else outcome.value)
+            print(f"{load:12.4f} N {'breaks' if balanced else 'fails'}", flush=True)
+            model.record(load, Outcome.OVERSTRESSED.value if balanced else outcome.value)
             if near:
                 mode = failure_mode(_beyond(model, outcome, load), False, load)
                 return Peak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
-            known = standing and math.isfinite(over)
+            known = balanced and math.isfinite(over)
             share = (1.0 - tolerance / 2 - most) / (over - most) if known else 0.5
             increment = share * (load - peak)
             model.back()

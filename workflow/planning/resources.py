@@ -26,7 +26,7 @@ SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
 @dataclass(frozen=True)
-class Needs:
+class Resources:
     """Memory (MB), and time (s) on one core of this machine."""
 
     memory: int = 2 * LEAST_MB
@@ -51,29 +51,29 @@ def nodes_of(case: Case) -> float:
     return node_estimate(case.joint, case.mesh, case.nodes)
 
 
-def engine_needs(case: Case, time_limit: float) -> Needs:
+def engine_resources(case: Case, time_limit: float) -> Resources:
     """Resources of one case in an engine, which is ended at ``time_limit`` (s)."""
     nodes = nodes_of(case)
     ramps = case.numerics.ramp_periods / 40.0 if case.numerics else 1.0
     time = ENGINE_NODE * nodes * max(ramps, 1.0)
-    return Needs(math.ceil(LEAST_MB + ENGINE_NODE_MB * nodes), min(time, time_limit))
+    return Resources(math.ceil(LEAST_MB + ENGINE_NODE_MB * nodes), min(time, time_limit))
 
 
-def solved_needs(cases: Iterable[Case]) -> Needs:
+def solved_resources(cases: Iterable[Case]) -> Resources:
     """Resources of cases that are solved one after the other in this process."""
     time, most = 0.0, 0.0
     for case in cases:
         nodes = max(nodes_of(case), FEW_NODES)
         time += SOLVED_NODE * nodes * (1.0 if case.joint.elastic is None else ELASTIC)
         most = max(most, nodes)
-    return Needs(math.ceil(2 * LEAST_MB + most), time)
+    return Resources(math.ceil(2 * LEAST_MB + most), time)
 
 
-def structure_needs(cases: int, time_limit: float = math.inf) -> Needs:
+def structure_resources(cases: int, time_limit: float = math.inf) -> Resources:
     """Resources of so many cases of a structure; an engine is ended at ``time_limit`` (s)."""
-    return Needs(3 * LEAST_MB, min(STRUCTURE * cases, time_limit))
+    return Resources(3 * LEAST_MB, min(STRUCTURE * cases, time_limit))
 
 
-def sampling_needs(joints: int) -> Needs:
+def sampling_resources(joints: int) -> Resources:
     """Resources of a batch of a sampling's joints."""
-    return Needs(2 * LEAST_MB, SAMPLED_JOINT * joints)
+    return Resources(2 * LEAST_MB, SAMPLED_JOINT * joints)

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 AT_ONCE = 0.9  # of the way to a load at which something is expected: so far in one go
-APART = 0.05  # of the load, between equilibria that tell a slope
+APART = 0.05  # of the load, between equilibria that give a slope
 AWAY = 1.05  # times a load that did not settle: pieces that really give way move off there
 HALF = 0.5  # of such a load: a stop on the way, as displacements do not grow quite in proportion
 STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
@@ -15,7 +15,7 @@ def failure_ahead(used: Sequence[tuple[float, float]], otherwise: float) -> floa
     """The load (N) at which the most used bond will reach its strength, if all stays linear.
 
     ``used``: loads (N) and largest utilisations of the last equilibria; ``otherwise`` where they
-    tell nothing. The slope is taken over some distance, as every equilibrium is still a bit off.
+    give no slope, which is taken over some distance, as every equilibrium is still a bit off.
     """
     load, most = used[-1]
     far = [(0.0, 0.0), *(point for point in used[:-1] if point[0] <= (1.0 - APART) * load)]
