@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, Nod
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.newton import PATIENT, newton, node_forces
+from sidmacib.mechanics.newton.equilibrium import PATIENT, newton, node_forces
 from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
