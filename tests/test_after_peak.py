@@ -6,10 +6,10 @@ import pytest
 from sidmacib.joint import Direction, Joint
 from sidmacib.loading import Loading
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
-from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import LEAST, after_peak
 from sidmacib.mechanics.static.model import solver_of, static_peak
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.problem import Problem, posed
 
 MESH = 0.03  # m

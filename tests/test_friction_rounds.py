@@ -14,7 +14,7 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import Direction, Joint, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.equilibrium import PATIENT, newton, node_forces
@@ -23,6 +23,7 @@ from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_round
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.pieces import assemble
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.

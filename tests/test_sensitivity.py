@@ -16,9 +16,9 @@ from sidmacib.hold_down import HoldDown
 from sidmacib.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
 from sidmacib.loading import Loading, Push, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
-from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import path_to_first_failure
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.pieces import assemble, reassemble
 from sidmacib.problem import posed
 

@@ -14,10 +14,11 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint import Joint, UpperBody
 from sidmacib.loading import Loading, lateral_load
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
-from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.pieces import assemble, lock_faces
 from sidmacib.rule.pairs import bearing_pairs
 
