@@ -12,9 +12,10 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     shared_face,
 )
-from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.static.model import StaticSolution, static_peak
+from sidmacib.mechanics.utilisation import utilisation
 
 
 def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> Assembly:

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 
 from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
-from sidmacib.mechanics.newton import forces_and_tangents, node_force, node_tangent
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.newton.node_law import forces_and_tangents, node_force, node_tangent
+from sidmacib.mechanics.utilisation import utilisation
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)

@@ -15,15 +15,16 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.newton import PATIENT, newton, node_forces
+from sidmacib.mechanics.newton.equilibrium import PATIENT, newton, node_forces
 from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
+from sidmacib.mechanics.utilisation import utilisation
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
 ROUGH = Joint(

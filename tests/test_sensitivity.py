@@ -17,9 +17,9 @@ from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, U
 from sidmacib.joint.loading import Loading, Push, lateral_load, posed
 from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
-from sidmacib.mechanics.contact_law import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import path_to_first_failure
+from sidmacib.mechanics.utilisation import utilisation
 
 SMOOTH = replace(DRY, friction=0.0)
 WEAK = replace(INNER, tensile_strength=0.0)

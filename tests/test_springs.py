@@ -11,7 +11,9 @@ from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.newton import node_forces, solve_linear, tangent_stiffness, unbalanced
+from sidmacib.mechanics.newton.elimination import solve_linear
+from sidmacib.mechanics.newton.equilibrium import node_forces
+from sidmacib.mechanics.newton.faces import tangent_stiffness, unbalanced
 from sidmacib.mechanics.rigid.ordering import ordering
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs

@@ -28,10 +28,11 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     self_weight,
 )
-from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
+from sidmacib.mechanics.utilisation import utilisation
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:

@@ -16,9 +16,10 @@ from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.structure.blocks import Block, box, normal_of, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import overlap, shared_volume

@@ -8,8 +8,8 @@ the paper) or s_n = -sigma A (tension cut-off). Any other node carries no tensio
 force stays within the circular friction cone, |s_t| <= mu s_n; slip takes the rest, without
 dilation.
 
-This module holds the constants of a node, its state, and its utilisation. Its forces and their
-derivatives are compiled, see `sidmacib.mechanics.newton`.
+This module holds the constants of a node and its state. Its forces, their derivatives and its
+utilisation are compiled, see `sidmacib.mechanics.newton`.
 """
 
 from dataclasses import dataclass
@@ -85,29 +85,3 @@ class NodeState:
     def initial(cls, contact_law: ContactLaw) -> "NodeState":
         """No slip yet, and every cohesive node bonded."""
         return cls(np.zeros((len(contact_law.friction), 2)), contact_law.cohesive.astype(float))
-
-
-def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Floats:
-    """Shear or tension over strength at each bonded node, whichever is larger; 0 at others, (N,).
-
-    ``force``: in N, (N, 3). Where the bond has friction, the shear counts that this leaves to the
-    cohesion. At a node without strength the result is infinite for any force above the rounding
-    error of the largest force.
-    """
-    used, bonded = np.zeros(len(force)), np.flatnonzero(state.whole > 0.0)
-    normal, along, across = force[bonded].T
-    shear = np.hypot(along, across) - contact_law.bond_friction[bonded] * normal
-    by_shear = _over(shear, contact_law.shear_strength[bonded], force)
-    by_tension = _over(-normal, contact_law.tensile_strength[bonded], force)
-    used[bonded] = np.maximum(np.maximum(by_shear, by_tension), 0.0)
-    return used
-
-
-def _over(part: Floats, strength: Floats, force: Floats) -> Floats:
-    """``part`` of the nodes' ``force`` over strength where there is any, 0 elsewhere."""
-    held = strength > 0.0
-    if held.all():
-        return np.asarray(part / strength)
-    noise = ROUNDING * float(np.abs(force).max(initial=0.0))
-    ratio = np.where(part > noise, np.inf, 0.0)
-    return np.divide(part, strength, out=ratio, where=held)

@@ -15,10 +15,11 @@ from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
-from sidmacib.mechanics.contact_law import ContactLaw, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.rule.pairs import bearing_pairs
 
 

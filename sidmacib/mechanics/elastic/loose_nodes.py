@@ -12,7 +12,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.elastic.open_gaps import OpenGaps
-from sidmacib.mechanics.newton import forces_and_tangents
+from sidmacib.mechanics.newton.node_law import forces_and_tangents
 
 
 @dataclass(frozen=True)

@@ -17,16 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.newton import (
+from sidmacib.mechanics.newton.elimination import Matrix
+from sidmacib.mechanics.newton.equilibrium import (
     QUICK,
-    Matrix,
-    Structure,
     allowed_at,
     least_energy,
     newton,
     node_forces,
     product,
 )
+from sidmacib.mechanics.newton.faces import Structure
 
 ROUNDS = 30  # of friction limits, at most
 SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
@@ -36,7 +36,7 @@ FRICTION, GIVEN = 2, 3  # columns of `Structure.nodes`
 
 @dataclass(frozen=True)
 class EquilibriumSearch:
-    """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.newton`.
+    """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.equilibrium.newton`.
 
     ``target`` (U,) in N; ``slip`` (N, 2) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
     stiffest face and ``floor`` in N/m; ``allowed``: norm of unbalanced forces, N; ``farthest``: a

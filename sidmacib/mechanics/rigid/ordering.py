@@ -20,7 +20,7 @@ Graph = dict[int, set[int]]  # pieces and those that they touch
 
 @dataclass(frozen=True)
 class Ordering:
-    """An order of the free pieces, see `sidmacib.mechanics.newton.Structure`.
+    """An order of the free pieces, see `sidmacib.mechanics.newton.faces.Structure`.
 
     ``begin``: first unknown of each piece, (P,). ``inner``, ``outer``: numbers of unknowns in the
     band and behind it. ``band``: largest distance between coupled inner unknowns.

@@ -13,21 +13,16 @@ from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import (
-    Matrix,
-    Structure,
-    elastic,
-    equilibrium,
-    node_forces,
-    whole_faces,
-)
+from sidmacib.mechanics.newton.elimination import Matrix
+from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium, node_forces
+from sidmacib.mechanics.newton.faces import Structure, whole_faces
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
-FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.tangent_stiffness`
+FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.faces.tangent_stiffness`
 DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than holds them
 LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 

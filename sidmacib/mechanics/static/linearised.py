@@ -14,7 +14,7 @@ from scipy.sparse.linalg import SuperLU, splu
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.equilibrium import free_rows
-from sidmacib.mechanics.newton import forces_and_tangents
+from sidmacib.mechanics.newton.node_law import forces_and_tangents
 from sidmacib.mechanics.springs import RIGID, Springs
 
 NORMAL, SHEAR, FRICTION, COHESION, TENSION, BOND_FRICTION = range(6)  # rows of `System.nodes`

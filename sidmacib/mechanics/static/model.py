@@ -18,7 +18,7 @@ import numpy as np
 
 from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
-from sidmacib.mechanics.contact_law import Flags, utilisation
+from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
@@ -30,6 +30,7 @@ from sidmacib.mechanics.solution import (
     StaticSolution,
 )
 from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
+from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
@@ -185,9 +186,11 @@ def _to_first_failure(
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale, precision=precision)
     while refinement > LEAST_REFINEMENT and any(point.state.slip.any() for point in path):
-        finer_path, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
+        finer_path, finer_failing = _raised(
+            solver, [start], scale, refinement / 2, precision, known=path[-1].load
+        )
         gave_up = failing.any() and not finer_failing.any()
-        if gave_up or abs(finer_path[-1].load - path[-1].load) <= HISTORY * path[-1].load:
+        if gave_up or _near(finer_path[-1].load, path[-1].load):
             break
         path, failing, refinement = finer_path, finer_failing, refinement / 2
     return path, failing, refinement
@@ -199,15 +202,17 @@ def _raised(
     scale: float,
     refinement: float = 1.0,
     precision: float = LEAST_INCREMENT,
+    known: float | None = None,
 ) -> tuple[list[Equilibrium], Flags]:
     """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
 
     ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
-    ``precision``: the least increment over the load. Returns the path to there and the nodes that
-    fail: none if the load cannot rise further. The increment is halved where no equilibrium is
-    found, as Newton's method may fail from afar and converge from nearby, and doubled again where
-    one is. If it becomes too small, the solver is thorough from there on; a load at which it then
-    fails is not reached again.
+    ``precision``: the least increment over the load. ``known``: a load; where it is certain that
+    the path will end within `HISTORY` of it, it ends at once. Returns the path to there and the
+    nodes that fail: none if the load cannot rise further. The increment is halved where no
+    equilibrium is found, as Newton's method may fail from afar and converge from nearby, and
+    doubled again where one is. If it becomes too small, the solver is thorough from there on; a
+    load at which it then fails is not reached again.
     """
 
     def utilisation_at(point: Equilibrium) -> Floats:
@@ -225,7 +230,10 @@ def _raised(
         low, most = path[-1], used.max()
         if most >= 1.0 - LEAST_INCREMENT:
             return path, used >= most * (1.0 - TOGETHER)
-        if above and above.load - low.load <= least(above.load):
+        if above and (
+            above.load - low.load <= least(above.load)
+            or (known is not None and _near(low.load, known) and _near(above.load, known))
+        ):
             return path, used_above >= 1.0
         increment = min(increment, (lost - low.load) / 2)
         if increment <= least(low.load + increment):
@@ -252,6 +260,10 @@ def _raised(
             used = used_here
             increment = min(2 * increment, refinement * max(INCREMENT * scale, GROWTH * load))
     raise UnboundedError(f"no failure up to {path[-1].load:g} N: the load can grow without limit")
+
+
+def _near(load: float, known: float) -> bool:
+    return abs(load - known) <= HISTORY * known
 
 
 def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> Floats:

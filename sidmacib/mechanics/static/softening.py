@@ -16,8 +16,9 @@ import numpy as np
 
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.utilisation import utilisation
 
 ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
 SETTLED = 1e-4  # relative change of a bond's stiffness in the last round

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Vector
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState, utilisation
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.utilisation import utilisation
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
 LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere

@@ -1,0 +1,1 @@
+"""Newton's method on contact nodes, compiled: the contact law, faces, elimination, equilibria."""
