@@ -31,9 +31,9 @@ class Batch:
 class CaseJobs:
     """The cases of a study by the job that finds their results.
 
-    ``cases``: those of the study itself; ``batches`` also have the cases of the static model that
-    engines are compared with. ``batches``: by model and name of the batch. ``decks``: cases that 3DEC may
-    solve, by name.
+    ``cases``: those of the study itself. ``batches``: by model and name of the batch, together with
+    cases of the static model that engines are compared with. ``decks``: cases that 3DEC may solve,
+    by name.
     """
 
     cases: Mapping[CaseId, Case]
