@@ -11,6 +11,7 @@ from pathlib import Path
 from workflow.configuration import CallError, ConfigError
 from workflow.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.planning.cases import find_case, find_place
+from workflow.planning.results_folder import use_writable_caches
 from workflow.results.files import RECORD
 from workflow.run.command import (
     because,
@@ -19,7 +20,6 @@ from workflow.run.command import (
     snakemake,
     study_with_joints,
 )
-from workflow.run.results_folder import use_writable_caches
 from workflow.schema import Study
 
 

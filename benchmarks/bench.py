@@ -25,9 +25,9 @@ from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
 from workflow.configuration import read_study
+from workflow.engines.scripts.records import RESULT
 from workflow.planning.closure import ROOT
 from workflow.planning.snakefile import plan_of
-from workflow.results.files import RESULT
 from workflow.run.job import read_times
 
 REPEATS = 5

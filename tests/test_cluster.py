@@ -20,6 +20,7 @@ from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import ConfigError, read_study
 from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
+from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
 from workflow.planning.closure import described
 from workflow.planning.plan import planned, prepared
@@ -31,7 +32,7 @@ from workflow.planning.resources import (
     solved_resources,
 )
 from workflow.planning.snakefile import plan_of
-from workflow.results.files import RECORD, RESULT
+from workflow.results.files import RECORD
 from workflow.run.attempts import (
     LAST_TRY,
     RETRIES,

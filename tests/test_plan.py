@@ -19,9 +19,9 @@ from workflow.planning.cases import cases_of
 from workflow.planning.plan import Job, prepared
 from workflow.planning.receipts import STALE, fault, read_receipt, write_receipt
 from workflow.planning.resources import solved_resources
+from workflow.planning.results_folder import LockedError, lock
 from workflow.planning.snakefile import plan_of
 from workflow.run.job import run_job
-from workflow.run.results_folder import LockedError, lock
 from workflow.schema import Study
 
 SMALL = {

@@ -23,8 +23,8 @@ from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
+from workflow.planning.results_folder import REPORT
 from workflow.planning.snakefile import plan_of
-from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study

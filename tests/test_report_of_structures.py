@@ -23,10 +23,10 @@ from analysis.report.structures import structures_content, structures_verdict, w
 from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import read_study
+from workflow.planning.results_folder import REPORT
 from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.job import run_job
-from workflow.run.results_folder import REPORT
 from workflow.structures.case import StructureCase
 from workflow.structures.cases import structure_cases
 

@@ -16,6 +16,7 @@ from workflow.configuration import ConfigError, installed_engines, read_study_fi
 from workflow.consistency import notes
 from workflow.models import REFERENCE_MODEL
 from workflow.planning.cases import case_count
+from workflow.planning.results_folder import REPORT
 from workflow.run.command import (
     because,
     options_of,
@@ -24,7 +25,6 @@ from workflow.run.command import (
     snakemake,
     study_with_joints,
 )
-from workflow.run.results_folder import REPORT
 from workflow.run.waiting import waiting
 from workflow.schema import Study
 

@@ -17,12 +17,12 @@ OTHERS = ("limit", "law", "safe")  # models that are rules too: a load without a
 
 @dataclass(frozen=True)
 class RuleError:
-    """The largest error of a rule over a sample's directions, of what is promised over carried.
+    """The largest error of a rule over a sample's directions: promised over carried load, less 1.
 
-    ``rule``: a reduction of SiDMACIB, or the name of a model. ``error``: as a share, negative where
-    the rule promises less everywhere. ``ratio``: the direction, e / a. ``mesh_error``: of the load
-    that is carried there. ``option``: of SiDMACIB, the safest one that there is for the sample;
-    None for a model. ``friction``: whether it acts along the locks.
+    ``rule``: a reduction of SiDMACIB, or the name of a model. ``error``: negative where the rule
+    promises less in every direction. ``ratio``: the direction, e / a. ``mesh_error``: of the load
+    carried there. ``option``: the safest option of SiDMACIB for the sample; None for a model.
+    ``friction``: whether it acts along the locks.
     """
 
     rule: str

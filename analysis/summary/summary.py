@@ -46,7 +46,7 @@ def summary(
     """The text: cases without a result, answers, then the findings, model by model.
 
     ``meshes``: the study's (m); loads and fits are those at the finest, the tables have all.
-    ``ductile``: names of the variants whose bonds are so.
+    ``ductile``: names of the variants with ductile bonds.
     """
     leading = leading_models(tables["fit"])
     ratio, mesh = ratios(tables["cases"]), min(meshes)

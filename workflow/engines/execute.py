@@ -15,8 +15,7 @@ from pathlib import Path
 from workflow.engines.engine import Engine, engine_environment
 from workflow.engines.render import DATA_FILE, MODULES
 from workflow.engines.scripts.children import ENDS_WITH_PARENT
-from workflow.engines.scripts.records import NO_ANSWER
-from workflow.results.files import OUTPUTS
+from workflow.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
 
 TAIL_LINES = 20
 KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed
@@ -116,7 +115,7 @@ def _check(folder: Path, log: Path) -> None:
         if not (folder / name).is_file():
             raise EngineError(_with_tail(f"ended without {name}", log))
     try:
-        result = json.loads((folder / "result.json").read_text())
+        result = json.loads((folder / RESULT).read_text())
         peak, failed = result["peak_load_N"], result["failed_load_N"]
         sound = 0.0 < peak <= failed and math.isfinite(failed)
     except (ValueError, KeyError, TypeError, RecursionError):

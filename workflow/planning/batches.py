@@ -31,9 +31,9 @@ class Batch:
 class CaseJobs:
     """The cases of a study by the job that finds their results.
 
-    ``cases``: those of the study itself; the others have those of the static model too that engines
-    are compared with. ``batches``: by model and name of the batch. ``decks``: cases that 3DEC may
-    solve, by name.
+    ``cases``: those of the study itself. ``batches``: by model and name of the batch, together with
+    cases of the static model that engines are compared with. ``decks``: cases that 3DEC may solve,
+    by name.
     """
 
     cases: Mapping[CaseId, Case]
@@ -78,7 +78,7 @@ def case_jobs(study: Study) -> CaseJobs:
 def reference_cases(cases: Iterable[Case]) -> list[Case]:
     """Cases of the static model that the study lacks, to compare every engine's case with.
 
-    They are on the same nodes, and where an engine has one mesh only at another one too.
+    They are on the same nodes; where an engine has one mesh only, a second one is added.
     """
     cases = list(cases)
     known = {case.physics() for case in cases if case.model == REFERENCE_MODEL}

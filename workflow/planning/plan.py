@@ -18,7 +18,7 @@ from workflow.joints.case import Case, CaseId
 from workflow.planning.closure import code_digest, described
 from workflow.planning.receipts import STALE, digest_of, fault, read_receipt, write_whole
 from workflow.planning.resources import Resources
-from workflow.run.results_folder import mended
+from workflow.planning.results_folder import mended
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 

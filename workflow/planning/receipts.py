@@ -42,7 +42,7 @@ def file_digest(path: Path) -> str:
 
 
 def opened(path: Path) -> BufferedReader:
-    """A plain file, to be read; OSError for anything that is waited for or has no end."""
+    """A regular file, opened for reading; OSError for a pipe, a device or a folder."""
     number = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     if not stat.S_ISREG(os.fstat(number).st_mode):
         os.close(number)
@@ -57,7 +57,7 @@ def write_receipt(path: Path, job: str, digest: str, results: Path, outputs: Ite
 
 
 def write_whole(path: Path, text: str) -> None:
-    """Write a file at once: whoever reads it finds what was there before, or all of ``text``."""
+    """Write a file atomically: a reader finds the old content or all of ``text``."""
     path.parent.mkdir(parents=True, exist_ok=True)
     draft = path.with_name(path.name + ".draft")
     draft.unlink(missing_ok=True)  # it may be a link

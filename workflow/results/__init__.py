@@ -1,1 +1,1 @@
-"""One home for results: their columns, units, keys and checks, reading and writing."""
+"""Results: columns, units, keys and checks; reading and writing."""

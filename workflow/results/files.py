@@ -11,14 +11,12 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
-from workflow.engines.scripts.records import MODES
+from workflow.engines.scripts.records import HISTORY, MODES, NODES, RESULT
 from workflow.outcome import Outcome, State
 from workflow.results.record import CaseRecord, ResultError
 
 T = TypeVar("T")
 
-HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
-OUTPUTS = (HISTORY, NODES, RESULT)  # of an engine
 CASE, RECORD = "case.json", "record.json"
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 NODE_COLUMNS = (

@@ -3,7 +3,7 @@ from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
 from workflow.planning.resources import engine_resources, solved_resources
-from workflow.results.files import OUTPUTS
+from workflow.engines.scripts.records import OUTPUTS
 
 WILDCARDS |= {
     "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],

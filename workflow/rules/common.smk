@@ -8,7 +8,7 @@ from snakemake.io import strip_wildcard_constraints
 
 from workflow.planning.batches import Batch
 from workflow.run.attempts import LAST_TRY, RETRIES, forget, was_killed
-from workflow.run.results_folder import LockedError, lock
+from workflow.planning.results_folder import LockedError, lock
 from workflow.planning.plan import compared, planned, prepared
 
 CAPTIONS = {  # of files in the report of Snakemake, by suffix

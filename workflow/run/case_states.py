@@ -1,4 +1,4 @@
-"""The cases of a study and their state, for people."""
+"""The cases of a study and their state, as `make cases` lists them."""
 
 from pathlib import Path
 from typing import Any

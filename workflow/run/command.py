@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from workflow.configuration import CallError, ConfigError, read_study_file
+from workflow.planning.results_folder import use_writable_caches
 from workflow.run.job import end_with_parent
 from workflow.run.process import STOPPED, end_on_signals, end_with_make, stop, stopping
-from workflow.run.results_folder import use_writable_caches
 from workflow.run.waiting import waiting
 from workflow.schema import Study
 

@@ -1,7 +1,7 @@
 """The joints of a study: sizes, materials, and locks that differ.
 
-Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study needs
-it: its joints weigh something, their inner faces hold, and their dry faces have no strength.
+Keys, ranges, units and defaults are those of `sidmacib.Joint`; narrower only where a study
+requires it: joints have weight, inner faces have strength, and dry faces have none.
 """
 
 from dataclasses import replace

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from workflow.engines.scripts.records import HISTORY, NODES
 from workflow.joints.case import Case
 from workflow.results.files import (
     BATCH_HISTORY,
     BATCH_NODES,
     CASE,
-    HISTORY,
-    NODES,
     RECORD,
     read_records,
     write_record,

@@ -9,9 +9,10 @@ from sidmacib.errors import CapacityError
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
+from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.results.files import CASE, OUTPUTS, read_outcome, write_record
+from workflow.results.files import CASE, read_outcome, write_record
 from workflow.results.record import ResultError, check_bracket, failed_record, record_of
 from workflow.run.attempts import KilledError, Settled, last_try
 

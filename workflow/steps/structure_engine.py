@@ -11,7 +11,8 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import refusal, run_engine
 from workflow.engines.scripts.assembly import NEVER_FALLS
-from workflow.results.files import CASE, HISTORY, OUTPUTS, read_outcome, read_table
+from workflow.engines.scripts.records import HISTORY, OUTPUTS
+from workflow.results.files import CASE, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
 from workflow.run.attempts import KilledError, Settled, last_try
 from workflow.steps.engine import in_short

@@ -13,6 +13,8 @@ from typing import Any
 from .assembly import Assembly, Vector
 
 Row = dict[str, Any]
+HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
+OUTPUTS = (HISTORY, NODES, RESULT)
 BONDS = "bonds"  # at the load that failed, bonds broke
 MECHANISM = "mechanism"  # the pieces slid or overturned, and no bond broke
 FIRST_FAILURE = "first failure"  # bonds would break; what comes after it is not known
@@ -121,8 +123,8 @@ class History:
         numbers = [value for row in table for value in row.values() if isinstance(value, float)]
         if not all(map(math.isfinite, [peak.load, peak.failed_load, *numbers])):
             raise SystemExit("the computation has diverged: its results are not finite numbers")
-        write_table("history.csv", self.rows)
-        write_table("nodes.csv", table)
+        write_table(HISTORY, self.rows)
+        write_table(NODES, table)
         result = {
             "peak_load_N": peak.load,
             "failed_load_N": peak.failed_load,
@@ -132,7 +134,7 @@ class History:
             "engine": engine,
             "engine_version": version,
         }
-        Path("result.json").write_text(json.dumps(result, indent=1) + "\n")
+        Path(RESULT).write_text(json.dumps(result, indent=1) + "\n")
 
 
 def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:

@@ -1,9 +1,9 @@
 """The results folder of a run: it must be writable, locked and free of links and pipes.
 
-What stands there where a file or a folder of the study must be may be neither. A pipe is waited
-for without end, a device is read without end, and what is written to a link changes a file
-somewhere else. So links, pipes and the like are removed before a run (never what a link names), and
-a folder or a file in the other's place is set aside.
+Something else may be where the study needs a file or a folder: reading a pipe would block, reading
+a device would never end, and writing to a link would change a file elsewhere. Links, pipes and
+devices are therefore removed before a run (never what a link points to); a folder in place of a
+file, or a file in place of a folder, is renamed.
 """
 
 import fcntl
