@@ -81,7 +81,7 @@ function drawWeights() {
     return { type: "bar", name: labelOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: labelOf(model).colour } };
   });
   const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
-  const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textposition: "outside", cliponaxis: false }));
+  const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textangle: traces.length > 3 ? -90 : 0, textposition: "outside", cliponaxis: false }));
   chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { rangemode: "tozero" }), why: "No model of this study gives stresses, from which weights are read." });
   at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". The paper's first two weights stand in the other order than statics asks for: see docs/validation.md." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
 }
@@ -157,7 +157,7 @@ function drawModels() {
     const rows = own.filter((row) => row.model === model);
     return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: labelOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: labelOf(model).colour, size: 8 } };
   });
-  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
+  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference (%)") });
 }
 
 startCurves();
