@@ -22,6 +22,7 @@
 # make lint    run ruff, snakefmt, mypy and import-linter
 # make lock    pin the newest versions that pyproject.toml allows
 # Another study: make study CONFIG=my.yaml RESULTS=my-results
+# Another Python than python3 for the environment: make study PYTHON=python3.13
 # Retry cases that ended without a result, although nothing has changed: make study RETRY=1
 
 CONFIG ?= config.yaml
@@ -36,11 +37,12 @@ FAULTS ?= 500
 FUZZ ?= 100000
 MUTANTS ?= 200
 CASES ?= 100000
+PYTHON ?= python3
 PYTHONS ?=
 PEERS ?=
 EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
-export CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
+export PYTHON CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
 # `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
 # has started reaches it too, because it checks whether make is ending.
@@ -143,7 +145,7 @@ format: .venv/test.ready
 
 # Errors in the configuration are reported before anything is installed.
 early:
-	@python3 workflow/run/before_install.py "$$CONFIG"
+	@"$$PYTHON" workflow/run/before_install.py "$$CONFIG"
 
 system: early
 	@sh workflow/system.sh

@@ -17,11 +17,13 @@ case "$*" in *installer.txt) [ ! -f uv ] || cp uv .venv/bin/uv;; esac
 UV = '#!/bin/sh\necho uv "$@" >> calls\nexit {status}\n'
 
 
-def made(folder: Path, fails: str, **more: str) -> subprocess.CompletedProcess[str]:
+def made(
+    folder: Path, fails: str, python: str = "python3", **more: str
+) -> subprocess.CompletedProcess[str]:
     """The script, run with programs that only log their arguments, and ``more`` programs."""
     (folder / "workflow").mkdir()
     shutil.copy(ROOT / "workflow/install.sh", folder / "workflow")
-    for path, text in (("bin/python3", PYTHON), ("pip", PIP.format(fails=fails)), *more.items()):
+    for path, text in ((f"bin/{python}", PYTHON), ("pip", PIP.format(fails=fails)), *more.items()):
         (folder / path).parent.mkdir(exist_ok=True)
         (folder / path).write_text(text)
         (folder / path).chmod(0o755)
@@ -29,7 +31,7 @@ def made(folder: Path, fails: str, **more: str) -> subprocess.CompletedProcess[s
         ["sh", str(ROOT / "workflow/environment.sh")],
         check=False,
         cwd=folder,
-        env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}"},
+        env={**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "PYTHON": python},
         capture_output=True,
         text=True,
     )
@@ -78,3 +80,21 @@ def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
     assert "--require-hashes --requirement requirements.txt" in by_uv
     by_pip = "install --quiet --require-hashes --requirement requirements.txt"
     assert (by_pip in calls) == pip_too
+
+
+def test_another_python_can_be_chosen(tmp_path: Path) -> None:
+    assert made(tmp_path, "", python="other-python").returncode == 0
+    assert (tmp_path / "calls").read_text().startswith("-m venv --clear .venv\n")
+
+
+def test_a_python_that_is_not_there_is_named() -> None:
+    environment = {**os.environ, "PYTHON": "no-such-python"}
+    found = subprocess.run(
+        ["sh", str(ROOT / "workflow/system.sh")],
+        check=False,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 1
+    assert found.stderr == "PYTHON=no-such-python: there is no such program\n"

@@ -62,7 +62,7 @@ def test_whether_half_of_the_locks_may_be_counted_is_answered_first(lines: list[
 def test_half_of_the_locks_may_be_counted_where_an_option_is_safe() -> None:
     study = study_of(samples={"strong": {"locks": 3}})
     lines = summary("there", tables_for(study), [0.02, 0.01]).splitlines()
-    assert lines[0] == "May I count (n - 1) / 2 locks? Yes, for these joints:"
+    assert lines[0] == "May I count (n - 1) / 2 locks? Yes, for these joints"
     assert lines[1] == "  strong safe (Option 3)"
 
 

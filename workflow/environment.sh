@@ -1,5 +1,5 @@
 #!/bin/sh
-# Rebuild the environment .venv from requirements.txt and this project. Programs of an environment contain
+# Rebuild the environment .venv of PYTHON, or python3, from requirements.txt and this project. Programs of an environment contain
 # its path, so it is built in place; if that fails, the previous environment is restored.
 set -eu
 old=.venv.old
@@ -14,7 +14,7 @@ restore # of a try that was killed
 [ ! -d .venv ] || mv .venv $old
 trap 'restore; echo "The environment .venv could not be made; it is as it was." >&2' EXIT
 trap 'exit 130' INT TERM HUP
-python3 -m venv --clear .venv
+"${PYTHON:-python3}" -m venv --clear .venv
 sh workflow/install.sh requirements.txt
 # Built by the setuptools that is pinned there, not by any that an index has.
 .venv/bin/pip install --quiet --no-deps --no-build-isolation --editable .

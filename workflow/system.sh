@@ -6,8 +6,13 @@ set -eu
 
 # Python is needed; without an engine the study goes on with the models that need none.
 needed=
-command -v python3 >/dev/null || needed="$needed python3"
-python3 -c 'import ensurepip, venv' 2>/dev/null || needed="$needed python3-venv"
+python=${PYTHON:-python3}
+[ "$python" = python3 ] || command -v "$python" >/dev/null || {
+    echo "PYTHON=$python: there is no such program" >&2
+    exit 1
+}
+command -v "$python" >/dev/null || needed="$needed python3"
+"$python" -c 'import ensurepip, venv' 2>/dev/null || needed="$needed python3-venv"
 engines=
 for engine in yade liggghts; do
     command -v "$engine" >/dev/null || engines="$engines $engine"
@@ -41,7 +46,7 @@ for engine in $engines; do
     install "$engine" || echo "Not installed; on Debian, ask for: apt-get install $engine" >&2
 done
 
-python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || {
-    echo "python3: $(python3 -V) is too old; it must be 3.11 or newer" >&2
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || {
+    echo "$python: $("$python" -V) is too old; it must be 3.11 or newer" >&2
     exit 1
 }

@@ -44,7 +44,7 @@ def _effects(joint: Joint, ratio: float, fields: tuple[Field, ...]) -> dict[str,
 
 def words(more: float) -> str:
     """An arrow towards a larger load, and the change (%) for 1 % more; no arrow for none."""
-    shown = f"{more:+.2f} %"
+    shown = f"{more:+.2f} %".replace("-", "\N{MINUS SIGN}")
     if float(f"{more:.2f}") == 0.0:
         return "0.00 %"
     return f"\N{RIGHTWARDS ARROW} {shown}" if more > 0.0 else f"\N{LEFTWARDS ARROW} {shown}"

@@ -62,6 +62,7 @@ def _map(material: Material) -> Figure:
     axes.set_ylabel("x (mm)")
     axes.set_ylim(-0.55 * MM * joint.a, 1.0 * MM * joint.a)
     axes.set_yticks(np.array([-0.5, 0.0, 0.5]) * MM * joint.a)
+    axes.tick_params(axis="y", pad=12)  # beyond the arrows at the edge
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "

@@ -64,4 +64,8 @@ def save(figure: Figure, paths: list[Path]) -> None:
     os.environ["SOURCE_DATE_EPOCH"] = "0"
     for path in paths:
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, metadata={"Software": None} if path.suffix == ".png" else None)
+        figure.savefig(
+            path,
+            metadata={"Software": None} if path.suffix == ".png" else None,
+            bbox_inches="tight",  # captions are as high as they are long
+        )

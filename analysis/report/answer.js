@@ -52,7 +52,7 @@ function drawAnswer() {
   ];
   vmChart("answer-plot", traces, { why: `No model has an answer for ${sample} at a mesh of ${ANSWER.mesh} m: the reasons are under failed cases.` });
   const joint = JOINTS.sizes.find((row) => row.sample === sample);
-  at("answer-size").textContent = `${joint.locks} locks, a × b = ${short(1000 * joint.a_m)} × ${short(1000 * joint.b_m)} mm, T0 = ${short(joint.T0_N)} N`;
+  at("answer-size").textContent = `${joint.locks} locks, a × b = ${short(1000 * joint.a_m)} × ${short(1000 * joint.b_m)} mm, T0 = ${short(joint.T0_N)} N, friction ${short(joint.friction)}`;
   at("answer-text").textContent = `Mesh ${ANSWER.mesh} m. A rule is unsafe where its line is outside of what the models carry.${published.length ? "" : " The paper has no peak for this joint."}`;
 }
 

@@ -1,6 +1,7 @@
 """The report's first screen: the question, its answer, and how far each rule can be trusted."""
 
-from collections.abc import Mapping
+import re
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -18,13 +19,15 @@ from analysis.summary.rules import (
 from analysis.summary.summary import leading_models
 from workflow.schema import Study
 
-NO_RULE = Answer("What does the joint carry?", "The curves and tables below tell it, by model.")
+NO_RULE = Answer("What does the joint carry?", "See the curves and tables below, by model.")
+HYPHEN = re.compile(r"(?<![\w.-])-(?=\d)")  # before a number
 
 
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """The first answer of the summary, the other ones, and the table of rules.
 
-    ``rules``: of each rule its largest error, where, and whether it is safe, the least safe first.
+    ``by_sample``: the answers that each sample has, as a table. ``rules``: of each rule its largest
+    error, where, and whether it is safe, the least safe first.
     ``half``: how (n - 1) / 2 is drawn for each sample. ``sample``: the one that is shown first,
     where (n - 1) / 2 or else the first rule is least safe.
     """
@@ -36,7 +39,8 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     shown = max(half or worst, key=lambda error: error.error, default=None)
     return {
         "first": _words(first),
-        "others": [_words(each) for each in others],
+        "others": [_words(each) for each in others if each.answer and not each.by_sample],
+        "by_sample": _by_sample(study, [first, *others]),
         "safe": first.answer.startswith("Yes"),
         "rules": [_row(error) for error in worst],
         "caption": _caption(leading, mesh) if worst else "",
@@ -53,13 +57,25 @@ def _words(answer: Answer) -> dict[str, str]:
     return {
         "question": _typeset(answer.question),
         "answer": _typeset(answer.answer),
-        "details": _typeset(answer.details),
+    }
+
+
+def _by_sample(study: Study, given: Sequence[Answer]) -> dict[str, Any]:
+    """A table of the answers that are given sample by sample: ``columns`` and ``rows``."""
+    shown = [answer for answer in given if answer.by_sample]
+    return {
+        "columns": [_typeset(answer.column) for answer in shown],
+        "rows": [
+            [sample, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
+            for sample in study.samples
+        ],
     }
 
 
 def _typeset(words: str) -> str:
-    """With the minus of numbers, as the page has room for it."""
-    return words.replace("(n - 1) / 2", "(n \N{MINUS SIGN} 1)/2")
+    """With the minus of numbers."""
+    whole = words.replace("(n - 1) / 2", "(n \N{MINUS SIGN} 1)/2")
+    return HYPHEN.sub("\N{MINUS SIGN}", whole)
 
 
 def _row(error: RuleError) -> dict[str, Any]:

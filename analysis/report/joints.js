@@ -81,7 +81,7 @@ function drawWeights() {
     return { type: "bar", name: labelOf(model).name, x: own.map((r) => `lock ${r.lock} (${r.block})`), y: own.map((r) => r.weight), marker: { color: labelOf(model).colour } };
   });
   const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
-  const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textposition: "outside", cliponaxis: false }));
+  const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textangle: traces.length > 3 ? -90 : 0, textposition: "outside", cliponaxis: false }));
   chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { rangemode: "tozero" }), why: "No model of this study gives stresses, from which weights are read." });
   at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". The paper's first two weights stand in the other order than statics asks for: see docs/validation.md." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
 }
@@ -101,20 +101,26 @@ function startWeights() {
 }
 
 // --- convergence -----------------------------------------------------------------------------
+const directionWords = (ratio) => (ratio === "inf" ? "torsion" : `e/a = ${ratio}`);
+
 function drawConvergence() {
   const sample = at("mesh-sample").value, model = at("mesh-model").value;
   const own = capacity.filter((r) => r.sample === sample && r.model === model && r.variant === "reference" && r.load_N !== null);
-  const ratios = unique(own.map((r) => String(r.eccentricity_over_a)));
-  const traces = ratios.flatMap((ratio, k) => {
-    const rows = own.filter((r) => String(r.eccentricity_over_a) === ratio).sort((a, b) => b.mesh_m - a.mesh_m);
-    const finest = rows.at(-1), colour = COLOURS[k % COLOURS.length];
-    const bars = { type: "data", array: rows.map((r) => (r.mesh_error === null ? 0 : (100 * r.mesh_error * r.load_N) / finest.load_N)), thickness: 1, width: 4, color: colour };
-    return rows.length < 2 ? [] : [{ x: rows.map((r) => 1000 * r.mesh_m), y: rows.map((r) => (100 * r.load_N) / finest.load_N), name: ratio === "inf" ? "torsion" : `e/a = ${ratio}`, mode: "lines+markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 8 }, line: { color: colour, dash: DASHES[k % DASHES.length], width: 1.5 }, text: rows.map((r) => `${short(r.load_N)} N`), hovertemplate: "%{text} at %{x} mm<br>%{y:.2f} %" }];
+  const meshes = unique(own.map((r) => r.mesh_m)).sort((a, b) => a - b);
+  const finest = new Map(own.filter((r) => r.mesh_m === meshes[0]).map((r) => [String(r.eccentricity_over_a), r.load_N]));
+  const order = (r) => (r.eccentricity_over_a === "inf" ? Infinity : r.eccentricity_over_a);
+  const traces = meshes.map((mesh, k) => {
+    const rows = own.filter((r) => r.mesh_m === mesh && finest.has(String(r.eccentricity_over_a))).sort((a, b) => order(a) - order(b));
+    const share = (r, part) => (100 * part) / finest.get(String(r.eccentricity_over_a)), colour = COLOURS[k % COLOURS.length];
+    const bars = { type: "data", array: rows.map((r) => share(r, (r.mesh_error || 0) * r.load_N)), thickness: 1.5, width: 5, color: colour };
+    return { x: rows.map((r, place) => place + 0.12 * (k - (meshes.length - 1) / 2)), y: rows.map((r) => share(r, r.load_N)), name: `mesh ${short(1000 * mesh)} mm`, mode: "markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 9, color: colour }, text: rows.map((r) => `${directionWords(r.eccentricity_over_a)}: ${short(r.load_N)} N`), hovertemplate: "%{text}<br>%{y:.2f} %" };
   });
-  chart("mesh-plot", traces, { xaxis: axis("mesh (mm)", { rangemode: "tozero" }), yaxis: axis("load over that at the finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });
+  const ratios = [...finest.keys()].sort((a, b) => (a === "inf" ? 1 : b === "inf" ? -1 : a - b));
+  const ticks = { tickvals: ratios.map((_, place) => place), ticktext: ratios.map((ratio) => (ratio === "inf" ? "torsion" : ratio)), zeroline: false };
+  chart("mesh-plot", meshes.length > 1 ? traces : [], { xaxis: axis("e / a", ticks), yaxis: axis("load / finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });
   const errors = own.filter((r) => r.mesh_error !== null && r.mesh_m === ANSWER_MESH);
   const worst = errors.reduce((one, other) => (one && one.mesh_error >= other.mesh_error ? one : other), null);
-  at("mesh-text").textContent = `Bars: mesh error, estimated from two meshes.${worst ? ` At ${ANSWER_MESH} m it is at most ${(100 * worst.mesh_error).toFixed(1)} % (${worst.case}).` : ""}`;
+  at("mesh-text").textContent = `Loads over those at the finest mesh, direction by direction. Bars: mesh error, estimated from two meshes.${worst ? ` At ${ANSWER_MESH} m it is at most ${(100 * worst.mesh_error).toFixed(1)} % (${worst.case}).` : ""}`;
 }
 
 const ANSWER_MESH = Math.min(...JOINTS.meshes);
@@ -151,7 +157,7 @@ function drawModels() {
     const rows = own.filter((row) => row.model === model);
     return { x: rows.map((r) => r.name), y: rows.map((r) => 100 * r.difference_to_static), name: labelOf(model).name, mode: "markers", marker: { symbol: markOf(model), color: labelOf(model).colour, size: 8 } };
   });
-  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference to the static model (%)") });
+  chart("model-plot", traces, { margin: { l: 60, r: 20, t: 30, b: 20 }, legend: { orientation: "h", y: 1.02, yanchor: "bottom" }, xaxis: axis("", { tickangle: -60 }), yaxis: axis("difference (%)") });
 }
 
 startCurves();

@@ -26,23 +26,35 @@ function behindWords({ behind, curve }) {
   return `Behind the peak, if the load is let down as bonds fail, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${short(most)} N (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
 }
 
+// Edges of the cells around the places of nodes, from one edge of a face to the other.
+function cellEdges(places, low, high) {
+  return [low, ...places.slice(1).map((place, k) => (place + places[k]) / 2), high].map((v) => 1000 * v);
+}
+
 function drawStress(path, step) {
-  const x = [], y = [], colour = [], symbol = [];
-  path.faces.forEach((face, k) => {
-    x.push(...face.y.map((v) => 1000 * v));
-    y.push(...face.x.map((v) => 1000 * v));
-    colour.push(...step.shear[k]);
-    symbol.push(...step.bonded[k].map((whole) => (whole ? "square" : "x")));
+  const failed = { x: [], y: [] }, names = [], outlines = [];
+  const bar = { colorscale: "Viridis", zmin: 0, zmax: 1, colorbar: WIDE_BAR };
+  const maps = path.faces.map((face, k) => {
+    const { low, high } = JOINTS.pieces[path.sample].find((piece) => piece.name === `lock${face.lock}`);
+    const [across, along] = [face.y, face.x].map((places) => unique(places).sort((a, b) => a - b));
+    const z = along.map(() => across.map(() => null));
+    face.x.forEach((_, node) => {
+      z[along.indexOf(face.x[node])][across.indexOf(face.y[node])] = step.shear[k][node];
+      if (!step.bonded[k][node]) { failed.x.push(1000 * face.y[node]); failed.y.push(1000 * face.x[node]); }
+    });
+    names.push({ x: 500 * (low[1] + high[1]), y: 1000 * high[0], text: `lock ${face.lock}`, showarrow: false, yanchor: "bottom" });
+    outlines.push({ type: "rect", x0: 1000 * low[1], x1: 1000 * high[1], y0: 1000 * low[0], y1: 1000 * high[0], line: { color: "#ffffff", width: 1.5 } });
+    return { type: "heatmap", x: cellEdges(across, low[1], high[1]), y: cellEdges(along, low[0], high[0]), z, ...bar, showscale: k === 0, hovertemplate: `lock ${face.lock}: %{z:.3f}<extra></extra>` };
   });
-  const trace = { x, y, mode: "markers", marker: { color: colour, symbol, size: Math.max(4, Math.min(13, 120 / Math.sqrt(x.length))), colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: WIDE_BAR }, hovertemplate: "%{marker.color:.3f}<extra></extra>" };
-  chart("stress-plot", [trace], { xaxis: axis("across the locks y (mm)"), yaxis: axis("along them x (mm)", { scaleanchor: "x" }), showlegend: false, margin: { l: 60, r: 20, t: 60, b: 50 } });
+  const crosses = { ...failed, mode: "markers", marker: { symbol: "x-thin", size: 6, line: { color: "#ffffff", width: 1.5 } }, hoverinfo: "skip" };
+  chart("stress-plot", [...maps, crosses], { annotations: names, shapes: outlines, xaxis: axis("across the locks y (mm)", { showgrid: false, zeroline: false }), yaxis: axis("along them x (mm)", { scaleanchor: "x", showgrid: false, zeroline: false }), showlegend: false, margin: { l: 60, r: 20, t: 60, b: 50 } });
 }
 
 function drawOrder(path, step) {
   const loads = path.steps.map((s) => s.load);
   const traces = path.faces.map((face, k) => ({ x: loads, y: path.steps.map((s) => Math.max(...s.shear[k].map((v, i) => (s.bonded[k][i] ? v : 0)))), name: `lock ${face.lock}`, mode: "lines+markers", marker: { symbol: MARKS[k % MARKS.length] }, line: { color: COLOURS[k % COLOURS.length], dash: DASHES[k % DASHES.length] } }));
   const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
-  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion of the bonds", { rangemode: "tozero" }) });
+  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion", { rangemode: "tozero" }) });
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
   at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
@@ -79,7 +91,7 @@ function loadTraces(path, step, pieces) {
   const found = [];
   if (V > 0) {
     const x = path.push * e, from = path.push > 0 ? low[1] : high[1];
-    found.push(line([[x, from - path.push * 0.3 * size, z], [x, from, z]], "V"), said([x, from - path.push * 0.3 * size, z], `V = ${short(V)} N`), head([x, from, z], [0, path.push, 0], 0.18 * a));
+    found.push(line([[x, from - path.push * 0.3 * size, z], [x, from, z]], "V"), said([x, from - path.push * 0.15 * size, z], `V = ${short(V)} N`), head([x, from, z], [0, path.push, 0], 0.18 * a));
     if (Math.abs(x) > a / 2) found.push(line([[x, from, z], [0, from, z]], "e"));
   }
   if (M > 0) {
@@ -123,7 +135,7 @@ function drawJoint(path, step) {
   });
   traces.push({ type: "scatter3d", mode: "markers", x, y, z, marker: { size: 4, color: colour, colorscale: "Viridis", cmin: 0, cmax: 1, colorbar: { ...WIDE_BAR, y: 0, yanchor: "bottom" } }, hovertemplate: "%{marker.color:.3f}<extra></extra>" });
   traces.push(...loadTraces(path, step, pieces), lockNumbers(path, pieces, step, scale));
-  const scene = { aspectmode: "data", domain: { y: [0.14, 1] }, camera: { eye: eyeFrom(at("joint-plot")) }, xaxis: { title: { text: "x (m)" } }, yaxis: { title: { text: "y (m)" } }, zaxis: { title: { text: "z (m)" } } };
+  const scene = { aspectmode: "data", domain: { y: [0.14, 1] }, camera: { eye: eyeFrom(at("joint-plot")) }, xaxis: { visible: false }, yaxis: { visible: false }, zaxis: { visible: false } };
   return chart("joint-plot", traces, { scene, margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, uirevision: path.sample });
 }
 
@@ -158,8 +170,8 @@ function playJoint() {
 
 // Further away where the plot is narrower than high.
 function eyeFrom({ clientHeight, clientWidth }) {
-  const away = Math.max(1, (1.3 * clientHeight) / clientWidth);
-  return { x: 1.4 * away, y: -1.2 * away, z: 0.9 * away };
+  const away = Math.max(1, (1.5 * clientHeight) / clientWidth);
+  return { x: 1.3 * away, y: -1.1 * away, z: 0.8 * away };
 }
 
 function drawPath() {

@@ -1,8 +1,10 @@
 """What a report was made from: sizes of joints, versions of programs, the configuration as YAML."""
 
 import platform
+import subprocess
 import tomllib
 from collections.abc import Iterator, Mapping
+from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -26,6 +28,7 @@ def sizes_of(study: Study) -> list[dict[str, Any]]:
         {
             **{"sample": name, "locks": joint.locks, "a_m": joint.a, "b_m": joint.b},
             "T0_N": float(f"{joint.T0:.6g}"),
+            "friction": joint.dry.friction,
         }
         for name, joint in joints.items()
     ]
@@ -51,11 +54,23 @@ def versions_of(tables: Mapping[str, pd.DataFrame]) -> list[tuple[str, str]]:
     """Versions of the program, of engines by the records of cases, of Python and its packages."""
     project = tomllib.loads((CHECKOUT / "pyproject.toml").read_text())["project"]
     return [
-        (project["name"], project["version"]),
+        (project["name"], f"{project['version']}{commit()}"),
         *_engines(tables),
         ("Python", platform.python_version()),
         *((package, version(package)) for package in PACKAGES),
     ]
+
+
+def commit(checkout: Path = CHECKOUT) -> str:
+    """The commit of a checkout, and whether files differ from it; empty without Git."""
+    if not (checkout / ".git").exists():  # a folder above may be another project's
+        return ""
+    command = ("git", "-C", str(checkout), "describe", "--always", "--dirty=, changed since")
+    try:
+        found = subprocess.run(command, capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return f", commit {found.stdout.strip()}"
 
 
 def _engines(tables: Mapping[str, pd.DataFrame]) -> Iterator[tuple[str, str]]:
@@ -77,6 +92,7 @@ def provenance(study: Study | None, tables: Mapping[str, pd.DataFrame]) -> dict[
     return {
         "sizes": None if study is None else size_table(study),
         "versions": versions_of(tables),
+        "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "source": paper,
         "doi": doi,
     }

@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
 
-from analysis.drawing.labels import label_of, option_name
+from analysis.drawing.labels import label_of, option_name, rule_name
 from analysis.summary.rules import RuleError, direction_words, rule_errors, worst_of
 from analysis.tables.misfit import winner
 from workflow.engines import ENGINES
@@ -19,18 +19,24 @@ SHOWN = 6  # samples in one answer
 
 @dataclass(frozen=True)
 class Answer:
-    """A question, and its answer in a few words, with ``details`` on a line below."""
+    """A question, and its answer in a few words.
+
+    ``by_sample``: the answer for each sample, by its name, on a line below where there are words
+    for all of them. ``column``: what these answers are in a table of samples.
+    """
 
     question: str
-    answer: str
-    details: str = ""
+    answer: str = ""
+    by_sample: Mapping[str, str] = field(default_factory=dict)
+    column: str = ""
 
     @property
     def lines(self) -> Iterator[str]:
         """The answer as lines of text."""
-        yield f"{self.question} {self.answer}"
-        if self.details:
-            yield f"  {self.details}"
+        parts = listed(f"{sample} {words}" for sample, words in self.by_sample.items())
+        yield f"{self.question} {self.answer or parts}"
+        if self.answer and parts:
+            yield f"  {parts}"
 
 
 def answers(
@@ -75,14 +81,15 @@ def _half(
     where = f"({worst.sample}, {direction_words(worst.ratio)})"
     yield Answer(
         "May I count (n - 1) / 2 locks?",
-        "Yes, for these joints:" if worst.safe else f"No: unsafe by {percent(worst.error)} {where}",
-        listed(map(_verdict, errors)),
+        "Yes, for these joints" if worst.safe else f"No: unsafe by {percent(worst.error)} {where}",
+        {error.sample: _verdict(error) for error in errors},
+        "(n - 1) / 2 locks",
     )
 
 
 def _verdict(error: RuleError) -> str:
     verdict = "safe" if error.safe else f"unsafe by {percent(error.error)}"
-    return f"{error.sample} {verdict} ({option_name(str(error.option))})"
+    return f"{verdict} ({option_name(str(error.option))})"
 
 
 def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
@@ -90,8 +97,8 @@ def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
     selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
-        parts = listed(f"{row.sample} {row.locks_that_count:.2f}" for row in selected.itertuples())
-        yield Answer("How many locks fit best?", parts)
+        parts = {row.sample: f"{row.locks_that_count:.2f}" for row in selected.itertuples()}
+        yield Answer("How many locks fit best?", by_sample=parts, column="locks that fit best")
 
 
 def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answer]:
@@ -99,7 +106,7 @@ def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answ
     safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
     if safe.empty:
         return
-    parts = []
+    parts = {}
     safe = safe.assign(ratio=safe["case"].map(ratio)).sort_values("ratio", kind="stable")
     safe = safe.drop_duplicates(["sample", "ratio"])  # it is the same at all meshes
     for sample in capacity["sample"].unique():
@@ -108,13 +115,14 @@ def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answ
             continue
         ends = rows.iloc[[0, -1] if len(rows) > 1 else [0]]
         if ends["load_N"].isna().all():
-            parts.append(f"{sample} no answer, see below")
+            parts[sample] = "no answer, see below"
             continue
-        parts.append(f"{sample} {', '.join(map(_at, ends.itertuples()))}")
+        parts[sample] = ", ".join(map(_at, ends.itertuples()))
     yield Answer(
         "What may I design for?",
         "The safe rule's V (N) or M (N m), others below:",
-        listed(parts),
+        parts,
+        "safe rule, V (N) or M (N m)",
     )
 
 
@@ -135,12 +143,13 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
     selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
     if rows:
-        parts = listed(
-            f"{row['sample']} {option_name(row['option'])}, {row['reduction']} "
+        parts = {
+            row["sample"]: f"{option_name(row['option'])}, {rule_name(row['reduction'])} "
             f"({percent(row['misfit'])})"
             for row in rows
-        )
-        yield Answer("Which option and rule of SiDMACIB fit best?", parts)
+        }
+        question = "Which option and rule of SiDMACIB fit best?"
+        yield Answer(question, by_sample=parts, column="SiDMACIB that fits best (misfit)")
 
 
 def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
@@ -148,11 +157,11 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
     selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
-        parts = listed(
-            f"{row.sample} {100 * float(row.relative_difference):+.2f} %"
+        parts = {
+            row.sample: f"{100 * float(row.relative_difference):+.2f} %"
             for row in selected.itertuples()
-        )
-        yield Answer("Are published peaks met?", parts)
+        }
+        yield Answer("Are published peaks met?", by_sample=parts, column="from the published peak")
 
 
 def _engines(cases: pd.DataFrame) -> Iterator[Answer]:

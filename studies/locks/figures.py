@@ -55,7 +55,7 @@ def collapse(points: pd.DataFrame) -> Figure:
     _errors(right, points)
     style.caption(
         figure,
-        f"{len(smooth)} smooth joints with columns in pure shear (left), "
+        f"{_origin(points)}{len(smooth)} smooth ones with columns in pure shear (left), "
         f"{points['law'].notna().sum()} points in "
         "all directions (right). Locks that work: load at the first failure of the static model "
         "over T0; many: 41 locks, after the law. Errors beyond "
@@ -64,6 +64,12 @@ def collapse(points: pd.DataFrame) -> Figure:
         height=0.12,
     )
     return figure
+
+
+def _origin(points: pd.DataFrame) -> str:
+    """How many joints of which samplings there are, as a sentence."""
+    counts = points.groupby("sampling", sort=True)["number"].nunique()
+    return f"From {', '.join(f'{count} joints of {name}' for name, count in counts.items())}. "
 
 
 def _errors(axes: Axes, points: pd.DataFrame) -> None:
@@ -117,8 +123,9 @@ def margins(points: pd.DataFrame) -> Figure:
         axes.legend(fontsize=8)
     style.caption(
         figure,
-        f"{len(held)} points under a plate; values beyond the axis are counted at its ends. The "
-        "peak lies above the first failure under torque, so the margin is larger there.",
+        f"{_origin(points)}{len(held)} points under a plate; values beyond the axis are counted "
+        "at its ends. The peak lies above the first failure under torque, so the margin is larger "
+        "there.",
         height=0.08,
     )
     return figure
@@ -146,9 +153,9 @@ def rules(points: pd.DataFrame) -> Figure:
         axes.set_xlabel("locks n")
     style.caption(
         figure,
-        f"{len(pure)} odd joints under a plate, columns. Above the line the rule promises more "
-        "than the joint carries. Right: the largest error of all directions of a joint. SiDMACIB, "
-        f"Option 4, without friction. Errors above {UNSAFE:g} % are drawn there.",
+        f"{_origin(points)}{len(pure)} odd ones under a plate, columns. Above the line the rule "
+        "promises more than the joint carries. Right: the largest error of all directions of a "
+        f"joint. SiDMACIB, Option 4, without friction. Errors above {UNSAFE:g} % are drawn there.",
         height=0.05,
     )
     return figure
