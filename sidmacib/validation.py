@@ -49,6 +49,8 @@ def require_direction(**values: Any) -> None:
 
 def is_number(value: Any) -> bool:
     """Whether ``value`` is a real number, a boolean not being one."""
+    if type(value) is float:  # at once, as almost all are
+        return True
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

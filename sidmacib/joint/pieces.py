@@ -18,7 +18,7 @@ from sidmacib.mechanics.assembly import (
     Rectangle,
     shared_face,
 )
-from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes
+from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes, corners
 
 LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: almost rigid
@@ -67,8 +67,7 @@ def reassemble(joint: Joint, assembly: Assembly) -> Assembly:
 
 def _corners(faces: tuple[Rectangle, ...]) -> tuple[Floats, Floats, Floats]:
     """Lowest and highest corners of ``faces`` (m), (F, 3) each, and their areas (m2), (F,)."""
-    low, high = (np.array([getattr(face, end) for face in faces]) for end in ("low", "high"))
-    return low, high, np.array([face.area for face in faces])
+    return *corners(faces), np.array([face.area for face in faces])
 
 
 def _cells(side: float, mesh: float) -> int:

@@ -236,8 +236,8 @@ class Rectangle:
     @property
     def middle(self) -> Vector:
         """Centre, in m."""
-        x, y, z = ((low + high) / 2 for low, high in zip(self.low, self.high, strict=True))
-        return x, y, z
+        (x, y, z), (right, back, top) = self.low, self.high
+        return (x + right) / 2, (y + back) / 2, (z + top) / 2
 
     @property
     def area(self) -> float:

@@ -28,8 +28,14 @@ def cells_along(lengths: Floats, mesh: float) -> Integers:
 
 def cell_counts(faces: tuple[Rectangle, ...], mesh: float) -> Integers:
     """Cells of each face along x, y and z, (F, 3); 1 along its normal."""
-    low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
+    low, high = corners(faces)
     return cells_along(high - low, mesh)
+
+
+def corners(faces: tuple[Rectangle, ...]) -> tuple[Floats, Floats]:
+    """Lowest and highest corners of ``faces``, in m, (F, 3) each."""
+    low, high = np.array([(face.low, face.high) for face in faces]).transpose(1, 0, 2)
+    return low, high
 
 
 def side_rule(layout: NodeLayout, cells: int) -> tuple[Floats, Floats]:
@@ -62,11 +68,13 @@ def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[F
 
 def contact_nodes(faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout) -> Nodes:
     """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
-    positions, areas = [], []
-    for face, counts in zip(faces, cell_counts(faces, mesh).tolist(), strict=True):
-        place, share = unit_face(layout, tuple(counts), face.axis)
-        low, high = np.array(face.low), np.array(face.high)
-        positions.append(low + place * (high - low))
-        areas.append(face.area * share)
-    index = np.repeat(np.arange(len(faces)), [len(area) for area in areas])
-    return Nodes(index, np.concatenate(positions), np.concatenate(areas))
+    low, high = corners(faces)
+    cells = cells_along(high - low, mesh).tolist()
+    units = [
+        unit_face(layout, tuple(counts), face.axis)
+        for face, counts in zip(faces, cells, strict=True)
+    ]
+    index = np.repeat(np.arange(len(faces)), [len(share) for _, share in units])
+    place, share = (np.concatenate(parts) for parts in zip(*units, strict=True))
+    area = np.array([face.area for face in faces])
+    return Nodes(index, low[index] + place * (high - low)[index], area[index] * share)

@@ -14,11 +14,12 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind
+from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, self_weight
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
-from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.static.model import first_failure_of, solver_of
 from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.rule.pairs import bearing_pairs
 
@@ -76,7 +77,11 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
     fineness = fineness or (COARSE if joint.elastic is None else ELASTIC)
     assembly = _cut(joint, fineness.cells)
     loads = lateral_load(joint, assembly, loading)
-    failure = static_first_failure(assembly, loads, increment=fineness.increment)
+    if joint.elastic is None:
+        solver: Solver = _rigid(joint, fineness.cells).under(loads)
+    else:
+        solver = solver_of(assembly, loads)
+    failure = first_failure_of(solver, loads.scale, fineness.increment)
     if not failure.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     if not failure.failing.any():
@@ -91,6 +96,14 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
 def _cut(joint: Joint, cells: int) -> Assembly:
     """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock."""
     return assemble(joint, joint.least_side / cells)
+
+
+@lru_cache(maxsize=8)
+def _rigid(joint: Joint, cells: int) -> RigidSolver:
+    """A solver of `_cut`, with any loads."""
+    assembly = _cut(joint, cells)
+    weight = self_weight(assembly.pieces)
+    return RigidSolver(assembly, Loads(weight, np.zeros_like(weight), 1.0))
 
 
 def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:

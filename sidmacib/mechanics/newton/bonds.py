@@ -1,4 +1,4 @@
-"""How far bonds are used."""
+"""How far bonds are used: shear and tension over strength."""
 
 # mypy: allow-untyped-defs
 
@@ -12,14 +12,19 @@ from sidmacib.mechanics.newton.compilation import compiled
 @compiled
 def utilisations(shear_strength, tensile_strength, friction, whole, force, rounding):
     """See `sidmacib.mechanics.utilisation.utilisation`; ``rounding``: of the largest force."""
-    used, noise = np.zeros(len(force)), rounding * np.abs(force).max()
+    used, noise = np.zeros(len(force)), np.nan
     for node in range(len(force)):
         if whole[node] > 0.0:
-            normal, along, across = force[node]
+            normal, along, across = force[node, 0], force[node, 1], force[node, 2]
             # Unlike a root of squares, the same to the last digit as that of numpy.
             shear = math.hypot(along, across) - friction[node] * normal
-            by_shear = over(shear, shear_strength[node], noise)
-            by_tension = over(-normal, tensile_strength[node], noise)
+            strengths = shear_strength[node], tensile_strength[node]
+            if np.isnan(noise) and min(strengths) <= 0.0:
+                noise = rounding * np.abs(force).max()
+            by_shear, by_tension = (
+                over(shear, strengths[0], noise),
+                over(-normal, strengths[1], noise),
+            )
             used[node] = max(by_shear, by_tension, 0.0)
     return used
 

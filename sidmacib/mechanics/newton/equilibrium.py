@@ -7,6 +7,12 @@ import numpy as np
 from sidmacib.mechanics.newton.compilation import compiled
 from sidmacib.mechanics.newton.elimination import solve_linear
 from sidmacib.mechanics.newton.faces import (
+    FRICTION,
+    GIVEN,
+    NORMAL,
+    SHEAR,
+    P,
+    Q,
     face_motion,
     node_displacement,
     norm,
@@ -161,11 +167,13 @@ def least_energy(structure, matrix, target, guess, slip, whole, limits):
 def node_forces(structure, slip, whole, unknowns):
     """Forces (N) of all nodes, (N, 3), and their slip (m) after this equilibrium, (N, 2)."""
     w, force, after = np.empty(6), np.empty((len(slip), 3)), slip.copy()
+    nodes = structure.nodes
     for face in range(len(structure.begin)):
         face_motion(structure, face, unknowns, w)
         for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction, given, p, q = structure.nodes[node]
-            d0, d1, d2 = node_displacement(p, q, slip, node, w)
+            normal, shear = nodes[node, NORMAL], nodes[node, SHEAR]
+            friction, given = nodes[node, FRICTION], nodes[node, GIVEN]
+            d0, d1, d2 = node_displacement(nodes[node, P], nodes[node, Q], slip, node, w)
             f0, f1, f2 = node_force(normal, shear, friction, given, whole[node], d0, d1, d2)
             force[node, 0], force[node, 1], force[node, 2] = f0, f1, f2
             if whole[node] == 0.0:

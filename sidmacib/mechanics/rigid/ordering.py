@@ -9,11 +9,12 @@ one body, which changes the order of elimination and so the last digits of resul
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from sidmacib.mechanics.assembly import Integers
-from sidmacib.mechanics.springs import Springs
+from sidmacib.mechanics.springs import RIGID, Springs
 
 Graph = dict[int, set[int]]  # pieces and those that they touch
 
@@ -39,38 +40,43 @@ class Ordering:
 
 def ordering(springs: Springs) -> Ordering:
     """The order with the least work: pieces go into the border as long as that saves any."""
-    graph = _graph(springs)
+    pairs = tuple(map(tuple, springs.piece.tolist()))
+    return _least_work(len(springs.unknowns) - 1, pairs)
+
+
+@lru_cache(maxsize=32)  # joints with as many locks differ in sizes only
+def _least_work(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Ordering:
+    """`ordering` of that many free ``pieces``; ``pairs``: those that touch, -1 for fixed ones."""
+    graph = _graph(pieces, pairs)
     by_contacts = sorted(graph, key=lambda piece: -len(graph[piece]))
-    best = _bordered(springs, graph, [])
+    best = _bordered(graph, [])
     for count in range(1, len(by_contacts)):
-        other = _bordered(springs, graph, by_contacts[:count])
+        other = _bordered(graph, by_contacts[:count])
         if other.work >= best.work:
             break
         best = other
     return best
 
 
-def _graph(springs: Springs) -> Graph:
+def _graph(pieces: int, pairs: tuple[tuple[int, ...], ...]) -> Graph:
     """The free pieces and the free pieces that they touch."""
-    graph: Graph = {piece: set() for piece in range(len(springs.unknowns) - 1)}
-    for below, above in springs.piece.tolist():
+    graph: Graph = {piece: set() for piece in range(pieces)}
+    for below, above in pairs:
         if below >= 0 and above >= 0:
             graph[below].add(above)
             graph[above].add(below)
     return graph
 
 
-def _bordered(springs: Springs, graph: Graph, border: list[int]) -> Ordering:
+def _bordered(graph: Graph, border: list[int]) -> Ordering:
     inside = {piece: graph[piece].difference(border) for piece in graph if piece not in border}
     order = [*_cuthill_mckee(inside), *border]
-    size = np.diff(springs.unknowns)[order]
-    end = np.cumsum(size)
     begin = np.empty(len(order), dtype=np.int64)
-    begin[order] = end - size
-    first, last = dict(enumerate(begin.tolist())), dict(zip(order, end.tolist(), strict=True))
-    apart = [last[one] - first[other] - 1 for one in inside for other in (one, *inside[one])]
-    inner = int(size[: len(inside)].sum())
-    return Ordering(begin, inner, int(size.sum()) - inner, max(apart, default=0))
+    begin[order] = RIGID * np.arange(len(order))
+    first = begin.tolist()
+    apart = [first[one] - first[other] for one in inside for other in inside[one]]
+    band = max(apart, default=0) + RIGID - 1
+    return Ordering(begin, RIGID * len(inside), RIGID * len(border), band)
 
 
 def _cuthill_mckee(graph: Graph) -> list[int]:

@@ -70,13 +70,17 @@ def static_first_failure(
     the first failure converges, as friction depends on its history. Errors of `static_peak`, and
     ValueError unless ``increment`` is above 0.
     """
-    solver = solver_of(assembly, loads)
+    return first_failure_of(solver_of(assembly, loads), loads.scale, increment)
+
+
+def first_failure_of(solver: Solver, scale: float, increment: float | None = None) -> FirstFailure:
+    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N."""
     if increment is None:
-        path, failing, _ = _to_first_failure(solver, loads.scale)
+        path, failing, _ = _to_first_failure(solver, scale)
     else:
         require_positive(increment=increment)
-        path, failing = _raised(solver, [solver.start()], loads.scale, increment / INCREMENT)
-    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], loads.scale)
+        path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
+    mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], scale)
     return FirstFailure(path[-1], failing, mode)
 
 
