@@ -89,7 +89,7 @@ def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = No
             f"law: {joint.locks} locks move away ({failure.mode}) at {failure.point.load:.4g} N, "
             "before a bond fails; use the static model"
         )
-    return _state(joint, assembly, failure.point)
+    return _state(joint, assembly, solver.contact_law, failure.point)
 
 
 @lru_cache(maxsize=8)  # a curve asks for many directions of one joint
@@ -106,10 +106,12 @@ def _rigid(joint: Joint, cells: int) -> RigidSolver:
     return RigidSolver(assembly, Loads(weight, np.zeros_like(weight), 1.0))
 
 
-def _state(joint: Joint, assembly: Assembly, point: Equilibrium) -> JointFailure:
+def _state(
+    joint: Joint, assembly: Assembly, contact_law: ContactLaw, point: Equilibrium
+) -> JointFailure:
     """Forces and utilisation of the roots of ``joint`` at ``point``."""
     nodes, roots = assembly.nodes, lock_faces(joint)
-    of_nodes = utilisation(ContactLaw.of(assembly), point.state, point.force)
+    of_nodes = utilisation(contact_law, point.state, point.force)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     of_faces = np.maximum.reduceat(of_nodes, start)
     force = np.einsum("nk,nkx->nx", point.force, face_frames(assembly))
