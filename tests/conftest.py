@@ -39,9 +39,10 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
+from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
 from workflow.planning.snakefile import plan_of
-from workflow.results.files import RECORD, RESULT, read_records
+from workflow.results.files import RECORD, read_records
 from workflow.results.record import CaseRecord
 from workflow.run.job import paths
 from workflow.schema import Study

@@ -13,7 +13,7 @@ from analysis.drawing.labels import label_of
 from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
-from sidmacib.command.output import COLOURS, bars, curves, status_line
+from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
 from sidmacib.joint.effects import sensitivity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
@@ -241,6 +241,12 @@ def test_tables_are_aligned_and_csv_is_csv() -> None:
     assert len({line.index(line.split("  ")[-1]) for line in table[1:3]}) == 1
     rows = list(csv.DictReader(io.StringIO(run("weights", "-n", "3", "--format", "csv").output)))
     assert [row["block"] for row in rows] == ["upper", "lower", "upper"]
+
+
+def test_numbers_stand_at_the_right_and_words_at_the_left() -> None:
+    rows = [{"name": "a", "V (N)": 1.5}, {"name": "bcd", "V (N)": None}, {"name": "e", "V (N)": 10}]
+    lines = ["name  V (N)", "a       1.5", "bcd       -", "e        10"]
+    assert text_of(rows, "table").splitlines() == lines
 
 
 def test_a_model_that_refuses_says_why_and_others_go_on() -> None:

@@ -30,10 +30,11 @@ from sidmacib.command.main import main as command
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.engines.scripts.records import HISTORY, NODES, RESULT
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
 from workflow.planning.cases import case_count, cases_of, find_case
-from workflow.results.files import HISTORY, NODES, RESULT, read_outcome
+from workflow.results.files import read_outcome
 from workflow.results.record import CaseRecord, ResultError, record_of
 from workflow.threedec import read_returned
 
