@@ -20,6 +20,7 @@ from workflow.results.tables import read_table
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn
 RANGES = 12  # of first failures, each with its percentiles
+FEWEST = 10  # points of a range that has percentiles
 UNSAFE, SAFE = 200.0, -60.0  # %, of errors of rules that are drawn
 
 
@@ -69,7 +70,8 @@ def collapse(points: pd.DataFrame) -> Figure:
 def _origin(points: pd.DataFrame) -> str:
     """How many joints of which samplings there are, as a sentence."""
     counts = points.groupby("sampling", sort=True)["number"].nunique()
-    return f"From {', '.join(f'{count} joints of {name}' for name, count in counts.items())}. "
+    listed = ", ".join(f"{count} of {name}" for name, count in counts.items())
+    return f"Joints of the samplings: {listed}. "
 
 
 def _errors(axes: Axes, points: pd.DataFrame) -> None:
@@ -83,7 +85,8 @@ def _errors(axes: Axes, points: pd.DataFrame) -> None:
         axes.plot(rows["first_failure"], error[rows.index].clip(-REACH, REACH), ".", **look)
     edges = np.geomspace(held["first_failure"].min(), held["first_failure"].max(), RANGES + 1)
     ranges = pd.cut(held["first_failure"], edges, include_lowest=True)
-    bands = error.groupby(ranges, observed=True).quantile([0.05, 0.5, 0.95]).unstack()
+    grouped = error.groupby(ranges, observed=True)
+    bands = grouped.quantile([0.05, 0.5, 0.95]).unstack()[grouped.size() >= FEWEST]
     middles = [np.sqrt(each.left * each.right) for each in bands.index]
     axes.plot(middles, bands[0.5], color="0.1", lw=1.4, label="median")
     for share in (0.05, 0.95):
