@@ -32,12 +32,18 @@ def growth(results: Path) -> str:
 
 
 def walls(results: Path) -> str:
-    """A row for each wall, with the exponents by which its times grow from the wall before."""
+    """A row for each wall, with the exponents by which its times grow from the wall before.
+
+    A dash where a model was not asked.
+    """
     table = pd.read_csv(results / "tables/walls.csv")
     rows = []
     for before, row in zip([None, *table.index[:-1]], table.to_dict("records"), strict=True):
         cells = [f"{row['blocks']:,}", f"{row['interfaces']:,}"]
         for column in ("finding_s", "limit_s", "static_s"):
+            if math.isnan(row[column]):
+                cells.append("-")
+                continue
             cell = f"{row[column]:.3g}"
             if before is not None:
                 growth = math.log(row[column] / table[column][before])

@@ -120,13 +120,37 @@ def test_results_that_cannot_be_written_are_reported_under_the_table(
     assert "static" in found.stdout
 
 
-def test_locks_that_are_cut_out_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "model.json"
-    path.write_text(json.dumps(named()))
-    locks = "{between: all, count: 2, height: 0.1, row: [1, 0, 0]}"
-    path.with_suffix(".yaml").write_text(f"locks: [{locks}]")
-    found = run("assembly", str(path), "--compas", str(tmp_path / "results.json"))
-    assert "must be a block of the model" in found.output
+LOCKS = "locks: [{between: all, count: 4, height: 0.1, row: [1, 0, 0]}]"
+
+
+def test_locks_that_are_cut_out_count_as_parts_of_their_blocks(tmp_path: Path) -> None:
+    data = written(tmp_path, named(), f"interfaces: {{friction: 0.7}}\n{LOCKS}")
+    assert set(data["node_data"]) == {"0", "3"}
+    (edge,) = data["edge_data"].values()
+    # As much lies above the plane as below it, and what the support's locks weigh it holds itself.
+    weight, load = 0.24 * 2600 * GRAVITY, data["metadata"]["load_N"]
+    resultant = np.array(edge["resultant_global"])
+    assert resultant[1:] == pytest.approx([0.0, weight], abs=1e-6 * weight)
+    assert -load < resultant[0] < -0.9 * load
+    total = np.zeros(3)
+    for each in edge["contacts"]:
+        frame = each["data"]["frame"]["data"]
+        x, y = np.array(frame["xaxis"]), np.array(frame["yaxis"])
+        for corner in each["data"]["forces"]:
+            pressed = corner["c_np"] - corner["c_nn"]
+            total += pressed * np.cross(x, y) + corner["c_u"] * x + corner["c_v"] * y
+    assert total == pytest.approx(resultant)
+
+
+def test_a_structure_whose_blocks_are_from_a_model_has_its_results(tmp_path: Path) -> None:
+    once = written(tmp_path, named(), LOCKS)
+    beside = tmp_path / "designed.yaml"
+    beside.write_text(
+        f"blocks: {{block: {{file: model.json}}}}\nload: {{acceleration: [1, 0, 0]}}\n{LOCKS}\n"
+    )
+    again = tmp_path / "again.json"
+    assert run("assembly", str(beside), "--compas", str(again)).exit_code == 0
+    assert json.loads(again.read_text())["data"] == once
 
 
 @pytest.mark.parametrize("nodes", ["vertices", "centres", "lobatto"])

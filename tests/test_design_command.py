@@ -168,7 +168,20 @@ def test_the_first_failure_may_decide() -> None:
 def test_more_than_there_is_room_for_is_refused_with_the_largest_factor() -> None:
     given = two_blocks()
     given["design"]["cases"]["push"]["newtons"] = 100_000
-    with pytest.raises(InfeasibleError, match=r"a factor of 0\.\d+ is reached with all locks"):
+    with pytest.raises(InfeasibleError, match=r"push is carried 0\.\d+ times with all locks"):
+        design_of(task_of(given))
+
+
+@pytest.mark.parametrize("first", ["lift", "turn"])
+def test_a_reason_is_given_in_whatever_order_the_cases_are(first: str) -> None:
+    given = two_blocks()
+    turn = {"block": "block", "at": [0.33, 0.03, 0.17], "direction": [1.6, 0.4, -0.4]}
+    cases = {
+        "turn": {"force": turn, "newtons": 8e4},
+        "lift": {"acceleration": [0.3, -0.2, 1.4], "over_weight": 4.7},
+    }
+    given["design"]["cases"] = {first: cases.pop(first), **cases}
+    with pytest.raises(InfeasibleError, match=r"turn is carried 0\.\d+ times with all locks"):
         design_of(task_of(given))
 
 
@@ -227,7 +240,11 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
         (("locks", "width"), 0, "design.locks.width: 0 is not allowed"),
         (("locks", "width"), [], "design.locks: widths: must have one or more numbers"),
         (("locks", "inner"), {"cohesion": 0}, "design.locks: cohesion: 0.0 is not allowed"),
-        (("locks", "width"), 0.3, "design: no interface has room for locks"),
+        (
+            ("locks", "width"),
+            0.3,
+            "design: no dry interface of two convex blocks has room for the locks",
+        ),
         (("angles",), "all", "design.angles: 'all' is not allowed; it must be a list"),
         (("runs",), [[0, 0, 0]], "design.runs: "),
         (("weights",), {"number": 0}, "design.weights: one must be more than 0"),

@@ -3,7 +3,9 @@
 import json
 from pathlib import Path
 
+import pytest
 import yaml
+from command_runner import run
 
 from sidmacib.design.blocking import order_of
 from sidmacib.design.direction import Search, choice_of
@@ -48,6 +50,22 @@ def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_pat
     head = (tmp_path / "out" / "designed.yaml").read_text().splitlines()[:3]
     cases = yaml.safe_load("".join(line.removeprefix("#   ") + "\n" for line in head[1:]))
     assert cases == design["design"]["cases"]
+
+
+def test_the_designed_stack_is_what_the_command_writes(tmp_path: Path) -> None:
+    folder, written = FILE.parent, tmp_path / "designed.yaml"
+    found = run("design", str(folder / "stack.yaml"), "--quiet", "--output", str(written))
+    assert found.exit_code == 0
+    assert written.read_text() == (folder / "designed_stack.yaml").read_text()
+
+
+def test_compas_dem_reads_the_file() -> None:
+    compas = pytest.importorskip("compas")
+    pytest.importorskip("compas_dem")
+    model = compas.json_load(FILE)
+    assert len(list(model.elements())) == 112
+    assert len(list(model.supports())) == 2
+    assert {block.material.density for block in model.elements()} == {2000.0}
 
 
 def test_between_narrows_the_sites() -> None:

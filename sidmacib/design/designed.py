@@ -14,6 +14,7 @@ from sidmacib.design.checks import Check, checks_of
 from sidmacib.design.direction import Directions, Found, Search, choice_of
 from sidmacib.design.file import Task, with_demand
 from sidmacib.design.layouts import Layout
+from sidmacib.design.model import Structure
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import InfeasibleError, SolverError
 
@@ -133,8 +134,9 @@ def _once(
     structure = with_demand(task, demand).structure
     try:
         search = Search(structure, task.factor)
-    except InfeasibleError:
-        raise InfeasibleError(_why_not(replace(task, structure=structure))) from None
+    except (InfeasibleError, SolverError) as error:
+        # Proofs that no strengths do are often inexact; a largest factor says it as well.
+        raise _why_not(structure, task.factor) or error from None
     barred: list[Directions] = []
     while True:
         mixed, whole = (
@@ -170,10 +172,19 @@ def _once(
     )
 
 
-def _why_not(task: Task) -> str:
-    most = " with all locks that there is room for"
-    try:
-        largest = largest_factor(task.structure)
-    except InfeasibleError:
-        return f"design: the structure does not stand{most}"
-    return f"design: a factor of {largest:.4g} is reached{most}; {task.factor:g} is asked for"
+def _why_not(structure: Structure, factor: float) -> InfeasibleError | None:
+    """Why no locks carry ``factor`` times all cases; None if some do."""
+    most = "with all locks that there is room for"
+    alone: dict[str, float] = {}
+    for case in structure.cases:
+        try:
+            alone[case.name] = largest_factor(replace(structure, cases=(case,)))
+        except InfeasibleError:
+            return InfeasibleError(f"design: the structure does not stand {most}")
+    worst = min(alone, key=lambda name: alone[name])
+    carried_by, of = alone[worst], f"{worst} is carried"
+    if carried_by >= factor:
+        carried_by, of = largest_factor(structure), "all cases are carried"
+    if carried_by >= factor:
+        return None
+    return InfeasibleError(f"design: {of} {carried_by:.4g} times {most}; {factor:g} is asked for")

@@ -64,7 +64,7 @@ class Structure:
 
     def __post_init__(self) -> None:
         if not any(site.layouts for site in self.sites):
-            raise ValueError("design: no interface has room for locks")
+            raise ValueError("design: no dry interface of two convex blocks has room for the locks")
 
     @cached_property
     def layouts(self) -> tuple[Layout, ...]:

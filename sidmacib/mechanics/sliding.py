@@ -26,6 +26,7 @@ KEPT = 0.6  # weight of the last round's normal forces, against those of the rou
 ROUNDS = 60  # at most
 SETTLED = 1e-4  # change of the load over itself in one round
 CALM = 3  # rounds in a row that must have settled
+LAST = 10  # rounds whose loads are named where they have not
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
 
 
@@ -52,6 +53,7 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
     friction = np.where(dry, ContactLaw.of(assembly).friction, 0.0)
     associated = state = limit_load(assembly, loads, friction=True)
     normal, calm = associated.force[:, 0], 0
+    found: list[float] = []
     for number in range(1, ROUNDS + 1):
         before = state.load
         slope = SLOPE * friction
@@ -61,12 +63,15 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
             friction=True,
             sliding=Sliding((1.0 - SLOPE) * friction * np.maximum(normal, 0.0), slope),
         )
+        found.append(state.load)
         normal = KEPT * state.force[:, 0] + (1.0 - KEPT) * normal
         calm = calm + 1 if abs(state.load - before) <= SETTLED * abs(state.load) else 0
         if calm == CALM and _off_cone(friction, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
+    low, high = min(found[-LAST:]), max(found[-LAST:])
     raise SolverError(
-        f"limit analysis without dilation: {ROUNDS} rounds did not converge (last {state.load:g} N)"
+        f"limit analysis without dilation: {ROUNDS} rounds do not settle, as such loads are not "
+        f"unique; the last ones are from {low:.5g} to {high:.5g} N"
     )
 
 

@@ -11,9 +11,11 @@ import shapely
 import trimesh
 
 from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Vector
+from sidmacib.structure.crossing import bodies, crossing
 from sidmacib.validation import LARGE, require_positive
 
 FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
+THROUGH = 0.01  # over it: how far faces may cross, as small folds of modelled blocks weigh little
 
 
 @dataclass(frozen=True)
@@ -22,7 +24,7 @@ class Block:
 
     ``vertices`` in m; ``faces``: for each, numbers of its vertices, anticlockwise seen from
     outside; ``density`` in kg/m3. ValueError, which names the block, unless its faces are plane and
-    close a volume.
+    close one volume.
     """
 
     name: str
@@ -48,6 +50,8 @@ class Block:
                 f"{self.name}: the vertices of each face must run anticlockwise seen from outside "
                 f"(the volume would be {self.volume:g} m3)"
             )
+        if self.reentrant is not None:  # surfaces of convex blocks cross nowhere
+            self._require_body()
 
     def _require_outlines(self) -> None:
         """At least three vertices a face, all of them there, none twice."""
@@ -68,6 +72,14 @@ class Block:
         edges = [edge for f in self.faces for edge in zip(f, (*f[1:], f[0]), strict=True)]
         if len(set(edges)) < len(edges) or {(b, a) for a, b in edges} != set(edges):
             raise ValueError(f"{self.name}: its faces must close a volume, each edge between two")
+
+    def _require_body(self) -> None:
+        """One body, with faces that do not cross: volume and mass would be wrong."""
+        if pair := crossing(self.places, self.faces, self.normals, THROUGH * self.size):
+            one, other = sorted(pair)
+            raise ValueError(f"{self.name}: faces {one} and {other} must not cross each other")
+        if (count := bodies(self.places, self.faces)) != 1:
+            raise ValueError(f"{self.name}: must be one body (its faces close {count} volumes)")
 
     @cached_property
     def places(self) -> Floats:

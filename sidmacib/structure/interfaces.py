@@ -1,7 +1,9 @@
 """Interfaces: where faces of two blocks lie in one plane and overlap."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import shapely
@@ -12,7 +14,6 @@ from sidmacib.structure.blocks import Block, normal_of
 from sidmacib.structure.overlaps import require_apart
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
-LEAST_AREA = 1e-6  # over the square of that size: a smaller overlap is a touching edge
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +45,8 @@ class _Side:
 def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ...]:
     """All regions in which ``blocks`` touch, in the order of the blocks.
 
-    ``near``: how far two faces in one plane may be apart, over the mean size of the blocks. A pair
-    of fixed blocks has none. ValueError, with their names, for blocks that overlap by more,
+    ``near``: how far two faces in one plane may be apart, over the mean size of the free blocks.
+    A pair of fixed blocks has none. ValueError, with their names, for blocks that overlap by more,
     and for a free block that touches nothing.
     """
     require_apart(blocks, near * mean_size(blocks))
@@ -57,7 +58,33 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
                 f"{block.name}: touches no other block; a gap may be at most "
                 f"{near * mean_size(blocks):g} m (tolerance {near:g} of the blocks' mean size)"
             )
+    _require_once(blocks, found, near * mean_size(blocks))
     return found
+
+
+def _require_once(blocks: Sequence[Block], found: Sequence[Interface], near: float) -> None:
+    """ValueError, with their names, for fixed blocks that overlap where one block touches both."""
+    on_fixed: dict[int, list[tuple[int, Interface]]] = {}
+    for each in found:
+        for free, held in ((each.below, each.above), (each.above, each.below)):
+            if blocks[held].fixed:
+                on_fixed.setdefault(free, []).append((held, each))
+    for free, regions in on_fixed.items():
+        for (one, region), (other, later) in combinations(regions, 2):
+            if one != other and _shared(region, later, near):
+                raise ValueError(
+                    f"blocks: {blocks[one].name} and {blocks[other].name}, which are fixed, "
+                    f"overlap where {blocks[free].name} touches both"
+                )
+
+
+def _shared(one: Interface, other: Interface, near: float) -> bool:
+    """Whether two interfaces lie in one plane and have more than an edge in common."""
+    flat = shapely.get_coordinates(other.outline) @ other.axes[1:] + other.middle - one.middle
+    if np.abs(flat @ one.axes[0]).max() > 2.0 * near:
+        return False
+    outline = shapely.Polygon(flat @ one.axes[1:].T)
+    return bool(common(one.outline, outline, near).area > near * outline.length)
 
 
 def touching(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ...]:
@@ -72,8 +99,12 @@ def touching(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ..
 
 
 def mean_size(blocks: Sequence[Block]) -> float:
-    """Mean size of ``blocks``, in m."""
-    return float(np.mean([block.size for block in blocks]))
+    """Mean size of the free ``blocks``, in m; of all if none is free.
+
+    Without the fixed ones, as the ground may be drawn as large as one likes.
+    """
+    free = [block.size for block in blocks if not block.fixed]
+    return float(np.mean(free or [block.size for block in blocks]))
 
 
 def joined(found: Sequence[Interface], pieces: Sequence[int], near: float) -> tuple[Interface, ...]:
@@ -118,11 +149,19 @@ def _whole(parts: list[Interface], near: float) -> Iterator[Interface]:
             for other in outlines:
                 outline = shapely.snap(outline, other, near)
             outlines.append(outline)
-        for region in shapely.get_parts(shapely.union_all(outlines)):
+        for region in shapely.get_parts(_united(outlines, near)):
             flat = shapely.get_coordinates(region.centroid)[0]
             x, y, z = middle + flat @ axes[1:]
             outline = shapely.affinity.translate(_plain(region, near), *(-flat))
             yield replace(plane[0], middle=(float(x), float(y), float(z)), outline=outline)
+
+
+def _united(outlines: Sequence[shapely.Polygon], near: float) -> shapely.Geometry:
+    """Outlines that do not overlap as one region; on a grid as `common`, if need be."""
+    exact, area = shapely.union_all(outlines), math.fsum(each.area for each in outlines)
+    if abs(exact.area - area) <= near * math.fsum(each.length for each in outlines):
+        return exact
+    return shapely.union_all(outlines, grid_size=near)
 
 
 def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Interface]:
@@ -150,18 +189,16 @@ def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Int
         for other in later[boxes].tolist():
             if blocks[one.block].fixed and blocks[sides[other].block].fixed:
                 continue
-            yield from _overlap(one, sides[other], size, near, centre)
+            yield from _overlap(one, sides[other], near, centre)
 
 
-def _overlap(
-    one: _Side, other: _Side, size: float, near: float, centre: Floats
-) -> Iterator[Interface]:
+def _overlap(one: _Side, other: _Side, near: float, centre: Floats) -> Iterator[Interface]:
     if np.abs(other.corners @ one.normal - one.offset).max() > near:
         return
     axes = np.array([one.normal, *tangents(one.normal)])
     first, second = (shapely.Polygon(side.corners @ axes[1:].T) for side in (one, other))
-    for part in shapely.get_parts(shapely.intersection(first, second)):
-        if part.geom_type != "Polygon" or part.area <= LEAST_AREA * size**2:
+    for part in shapely.get_parts(common(first, second, near)):
+        if part.geom_type != "Polygon" or part.area <= near * part.length:  # a touching edge
             continue
         flat = shapely.get_coordinates(part.centroid)[0]
         outline = shapely.affinity.translate(_plain(part, near), *(-flat))
@@ -169,9 +206,21 @@ def _overlap(
         yield Interface(one.block, other.block, axes, (float(x), float(y), float(z)), outline)
 
 
+def common(one: shapely.Polygon, other: shapely.Polygon, near: float) -> shapely.Geometry:
+    """The region that two outlines share, to ``near`` (m).
+
+    Where edges coincide but for rounding, GEOS (3.14) may return the whole of one outline for two
+    that only share an edge. On a grid its overlay is robust; the exact one counts where both agree.
+    """
+    exact = shapely.intersection(one, other)
+    robust = shapely.intersection(one, other, grid_size=near)
+    agree = abs(exact.area - robust.area) <= near * (one.length + other.length)
+    return exact if agree else robust
+
+
 def _plain(part: shapely.Polygon, near: float) -> shapely.Polygon:
     """The region without corners on its straight sides, anticlockwise, the lowest corner first."""
-    return shapely.normalize(part.simplify(near)).reverse()
+    return shapely.normalize(shapely.remove_repeated_points(part.simplify(near), near)).reverse()
 
 
 def tangents(normal: Floats) -> tuple[Floats, Floats]:

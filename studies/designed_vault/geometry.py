@@ -68,37 +68,66 @@ def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
 
 
 def content(blocks: list[Block]) -> dict[str, Any]:
-    """What compas_dem would write of ``blocks``; identities follow from names."""
-    elements, nodes, children = {}, {}, []
-    for number, block in enumerate(blocks):
-        identity = str(uuid.uuid5(uuid.NAMESPACE_OID, block.name))
-        vertex = {
-            str(k): dict(zip("xyz", (round(each, DIGITS) + 0.0 for each in v), strict=True))
-            for k, v in enumerate(block.vertices)
-        }
-        mesh = {"vertex": vertex, "face": {str(k): list(f) for k, f in enumerate(block.faces)}}
-        elements[identity] = {
-            "dtype": "compas_dem.elements/Block",
-            "data": {
-                "geometry": {"dtype": "compas.datastructures/Mesh", "data": mesh},
-                "is_support": block.fixed,
-                "material": "stone",
-                "transformation": None,
-            },
-        }
-        nodes[str(number)] = {"element": identity}
-        children.append({"element": identity})
-    stone = {"dtype": "compas_dem.material/Stone", "data": {"density": DENSITY}}
-    return {
-        "dtype": "compas_dem.models/BlockModel",
-        "data": {
-            "elements": elements,
-            "graph": {"node": nodes, "edge": {}},
-            "materials": {"stone": stone},
-            "transformation": None,
-            "tree": {"root": {"children": children}},
-        },
+    """What compas_dem (0.6) would write of ``blocks``; identities follow from names."""
+    stone = _identity("stone")
+    elements = {_identity(block.name): _element(block, stone) for block in blocks}
+    material = {"name": "Stone", "fck": None, "ft": None, "Ecm": None, "poisson": 0.2}
+    graph = {
+        "attributes": {},
+        "default_node_attributes": {"x": 0.0, "y": 0.0, "z": 0.0, "element": None},
+        "default_edge_attributes": {"modifiers": None, "contacts": None},
+        "node": {str(number): {"element": each} for number, each in enumerate(elements)},
+        "edge": {str(number): {} for number in range(len(elements))},
+        "max_node": len(elements) - 1,
     }
+    children = [{"name": "ElementNode", "element": each} for each in elements]
+    data: dict[str, Any] = {
+        "transformation": None,
+        "elements": elements,
+        "materials": {
+            stone: _object("compas_dem.material/Stone", {**material, "density": DENSITY}, stone)
+        },
+        "tree": {"attributes": {}, "root": {"name": "root", "children": children}},
+        "graph": graph,
+    }
+    return _object("compas_dem.models/BlockModel", data, _identity("vault"))
+
+
+def _element(block: Block, material: str) -> dict[str, Any]:
+    vertex = {
+        str(k): dict(zip("xyz", (round(each, DIGITS) + 0.0 for each in v), strict=True))
+        for k, v in enumerate(block.vertices)
+    }
+    face = {str(k): list(corners) for k, corners in enumerate(block.faces)}
+    mesh = {
+        "attributes": {},
+        "default_vertex_attributes": {"x": 0.0, "y": 0.0, "z": 0.0},
+        "default_edge_attributes": {},
+        "default_face_attributes": {},
+        "vertex": vertex,
+        "face": face,
+        "facedata": {each: {} for each in face},
+        "edgedata": {},
+        "max_vertex": len(vertex) - 1,
+        "max_face": len(face) - 1,
+    }
+    data: dict[str, Any] = {
+        "transformation": None,
+        "features": [],
+        "name": block.name,
+        "material": material,
+        "geometry": _object("compas.datastructures/Mesh", mesh, _identity(f"{block.name} mesh")),
+        "is_support": block.fixed,
+    }
+    return _object("compas_dem.elements/Block", data, _identity(block.name))
+
+
+def _object(kind: str, data: dict[str, Any], identity: str) -> dict[str, Any]:
+    return {"dtype": kind, "data": data, "guid": identity}
+
+
+def _identity(name: str) -> str:
+    return str(uuid.uuid5(uuid.NAMESPACE_OID, name))
 
 
 def text(size: Barrel) -> str:

@@ -2,7 +2,7 @@
 
 import json
 import uuid
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +11,13 @@ import shapely
 from scipy.linalg import expm
 
 from sidmacib.errors import CapacityError
-from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats
+from sidmacib.mechanics.assembly import CLOSE, Assembly, Floats, Kind
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
 from sidmacib.structure.files.compas import ASSEMBLIES, INTERFACE, MODEL, content_of
 from sidmacib.validation import refused
+from sidmacib.yaml_text import read_yaml
 
 SHOWN = 0.1  # largest displacement of the mechanism, over the mean size of the blocks
 DIGITS = 9  # of transformations after the decimal point; the rest is rounding
@@ -28,11 +29,13 @@ def write_compas_results(
 ) -> None:
     """Write the forces and the mechanism at the limit load of a ``model`` read from JSON.
 
-    As `compas_results`, or for an assembly of compas_cra as `with_interfaces`.
+    As `compas_results`, or for an assembly of compas_cra as `with_interfaces`. The ``model`` may be
+    a structure's file whose blocks are all from one file of COMPAS.
     ``found``: by `sidmacib.mechanics.limit.limit_load` with friction; raised if it is an error, and
     None if gravity turns, which is refused.
-    ValueError unless the file is a model of compas_dem and all pieces are its blocks.
+    ValueError unless all pieces are blocks of a model of COMPAS, or locks of these.
     """
+    model = _model_behind(model)
     content = content_of(model)[0] if model.suffix == ".json" else {}
     if content.get("dtype") not in (MODEL, *ASSEMBLIES):
         raise refused("compas", model.name, f"for a {MODEL} or {ASSEMBLIES[1]} in JSON")
@@ -58,6 +61,16 @@ def write_compas_results(
         raise ValueError(f"compas: {results}: {error.strerror}") from None
 
 
+def _model_behind(path: Path) -> Path:
+    """The file of COMPAS from which all blocks of a structure's file are; else ``path`` itself."""
+    if path.suffix == ".json":
+        return path
+    blocks = list(dict(read_yaml(path)["blocks"]).values())
+    named = [each["file"] for each in blocks if isinstance(each, dict) and "file" in each]
+    one = len(blocks) == len(named) == 1 and str(named[0]).endswith(".json")
+    return path.parent / str(named[0]) if one else path
+
+
 def compas_results(
     assembly: Assembly,
     force: Floats,
@@ -69,24 +82,22 @@ def compas_results(
     """The JSON of compas_dem's `Results` for a model, and a ``problem``, of these identities.
 
     ``force``: (N, 3) in N, see `sidmacib.mechanics.limit.LimitState`; ``mechanism``: (P, 6), of
-    which the largest displacement is drawn as a tenth of a block. Nodes have their
-    ``transformation``, edges the points and forces of all contacts between two blocks, compression
-    positive, on the second block; ``contacts`` lists them contact by contact, at its corners,
-    ``contact_data`` the one that carries most.
+    which the largest displacement is drawn as a tenth of a block. Locks that are cut out count as
+    parts of their blocks. Nodes have their ``transformation``, edges the points and forces of all
+    contacts between two blocks, compression positive, on the second block; ``contacts`` has them
+    contact by contact, at its corners, ``contact_data`` the one that carries most.
     """
-    nodes = [_node(piece.name) for piece in assembly.pieces]
+    owner = _owners(assembly)
     largest = float(np.linalg.norm(mechanism[:, :3], axis=1).max(initial=0.0))
     scale = SHOWN * assembly.length / largest if largest else 0.0
     moved = {
-        str(node): {"transformation": _transformation(piece.centre, scale * motion)}
-        for node, piece, motion in zip(nodes, assembly.pieces, mechanism, strict=True)
+        str(_node(piece.name)): {"transformation": _transformation(piece.centre, scale * motion)}
+        for number, (piece, motion) in enumerate(zip(assembly.pieces, mechanism, strict=True))
+        if owner[number] == number
     }
     edges: dict[str, list[dict[str, Any]]] = {}
-    for number, face in enumerate(assembly.faces):
-        assert isinstance(face, Polygon)
-        own = assembly.nodes.face == number
-        key = f"{nodes[face.below]},{nodes[face.above]}"
-        edges.setdefault(key, []).append(_contact(face, assembly.nodes.position[own], force[own]))
+    for (below, above), contact, _ in _contacts(assembly, owner, force):
+        edges.setdefault(f"{below},{above}", []).append(contact)
     data = {
         "model_id": model,
         "problem_id": problem or _identity(model, "problem"),
@@ -109,15 +120,14 @@ def with_interfaces(content: dict[str, Any], assembly: Assembly, force: Floats) 
     edges: dict[str, dict[str, Any]] = {}
     for one, others in graph["edge"].items():
         edges[one] = {other: {**edge, "interfaces": []} for other, edge in others.items()}
-    for number, face in enumerate(assembly.faces):
-        assert isinstance(face, Polygon)
-        own = assembly.nodes.face == number
-        contact = _contact(face, assembly.nodes.position[own], force[own])
-        below, above = (str(_node(assembly.pieces[end].name)) for end in (face.below, face.above))
+    for ends, contact, area in _contacts(assembly, _owners(assembly), force):
+        below, above = map(str, ends)
         if above in edges and below in edges[above] and above not in edges.get(below, {}):
             del edges[above][below]  # forces are those on the second block
         edge = edges.setdefault(below, {}).setdefault(above, {"interfaces": []})
-        edge["interfaces"].append(_object(INTERFACE, _interface(contact, face.area), face.name))
+        edge["interfaces"].append(
+            _object(INTERFACE, _interface(contact, area), str(contact["polygon"]))
+        )
     return {
         **content,
         "data": {
@@ -154,22 +164,64 @@ def _forces(contact: Mapping[str, Any]) -> list[dict[str, float]]:
 def _node(name: str) -> int:
     number = name.rpartition("-")[2]
     if not number.isdecimal():
-        raise ValueError(f"{name}: must be a block of the model; condense locks that are cut out")
+        raise ValueError(f"{name}: must be a block of the model, or a lock of one")
     return int(number)
 
 
-def _contact(face: Polygon, places: Floats, force: Floats) -> dict[str, Any]:
-    """A contact: its frame, nodes, corners, and the forces at these on the block above."""
-    normal, first, second = force.T
-    return {
-        "corner_forces": at_corners(face, places, force),
-        "frame": (face.middle, face.axes[1], face.axes[2]),
-        "polygon": face.corners,
+def _owners(assembly: Assembly) -> list[int]:
+    """Of each piece the block of the model that it is, or that its root as a lock belongs to."""
+    is_block = [piece.name.rpartition("-")[2].isdecimal() for piece in assembly.pieces]
+    owner = list(range(len(is_block)))
+    for face in assembly.faces:
+        if face.kind is Kind.INNER and is_block[face.below] != is_block[face.above]:
+            lock, block = face.below, face.above
+            if is_block[lock]:
+                lock, block = block, lock
+            owner[lock] = block
+    return owner
+
+
+def _contacts(
+    assembly: Assembly, owner: Sequence[int], force: Floats
+) -> Iterator[tuple[tuple[int, int], dict[str, Any], float]]:
+    """Nodes of two blocks, a contact between them and its area (m2); roots of locks have none.
+
+    All contacts of two blocks have them in the same order.
+    """
+    seen: set[tuple[int, int]] = set()
+    for number, face in enumerate(assembly.faces):
+        assert isinstance(face, Polygon)
+        own = assembly.nodes.face == number
+        below, above = owner[face.below], owner[face.above]
+        if below == above:
+            continue
+        ends = _node(assembly.pieces[below].name), _node(assembly.pieces[above].name)
+        turned = ends[::-1] in seen
+        ends = ends[::-1] if turned else ends
+        seen.add(ends)
+        yield ends, _contact(face, assembly.nodes.position[own], force[own], turned), face.area
+
+
+def _contact(face: Polygon, places: Floats, force: Floats, turned: bool) -> dict[str, Any]:
+    """A contact: its frame, nodes, corners, and the forces at these on the block above.
+
+    ``turned``: seen from the other side, so that the block above counts as the one below.
+    """
+    at = at_corners(face, places, force)
+    contact = {
+        "corner_forces": _turned(at)[::-1] if turned else at,
+        "frame": (face.middle, *(face.axes[:0:-1] if turned else face.axes[1:])),
+        "polygon": face.corners[::-1] if turned else face.corners,
         "points": places,
-        "normal": normal,
-        "tangents": (first, second),
-        "force": force @ face.axes,
+        "force": -force @ face.axes if turned else force @ face.axes,
     }
+    normal, first, second = (_turned(force) if turned else force).T
+    return {**contact, "normal": normal, "tangents": (first, second)}
+
+
+def _turned(force: Floats) -> Floats:
+    """Forces (normal, two tangents) on the other side, where the tangents have changed places."""
+    return force[:, [0, 2, 1]] * [1.0, -1.0, -1.0]
 
 
 def _edge(contacts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
