@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
@@ -275,3 +276,22 @@ def test_a_rough_joint_without_weight_does_not_fail_at_once() -> None:
     )
     assert light.point.load == pytest.approx(heavy.point.load, rel=1e-3)
     assert light.point.load > 10.0
+
+
+@pytest.mark.parametrize(("density", "calls"), [(0.0, 1), (1400.0, 2)])
+def test_a_load_without_weight_is_not_tried_again_at_another_size(
+    density: float, calls: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From no force at all every load is like any other; a weight tells them apart."""
+    loading = Loading(Direction(0.5))
+    solver = ElasticSolver(*posed_problem(replace(elastic(2), density=density), loading, 0.05))
+    start, tried = solver.start(), []
+
+    def fails(load: float, *_: object) -> None:
+        tried.append(load)
+
+    monkeypatch.setattr(solver, "_newton", fails)
+    for load in (10.0, 5.0):
+        with pytest.raises(NoEquilibriumError):
+            solver.solve(load, start.unknowns, start.state)
+    assert len(tried) == calls

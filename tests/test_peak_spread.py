@@ -16,7 +16,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mechanics.static import peak_spread as module
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.model import brittle_path, solver_of, static_peak
 from sidmacib.mechanics.static.peak_spread import (
     StaticCapacity,
     changed,
@@ -88,8 +88,17 @@ def test_a_peak_that_is_the_first_failure_is_not_sought_again(
 ) -> None:
     assembly, loads = loaded(5, 0.0)
     whole = static_peak(assembly, loads)
-    monkeypatch.setattr(module, "static_peak", None)
+    monkeypatch.setattr(module, "brittle_path", None)
     assert peak_spread(assembly, loads, whole) == 0.0
+
+
+def test_a_path_with_known_increments_is_the_one_whose_first_failure_converged() -> None:
+    assembly, loads = loaded(5, 0.5)
+    found = brittle_path(solver_of(assembly, loads), loads.scale)
+    again = brittle_path(solver_of(assembly, loads), loads.scale, refinement=found.refinement)
+    other = brittle_path(solver_of(assembly, loads), loads.scale, refinement=found.refinement / 2)
+    assert [point.load for point in again.path] == [point.load for point in found.path]
+    assert len(other.path) > len(found.path)
 
 
 def test_copies_differ_by_the_change_and_are_the_same_each_time() -> None:

@@ -93,11 +93,13 @@ class StaticSolution:
 
     ``first_failure_load``: in N, where the first node fails, or the peak if none does. ``path``:
     the equilibria; the last is the peak. ``mode``: why the load does not rise further.
+    ``refinement``: the factor on the increments of the load at which the first failure converged.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     mode: Mode
+    refinement: float = 1.0
 
     @property
     def peak(self) -> Equilibrium:

@@ -84,6 +84,7 @@ class ElasticSolver:
         self.open_gaps = none, none, OpenGaps(np.zeros((0, 0)), np.zeros(0))
         elastic = np.abs(self.forces / self.stiffness[:, None]).max(axis=0)
         self.largest_step = LARGEST_STEP * float(elastic[0] + loads.scale * elastic[1])
+        self.flew_off = self.cycles_from_nothing = False
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -98,12 +99,23 @@ class ElasticSolver:
         the equilibrium without friction either, at once or with friction raised in steps: from
         there it also converges where all dry nodes begin without any force.
         """
-        found = self._newton(load, guess, state, self.contact_law.friction)
+        found, from_nothing = None, self._from_nothing(guess, state)
+        if not (from_nothing and self.cycles_from_nothing):
+            found = self._newton(load, guess, state, self.contact_law.friction)
+            self.cycles_from_nothing |= from_nothing and found is None and not self.flew_off
         if found is None and thorough:
             found = self._roughened(load, guess, state)
         if found is None:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return found
+
+    def _from_nothing(self, guess: Floats, state: NodeState) -> bool:
+        """Whether no force, jump or failure precedes the load: steps are then in proportion to it.
+
+        If Newton's method cycles at one such load, it does so at all.
+        """
+        before = self.forces[:, 0].any() or guess.any() or state.slip.any()
+        return not before and np.array_equal(state.whole, self.contact_law.cohesive)
 
     def _roughened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
         """Equilibrium from that without friction, which is then raised in steps; None if they fail.
@@ -141,7 +153,8 @@ class ElasticSolver:
             if min(sizes[-PATIENCE:]) > min(sizes[:-PATIENCE], default=math.inf) / 2:
                 break
             step = loose.step(tangent, wrong, jump)
-            if not float(np.abs(step).max()) <= self.largest_step:  # true for NaN as well
+            self.flew_off = not float(np.abs(step).max()) <= self.largest_step  # also for NaN
+            if self.flew_off:
                 break
             before, start = size, jump
             for share in SHARES:  # at last the whole step, if none reduces the residual

@@ -103,7 +103,8 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     solver = solver_of(assembly, loads)
     found = brittle_path(solver, loads.scale)
     mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], loads.scale)
-    return StaticSolution(found.first_failure_load, found.path[: found.peak + 1], mode)
+    path = found.path[: found.peak + 1]
+    return StaticSolution(found.first_failure_load, path, mode, found.refinement)
 
 
 @dataclass(frozen=True)
@@ -112,12 +113,14 @@ class BrittlePath:
 
     ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
     equilibria; those after the ``peak`` have its load, with more bonds broken. ``by_bonds``:
-    whether it ends as bonds fail and no equilibrium follows.
+    whether it ends as bonds fail and no equilibrium follows. ``refinement``: a factor on the
+    increments.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     by_bonds: bool
+    refinement: float
 
     @property
     def peak(self) -> int:
@@ -126,14 +129,21 @@ class BrittlePath:
 
 
 def brittle_path(
-    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
+    solver: Equilibria,
+    scale: float,
+    precision: float = LEAST_INCREMENT,
+    refinement: float | None = None,
 ) -> BrittlePath:
     """Raise the load of ``solver`` from 0 until no equilibrium follows.
 
-    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load. Errors of
-    ``solver``, and `UnboundedError` if the assembly carries any load.
+    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load.
+    ``refinement``: of the increments, where it is known; None: they are halved until the first
+    failure converges. Errors of ``solver``, and `UnboundedError` if the assembly carries any load.
     """
-    path, failing, refinement = _to_first_failure(solver, scale, precision)
+    if refinement is None:
+        path, failing, refinement = _to_first_failure(solver, scale, precision)
+    else:
+        path, failing = _raised(solver, [solver.start()], scale, refinement, precision)
     first_failure = path[-1].load
     while failing.any():
         try:
@@ -141,7 +151,7 @@ def brittle_path(
         except NoEquilibriumError:
             break
         path, failing = _raised(solver, path, scale, refinement, precision)
-    return BrittlePath(first_failure, tuple(path), bool(failing.any()))
+    return BrittlePath(first_failure, tuple(path), bool(failing.any()), refinement)
 
 
 def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:

@@ -19,7 +19,7 @@ from sidmacib.mechanics.solution import (
     Equilibrium,
     StaticSolution,
 )
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.model import brittle_path, solver_of, static_peak
 
 CHANGE = 1e-9  # largest relative change of a node's area, and so of its stiffness and strengths
 COPIES = 8  # at most; the first jump ends the search
@@ -79,7 +79,7 @@ def peak_spread(assembly: Assembly, loads: Loads, solution: StaticSolution) -> f
     elastic = any(piece.elastic and not piece.fixed for piece in assembly.pieces)
     least = most = peak
     for seed in range(COPIES_ELASTIC if elastic else COPIES):
-        other = _peak(changed(assembly, seed), loads)
+        other = _peak(changed(assembly, seed), loads, solution.refinement)
         least, most = min(least, other), max(most, other)
         if (most - least) / peak > SPREAD_LIMIT:
             break
@@ -93,9 +93,10 @@ def changed(assembly: Assembly, seed: int) -> Assembly:
     return replace(assembly, nodes=replace(nodes, area=nodes.area * (1.0 + change)))
 
 
-def _peak(assembly: Assembly, loads: Loads) -> float:
-    """The peak in N, 0 where there is none."""
+def _peak(assembly: Assembly, loads: Loads, refinement: float) -> float:
+    """The peak in N with known increments, 0 where there is none."""
     try:
-        return static_peak(assembly, loads).peak.load
+        found = brittle_path(solver_of(assembly, loads), loads.scale, refinement=refinement)
+        return found.path[found.peak].load
     except CapacityError:
         return 0.0
