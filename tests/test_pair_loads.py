@@ -57,6 +57,13 @@ def test_the_friction_that_a_model_leaves_out_carries_nothing(joint: Joint) -> N
     assert torsion == pytest.approx(0.25 * joint.locks * joint.T0)
 
 
+def test_the_least_friction_that_a_number_can_have_carries_nothing(joint: Joint) -> None:
+    rough = replace(joint, dry=replace(DRY, friction=5e-324))
+    model = Sidmacib(rough, ContactOption.pair(0.0))
+    assert capacities(model, [Direction(math.inf)])[0].load == 0.0
+    assert pair_loads(model, [Direction(math.inf)]) == 0.0
+
+
 def test_without_any_pressure_no_shear_is_carried(joint: Joint) -> None:
     model = Sidmacib(replace(joint, density=0.0), ContactOption.pair(0.25), overload=0.0)
     assert pair_loads(model, [Direction(0.0)]) == 0.0

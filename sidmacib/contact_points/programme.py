@@ -29,6 +29,7 @@ from sidmacib.mechanics.equilibrium import wrenches
 from sidmacib.mechanics.optimisation import Family
 from sidmacib.validation import refused, require_not_negative
 
+LEAST_FRICTION = 1e-300  # less counts as none: products with it are no normal numbers
 KEPT = 16  # programmes that are asked again, such as those of a loop over directions
 
 
@@ -174,7 +175,8 @@ def pressing_lever(joint: Joint, centroid: Floats) -> float:
 
 def friction_along(model: Sidmacib) -> float:
     """Friction coefficient along the locks, 0 if the model leaves it out."""
-    return model.joint.dry.friction if model.friction else 0.0
+    coefficient = model.joint.dry.friction
+    return coefficient if model.friction and coefficient > LEAST_FRICTION else 0.0
 
 
 def block_above(joint: Joint) -> tuple[float, Floats]:
