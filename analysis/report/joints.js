@@ -82,7 +82,7 @@ function drawWeights() {
   });
   const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
   const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textangle: traces.length > 3 ? -90 : 0, textposition: "outside", cliponaxis: false }));
-  chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { rangemode: "tozero" }), why: "No model of this study gives stresses, from which weights are read." });
+  chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { range: [0, 1.25 * Math.max(1, ...all.flatMap((trace) => trace.y))] }), why: "No model of this study gives stresses, from which weights are read." });
   at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". The paper's first two weights stand in the other order than statics asks for: see docs/validation.md." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
 }
 
