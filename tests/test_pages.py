@@ -220,3 +220,19 @@ def test_frictions_are_listed_with_the_geometries_that_fit(tmp_path: Path) -> No
     assert lines[0] == "| 0 | 0.66 | 0.60 %, 0.021 | 1 | 0.21 % |"
     assert lines[1].startswith("| 0.005236 = tan 0.3° |")
     assert lines[2].startswith("| 0.3, as printed |") and "| none |" in lines[2]
+
+
+def test_attacks_on_rigid_and_on_elastic_blocks_fill_tables_of_their_own(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    rows = [
+        {"space": "elastic columns", "evaluations": 600, "answered": 400, "unsolved": 1}
+        | {"safe_over_first_failure": ratio, "safe_over_peak_1": ratio - 0.1}
+        for ratio in (0.9, 0.95)
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "tables/attack.csv")
+    blocks = "".join(
+        f"<!-- numbers: {name} -->\n{name}\n<!-- end -->\n" for name in ("attack", "attack-elastic")
+    )
+    rigid, elastic = filled(blocks, tmp_path).split("<!-- end -->\n")[:2]
+    assert rigid.splitlines()[1:] == ["attack"]
+    assert elastic.splitlines()[-1] == "| elastic columns | 1,200 | 800 | 2 | 0.950 | 0.850 |"

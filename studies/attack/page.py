@@ -1,9 +1,11 @@
 """Numbers of `make attack`: the worst joints that an optimiser found for the safe rule."""
 
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
+from studies.attack.search import SPACES
 from studies.markdown import markdown
 
 HEAD = [
@@ -12,9 +14,18 @@ HEAD = [
 ]
 
 
-def worst(results: Path) -> str:
-    """A row for each space: the worst of all starts."""
-    table = pd.read_csv(results / "tables/attack.csv")
+def worst(results: Path, *, elastic: bool) -> str:
+    """A row for each space of ``elastic`` or of rigid blocks: the worst of all starts.
+
+    FileNotFoundError if the table has none of these spaces.
+    """
+    path = results / "tables/attack.csv"
+    table = pd.read_csv(path)
+    names = [space.name for space in SPACES if space.elastic is elastic]
+    table = table[table["space"].isin(names)]
+    if table.empty:
+        blocks = "elastic" if elastic else "rigid"
+        raise FileNotFoundError(None, None, f"the attack on {blocks} blocks in {path}")
     rows = []
     for space, group in table.groupby("space", sort=False):
         peaks = group.filter(regex=r"^safe_over_peak_\d+$").max(numeric_only=True)
@@ -31,4 +42,7 @@ def worst(results: Path) -> str:
     return markdown(HEAD, rows)
 
 
-BLOCKS = {"attack": worst}
+BLOCKS = {
+    "attack": partial(worst, elastic=False),
+    "attack-elastic": partial(worst, elastic=True),
+}

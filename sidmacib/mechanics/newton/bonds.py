@@ -21,10 +21,8 @@ def utilisations(shear_strength, tensile_strength, friction, whole, force, round
             strengths = shear_strength[node], tensile_strength[node]
             if np.isnan(noise) and min(strengths) <= 0.0:
                 noise = rounding * np.abs(force).max()
-            by_shear, by_tension = (
-                over(shear, strengths[0], noise),
-                over(-normal, strengths[1], noise),
-            )
+            by_shear = over(shear, strengths[0], noise)
+            by_tension = over(-normal, strengths[1], noise)
             used[node] = max(by_shear, by_tension, 0.0)
     return used
 

@@ -18,6 +18,5 @@ VERSION = sha256(b"".join(path.read_bytes() for path in SOURCES)).hexdigest()[:1
 def compiled(function: Callable[..., Any]) -> Any:
     """``function``, compiled when it is first called after a change of this folder."""
     function.__qualname__ += f"-{VERSION}"  # part of the name of its file in the cache
-    return njit(cache=True, error_model="numpy")(
-        function
-    )  # division by zero gives inf, as in numpy
+    decorate = njit(cache=True, error_model="numpy")  # division by zero gives inf, as in numpy
+    return decorate(function)
