@@ -10,6 +10,8 @@ from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.validation import is_number, refused
 
+NEAREST = 1e-12  # over a: a point that is nearer to the lock's middle lies in it, but for rounding
+
 
 @dataclass(frozen=True)
 class ContactOption:
@@ -35,6 +37,8 @@ class ContactOption:
             math.fsum(self.portions), 1.0
         ):
             raise refused("portions", self.portions, "shares from 0 to 1 that add up to 1")
+        apart = tuple(0.0 if abs(x) < NEAREST else x for x in self.positions)
+        object.__setattr__(self, "positions", apart)
 
     @classmethod
     def pair(cls, distance: float) -> "ContactOption":
@@ -74,8 +78,7 @@ class ContactPoints:
 
 def contact_points(joint: Joint, option: ContactOption) -> ContactPoints:
     """The points of ``option`` on every lock, at mid-height."""
-    count = len(option.positions)
-    lock = np.repeat(np.arange(1, joint.locks + 1), count)
+    lock = np.repeat(np.arange(1, joint.locks + 1), len(option.positions))
     position = np.column_stack(
         [
             np.tile(np.array(option.positions) * joint.a, joint.locks),

@@ -1,5 +1,6 @@
 """Numbers of `make attack`: the worst joints that an optimiser found for the safe rule."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -42,7 +43,7 @@ def worst(results: Path, *, elastic: bool) -> str:
     return markdown(HEAD, rows)
 
 
-BLOCKS = {
+BLOCKS: dict[str, Callable[[Path], str]] = {
     "attack": partial(worst, elastic=False),
     "attack-elastic": partial(worst, elastic=True),
 }
