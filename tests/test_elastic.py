@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import NoEquilibriumError
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.errors import NoEquilibriumError, SolverError
+from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
 from sidmacib.joint.pieces import assemble
@@ -276,6 +276,25 @@ def test_a_rough_joint_without_weight_does_not_fail_at_once() -> None:
     )
     assert light.point.load == pytest.approx(heavy.point.load, rel=1e-3)
     assert light.point.load > 10.0
+
+
+def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_0_N() -> None:
+    """The attack found it: 45 N with the least weight, and a mechanism at 0 N without."""
+    joint = Joint(
+        3,
+        *(0.0358822256137526, 0.05, 0.00860082630980514, 0.08724305802660312),
+        density=0.0,
+        inner=FaceMaterial(1e10, 80504948.32021742, 0.0, 8e4, 302361.2937938144),
+        dry=FaceMaterial(3587758198.973877, 360162955.10149163, 0.06074133697940792, 0.0, 0.0),
+        upper_body=UpperBody.MONOLITHIC,
+        first=Block.LOWER,
+        elastic=Elastic(7037868640.542238, 0.04577574982686521),
+    )
+    loading, mesh = Loading(Direction(1.4500311737370246)), joint.least_side / 3
+    with pytest.raises(SolverError, match="give them a density"):
+        static_first_failure(*posed_problem(joint, loading, mesh))
+    heavy = static_first_failure(*posed_problem(replace(joint, density=1.0), loading, mesh))
+    assert heavy.point.load == pytest.approx(45.058, rel=1e-4)
 
 
 @pytest.mark.parametrize(("density", "calls"), [(0.0, 1), (1400.0, 2)])

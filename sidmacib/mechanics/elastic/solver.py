@@ -19,7 +19,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.blas import dgemm
 from scipy.linalg.lapack import dpotrf, dpotri
 
-from sidmacib.errors import NoEquilibriumError
+from sidmacib.errors import NoEquilibriumError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.elastic.flexibility import flexibility
@@ -105,6 +105,11 @@ class ElasticSolver:
             self.cycles_from_nothing |= from_nothing and found is None and not self.flew_off
         if found is None and thorough:
             found = self._roughened(load, guess, state)
+            if found is None and from_nothing and self.cycles_from_nothing:
+                raise SolverError(
+                    "no equilibrium of elastic blocks was found from no force at all; give them a "
+                    "density, which may be small"
+                )
         if found is None:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         return found
