@@ -26,12 +26,11 @@ from sidmacib.mechanics.newton.equilibrium import (
     node_forces,
     product,
 )
-from sidmacib.mechanics.newton.faces import Structure
+from sidmacib.mechanics.newton.faces import FRICTION, GIVEN, Structure
 
 ROUNDS = 30  # of friction limits, at most
 SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
 IN_A_ROW = 6  # rounds without equilibrium that end the search
-FRICTION, GIVEN = 2, 3  # columns of `Structure.nodes`
 
 
 @dataclass(frozen=True)
