@@ -101,22 +101,20 @@ function startWeights() {
 }
 
 // --- convergence -----------------------------------------------------------------------------
-const directionWords = (ratio) => (ratio === "inf" ? "torsion" : `e/a = ${ratio}`);
-
 function drawConvergence() {
   const sample = at("mesh-sample").value, model = at("mesh-model").value;
   const own = capacity.filter((r) => r.sample === sample && r.model === model && r.variant === "reference" && r.load_N !== null);
   const meshes = unique(own.map((r) => r.mesh_m)).sort((a, b) => a - b);
-  const finest = new Map(own.filter((r) => r.mesh_m === meshes[0]).map((r) => [String(r.eccentricity_over_a), r.load_N]));
-  const order = (r) => (r.eccentricity_over_a === "inf" ? Infinity : r.eccentricity_over_a);
+  const direction = (r) => (r.eccentricity_over_a === "inf" ? "torsion" : String(r.eccentricity_over_a));
+  const reference = own.filter((r) => r.mesh_m === meshes[0]).sort((a, b) => rank(a) - rank(b));
+  const directions = reference.map(direction), finest = new Map(reference.map((r) => [direction(r), r.load_N]));
   const traces = meshes.map((mesh, k) => {
-    const rows = own.filter((r) => r.mesh_m === mesh && finest.has(String(r.eccentricity_over_a))).sort((a, b) => order(a) - order(b));
-    const share = (r, part) => (100 * part) / finest.get(String(r.eccentricity_over_a)), colour = COLOURS[k % COLOURS.length];
+    const rows = own.filter((r) => r.mesh_m === mesh && finest.has(direction(r))), colour = COLOURS[k % COLOURS.length];
+    const share = (r, part) => (100 * part) / finest.get(direction(r)), beside = 0.12 * (k - (meshes.length - 1) / 2);
     const bars = { type: "data", array: rows.map((r) => share(r, (r.mesh_error || 0) * r.load_N)), thickness: 1.5, width: 5, color: colour };
-    return { x: rows.map((r, place) => place + 0.12 * (k - (meshes.length - 1) / 2)), y: rows.map((r) => share(r, r.load_N)), name: `mesh ${short(1000 * mesh)} mm`, mode: "markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 9, color: colour }, text: rows.map((r) => `${directionWords(r.eccentricity_over_a)}: ${short(r.load_N)} N`), hovertemplate: "%{text}<br>%{y:.2f} %" };
+    return { x: rows.map((r) => directions.indexOf(direction(r)) + beside), y: rows.map((r) => share(r, r.load_N)), name: `mesh ${short(1000 * mesh)} mm`, mode: "markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 9, color: colour }, text: rows.map((r) => `e/a ${direction(r)}: ${short(r.load_N)} N`), hovertemplate: "%{text}<br>%{y:.2f} %" };
   });
-  const ratios = [...finest.keys()].sort((a, b) => (a === "inf" ? 1 : b === "inf" ? -1 : a - b));
-  const ticks = { tickvals: ratios.map((_, place) => place), ticktext: ratios.map((ratio) => (ratio === "inf" ? "torsion" : ratio)), zeroline: false };
+  const ticks = { tickvals: directions.map((_, place) => place), ticktext: directions, zeroline: false };
   chart("mesh-plot", meshes.length > 1 ? traces : [], { xaxis: axis("e / a", ticks), yaxis: axis("load / finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });
   const errors = own.filter((r) => r.mesh_error !== null && r.mesh_m === ANSWER_MESH);
   const worst = errors.reduce((one, other) => (one && one.mesh_error >= other.mesh_error ? one : other), null);
