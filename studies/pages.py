@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import studies.attack.page
+import studies.designed_vault.all_layouts
 import studies.elastic.page
 import studies.layouts.page
 import studies.locks.page
@@ -26,6 +27,7 @@ BLOCKS = {
     **studies.layouts.page.BLOCKS,
     **studies.locks.page.BLOCKS,
     **studies.attack.page.BLOCKS,
+    **studies.designed_vault.all_layouts.BLOCKS,
     **studies.structures.page.BLOCKS,
     **studies.measured.specimens.BLOCKS,
     **studies.run_times.BLOCKS,

@@ -14,6 +14,7 @@ from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.structure_file import read_structure
+from studies.designed_vault.all_layouts import GAP, compared
 from studies.designed_vault.geometry import FILE, Barrel, barrel, content, text
 
 
@@ -50,6 +51,10 @@ def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_pat
     head = (tmp_path / "out" / "designed.yaml").read_text().splitlines()[:3]
     cases = yaml.safe_load("".join(line.removeprefix("#   ") + "\n" for line in head[1:]))
     assert cases == design["design"]["cases"]
+    loads = {name: case["acceleration"] for name, case in cases.items()}
+    for file, case in (("designed", "along_x"), ("designed-along_y", "along_y")):
+        written = yaml.safe_load((tmp_path / "out" / f"{file}.yaml").read_text())
+        assert written["load"] == {"acceleration": loads[case]}
 
 
 def test_the_designed_stack_is_what_the_command_writes(tmp_path: Path) -> None:
@@ -73,3 +78,10 @@ def test_between_narrows_the_sites() -> None:
     given["blocks"] = {"block": {"file": FILE.name}}
     given["design"]["between"] = [["block-0", "block-2"]]
     assert len(task_of(given, FILE.parent).structure.sites) == 1
+
+
+def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:
+    both = compared(1)
+    assert both.layouts == 13**2
+    assert both.found_cost == both.least_cost > 0.0
+    assert both.bound <= both.found_cost <= both.bound * (1.0 + GAP)

@@ -319,7 +319,8 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
 @click.option(
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the structure with its locks into this YAML file, for multilock assembly.",
+    help="Write the structure with its locks and the load of the first case into this YAML file, "
+    "for multilock assembly; for each other case, into a file beside it.",
 )
 @click.option("--quiet", is_flag=True, help="Show no progress.")
 @click.option(

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 import yaml
@@ -315,7 +316,10 @@ def designed(task: Task, choice: Sequence[Layout | None]) -> dict[str, Any]:
 
 
 def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> None:
-    """Write `designed` into a YAML file, with paths to files of blocks from its folder."""
+    """Write `designed` into YAML files, with paths to files of blocks from their folder.
+
+    ``path`` has the first case as its load; each other case has a file beside it (`beside`).
+    """
     description = designed(task, choice)
 
     def moved(value: Any) -> Any:
@@ -324,14 +328,23 @@ def write_designed(task: Task, choice: Sequence[Layout | None], path: Path) -> N
         there = os.path.relpath(task.folder / str(value["file"]), path.parent)
         return {**value, "file": Path(there).as_posix()}
 
-    blocks = {name: moved(value) for name, value in description["blocks"].items()}
+    description["blocks"] = {name: moved(value) for name, value in description["blocks"].items()}
     cases = "".join(f"#   {case.line}\n" for case in task.cases)
     head = f"# With the locks that multilock design found for these cases:\n{cases}"
-    text = yaml.safe_dump({**description, "blocks": blocks}, sort_keys=False, width=120)
-    try:
-        path.write_text(head + text, encoding="utf-8")
-    except OSError as error:
-        raise ValueError(f"--output {path}: {error.strerror or error}") from None
+    for number, case in enumerate(task.cases):
+        file = beside(path, case) if number else path
+        content = {**description, "load": case.load}
+        text = head + f"# The load is that of {shown(case.name)}.\n"
+        text += yaml.safe_dump(content, sort_keys=False, width=120)
+        try:
+            file.write_text(text, encoding="utf-8")
+        except OSError as error:
+            raise ValueError(f"--output {file}: {error.strerror or error}") from None
+
+
+def beside(path: Path, case: CaseText) -> Path:
+    """The file beside ``path`` for a ``case`` that is not the first, named after it."""
+    return path.with_name(f"{path.stem}-{quote(case.name, safe=' ')}{path.suffix}")
 
 
 def _numbers(material: FaceMaterial) -> dict[str, float]:

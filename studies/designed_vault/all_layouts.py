@@ -1,0 +1,137 @@
+"""The search for locks beside trying all layouts, for few interfaces, on one thread.
+
+``python -m studies.designed_vault.all_layouts RESULTS`` writes ``tables/all_layouts.csv``. Cubes in
+a row between two walls, without a floor, are held by their locks alone and pushed aside and down.
+"""
+
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from sidmacib.design.direction import Search
+from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
+from sidmacib.design.model import Case, Site, Structure
+from sidmacib.joint.joint import DRY, INNER
+from sidmacib.mechanics.assembly import Floats, NodeLayout
+from sidmacib.mechanics.polygons import Polygon
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.loads import force_at
+from sidmacib.structure.structure import structure
+from studies.markdown import markdown
+
+CUBES = (1, 2, 3)
+EDGE, DENSITY = 0.4, 2000.0  # m, kg/m3
+KIND = LockKind((0.05,), 0.02, INNER, DRY)
+ANGLES = (0.0, 45.0, 90.0, 135.0)  # degrees
+MOST = 3  # locks that work in an interface
+PUSH = 2500.0  # N
+GAP = 1e-4
+HEAD = [
+    *("interfaces", "layouts", "cost of the best", "tried, CPU-s"),
+    *("found by search", "bound", "search, CPU-s"),
+]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Costs and times (CPU-s) of both ways to the cheapest locks."""
+
+    interfaces: int
+    layouts: int
+    least_cost: float
+    tried_s: float
+    found_cost: float
+    bound: float
+    search_s: float
+
+
+def cubes(count: int) -> Structure:
+    """The design of a row of ``count`` cubes; each interface has rows in four directions."""
+    ends = [(EDGE * number, EDGE * (number + 1)) for number in range(-1, count + 1)]
+    blocks: list[Block] = []
+    for number, (low, high) in enumerate(ends):
+        fixed = number in (0, count + 1)
+        corners = (low, 0.0, 0.0), (high, EDGE, EDGE)
+        blocks.append(box(f"block{number}", *corners, DENSITY, fixed=fixed))
+    assembly = structure(blocks, replace(DRY, friction=0.0), nodes=NodeLayout.VERTICES)
+    middle = (EDGE / 2, EDGE / 2, EDGE / 2)
+    cases = tuple(
+        Case(name, force_at(assembly, "block1", middle, along), PUSH)
+        for name, along in (("aside", (0.0, 1.0, 0.0)), ("down", (0.0, 1.0, -1.0)))
+    )
+    sites = tuple(
+        Site(number, layouts_of(face, KIND, directions_of(face, angles=ANGLES), MOST))
+        for number, face in enumerate(assembly.faces)
+        if isinstance(face, Polygon)
+    )
+    return Structure(assembly, sites, cases, Weights())
+
+
+def tried(given: Structure, search: Search) -> tuple[int, float]:
+    """Number of all layouts, and the least cost of those that carry all cases."""
+    sites = [np.flatnonzero(given.site_of == site) for site in range(len(given.sites))]
+    count, best = 0, np.inf
+    for chosen in product(*[(None, *each) for each in sites]):
+        count += 1
+        taken = _taken(given, [number for number in chosen if number is not None])
+        cost = float(given.costs @ taken)
+        if cost < best and search.carries(taken):  # no solver is asked about what costs more
+            best = cost
+    return count, best
+
+
+def _taken(given: Structure, numbers: Sequence[int]) -> Floats:
+    taken = np.zeros(len(given.layouts))
+    taken[numbers] = 1.0
+    return taken
+
+
+def compared(count: int) -> Comparison:
+    """Both ways for a row of ``count`` cubes."""
+    given = cubes(count)
+    begin = time.process_time()
+    found = Search(given, 1.0).cheapest(gap=GAP)
+    middle = time.process_time()
+    layouts, least = tried(given, Search(given, 1.0))
+    end = time.process_time()
+    times = {"search_s": middle - begin, "tried_s": end - middle}
+    costs = {"least_cost": least, "found_cost": found.cost, "bound": found.bound}
+    return Comparison(len(given.sites), layouts, **times, **costs)
+
+
+def rows(results: Path) -> str:
+    """The table of ``tables/all_layouts.csv``."""
+    table = pd.read_csv(results / "tables/all_layouts.csv")
+    return markdown(
+        HEAD,
+        [
+            [
+                *(str(row.interfaces), f"{row.layouts:,}", f"{row.least_cost:g}"),
+                *(f"{row.tried_s:.1f}", f"{row.found_cost:g}"),
+                *(f"{row.bound:.4g}", f"{row.search_s:.1f}"),
+            ]
+            for row in table.itertuples()
+        ],
+    )
+
+
+BLOCKS = {"all-layouts": rows}
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Write the table into the results folder that is the only argument."""
+    (results,) = arguments
+    path = Path(results) / "tables/all_layouts.csv"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    compared(CUBES[0])  # compiles
+    pd.DataFrame([asdict(compared(count)) for count in CUBES]).to_csv(path, index=False)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
