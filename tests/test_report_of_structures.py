@@ -148,6 +148,14 @@ def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model, mesh error 1 %)."
     assert found["keyed"].endswith("(limit analysis, mesh error 0 %).")
     assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
+    bonded = table.assign(mesh_error=1.62, first_failure_mesh_error=0.002)
+    bonded = bonded[bonded["first_interface"].notna()]
+    (unsettled,) = [
+        each["text"] for each in structures_verdict(bonded) if each["title"] == "trilith"
+    ]
+    assert unsettled.startswith("load: first bond at ")
+    assert "(static model, mesh error 0.2 %); the peak depends too much on the mesh" in unsettled
+    assert unsettled.endswith("mesh error 162 %).")
     failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))
     kinds = {each["title"]: each["kind"] for each in structures_verdict(failed)}
     assert kinds["Structures without a result"] == "bad"

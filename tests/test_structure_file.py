@@ -15,6 +15,7 @@ from sidmacib.mechanics.assembly import GRAVITY
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
+from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.structure import refined
 from sidmacib.yaml_text import read_yaml
@@ -302,6 +303,17 @@ def test_numbers_that_look_like_another_unit_are_noted(path: Path) -> None:
     assert "friction: 30 is very large; is it an angle in degrees?" in result.stderr
     path.write_text(yaml.safe_dump(changed(ON_GROUND, {"blocks": {"block": {"density": 2.4}}})))
     assert "block: density: 2.4 kg/m3 is very small" in run("assembly", str(path)).stderr
+
+
+def test_a_peak_that_depends_on_the_mesh_is_said_not_to_count(path: Path) -> None:
+    bonds = {"interfaces": {"cohesion": 5.0e4, "tensile_strength": 2.0e4}}
+    arch = changed(read_yaml(ROOT / "studies/arch/arch.yaml"), bonds)
+    path.write_text(yaml.safe_dump(arch))
+    answer = json.loads(run("assembly", str(path), "--format", "json").stdout)
+    rows = {row["model"]: row for row in answer}
+    assert rows["static, peak"]["mesh error / load"] > SETTLED
+    assert rows["static, peak"]["note"].endswith(UNSETTLED)
+    assert rows["static, first failure"]["mesh error / load"] < 0.05
 
 
 def test_a_structure_that_nothing_answers_for_ends_with_a_status(path: Path) -> None:

@@ -12,7 +12,9 @@ import pytest
 import yaml
 from conftest import ROOT
 
+from analysis.summary.structures import summary
 from analysis.tables.structures import most_used
+from sidmacib.structure.analysis.mesh_error import UNSETTLED
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.planning.plan import why
@@ -176,6 +178,16 @@ def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
     dry = table.loc[("trilith-load-dry", "static")]
     assert pd.isna(dry["first_interface"])
     assert table["error"].isna().all()
+
+
+@pytest.mark.study
+def test_a_peak_that_depends_on_the_mesh_is_said_not_to_count(results: Path) -> None:
+    table = read_table(STRUCTURES, results / "tables/structures.csv")
+    bonded = table[table["first_interface"].notna()]
+    assert not bonded.empty
+    assert UNSETTLED not in summary("results", bonded)
+    text = summary("results", bonded.assign(mesh_error=1.62))
+    assert text.count(UNSETTLED) == len(bonded)
 
 
 @pytest.mark.study

@@ -9,7 +9,9 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
+from analysis.summary.structures import first_failure
 from analysis.summary.summary import AGREEMENT
+from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
@@ -84,12 +86,24 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
             static = answered[answered["model"].eq(REFERENCE_MODEL)]
             row = (answered if static.empty else static).iloc[0].to_dict()
             case = load if variant == REFERENCE else f"{load}, {variant}"
-            error = row["mesh_error"]
-            about = "" if pd.isna(error) else f", mesh error {100 * error:.2g} %"
-            lines.append(f"{case}: {_answer(row)} ({label_of(row['model']).name}{about})")
+            lines.append(f"{case}: {_of_model(row)}")
         more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
         text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has an answer"
         yield {"title": str(structure), "text": f"{text}.", "kind": "note"}
+
+
+def _of_model(row: Mapping[str, Any]) -> str:
+    """The answer of a model with its mesh error: the first failure where the peak is unsettled."""
+    model = label_of(row["model"]).name
+
+    def about(error: float) -> str:
+        return "" if pd.isna(error) else f", mesh error {round(100 * error, 1):g} %"
+
+    peak = f"{_answer(row)} ({model}{about(row['mesh_error'])})"
+    if pd.isna(row["first_interface"]) or not row["mesh_error"] > SETTLED:
+        return peak
+    error = about(row["first_failure_mesh_error"])
+    return f"first bond at {first_failure(row)} ({model}{error}); {UNSETTLED}, {peak}"
 
 
 def _answer(row: Mapping[str, Any]) -> str | None:

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.mechanics.solution import SPREAD_LIMIT
+from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 
@@ -53,16 +54,19 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     if pd.notna(row["first_interface"]):
         error = row["first_failure_mesh_error"]
         about = "" if pd.isna(error) else f" (mesh error {100 * error:.1f} %)"
-        yield f"first bond: {row['first_interface']} at {_first_failure(row)}{about}"
+        yield f"first bond: {row['first_interface']} at {first_failure(row)}{about}"
     elif pd.notna(row["most_used_interface"]):
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
         yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
+    if pd.notna(row["first_interface"]) and row["mesh_error"] > SETTLED:
+        yield UNSETTLED
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"
 
 
-def _first_failure(row: Mapping[str, Any]) -> str:
+def first_failure(row: Mapping[str, Any]) -> str:
+    """The load or the tilt at which the first bond fails, with its unit."""
     if pd.notna(row["tilt_degrees"]):
         return f"{row['first_failure_tilt_degrees']:.5g} degrees"
     return f"{row['first_failure_load_N']:.5g} N"

@@ -13,7 +13,12 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
-from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import (
+    SETTLED,
+    UNSETTLED,
+    Failures,
+    structure_mesh_errors,
+)
 from sidmacib.structure.analysis.tilt import Tilt, moves_most, static_tilt
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.structure import refined
@@ -98,7 +103,10 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
             of_fine=True,
         )
         yield row("static, first failure", fine.first_failure_load, "of a bond, or the peak", first)
-        yield row("static, peak", fine.peak.load, f"ends by: {fine.mode}", peak)
+        note = f"ends by: {fine.mode}"
+        if peak is not None and peak > SETTLED and fine.first_failure_load < fine.peak.load:
+            note += f"; {UNSETTLED}"
+        yield row("static, peak", fine.peak.load, note, peak)
     except CapacityError as error:
         yield row("static", None, reason(error))
 

@@ -8,6 +8,9 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 
+SETTLED = 0.2  # mesh error of a peak, over it: above it the first failure counts
+UNSETTLED = "the peak depends too much on the mesh: the first failure counts"
+
 
 class Failures(NamedTuple):
     """First failure and peak: loads in N, or angles in degrees where gravity turns."""
