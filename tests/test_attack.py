@@ -8,9 +8,22 @@ from hypothesis import strategies as st
 
 from sidmacib.rule.law import SPANS, spans_of
 from studies.attack import search as attack
-from studies.attack.search import DIMENSIONS, SPACES, Space, ratio_at, row_of, search, target_at
+from studies.attack.search import (
+    DIMENSIONS,
+    MORE,
+    MORE_LOCKS,
+    SPACES,
+    Space,
+    Target,
+    ratio_at,
+    row_of,
+    search,
+    target_at,
+    with_more_locks,
+)
 
 RIGID = [space for space in SPACES if not space.elastic]
+ELASTIC = next(space for space in SPACES if space.elastic)
 PLACE = st.lists(st.floats(0.0, 1.0), min_size=DIMENSIONS, max_size=DIMENSIONS)
 
 
@@ -61,6 +74,19 @@ def test_a_short_attack_finds_no_unsafe_joint(space: Space) -> None:
 
 @pytest.mark.study
 @pytest.mark.usefixtures("small")
+def test_the_worst_joint_is_solved_with_more_locks(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[int, float]] = []
+
+    def ratio(target: Target) -> float:
+        asked.append((target.joint.locks, target.joint.a))
+        return 1.0 / target.joint.locks
+
+    monkeypatch.setattr(attack, "ratio_of", ratio)
+    target = target_at(ELASTIC, [0.5] * DIMENSIONS)
+    assert with_more_locks(target) == {MORE.format(n): 1.0 / n for n in MORE_LOCKS}
+    assert asked == [(n, target.joint.a) for n in MORE_LOCKS]
+
+
 def test_an_attack_finds_a_rule_that_is_not_safe(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = attack.safe_load
     monkeypatch.setattr(attack, "safe_load", lambda target: 1.2 * (honest(target) or 0.0) or None)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.attack.search import SPACES
+from studies.attack.search import MORE, MORE_LOCKS, SPACES
 from studies.markdown import markdown
 
 HEAD = [
@@ -30,6 +30,7 @@ def worst(results: Path, *, elastic: bool) -> str:
     rows = []
     for space, group in table.groupby("space", sort=False):
         peaks = group.filter(regex=r"^safe_over_peak_\d+$").max(numeric_only=True)
+        longer = group[[MORE.format(n) for n in MORE_LOCKS]].max() if elastic else []
         rows.append(
             [
                 str(space),
@@ -38,9 +39,11 @@ def worst(results: Path, *, elastic: bool) -> str:
                 f"{group['unsolved'].sum():,}",
                 f"{group['safe_over_first_failure'].max():.3f}",
                 ", ".join(f"{value:.3f}" for value in peaks),
+                *(f"{value:.3f}" for value in longer),
             ]
         )
-    return markdown(HEAD, rows)
+    more = [f"{number} locks" for number in MORE_LOCKS] if elastic else []
+    return markdown([*HEAD, *more], rows)
 
 
 BLOCKS: dict[str, Callable[[Path], str]] = {

@@ -12,7 +12,7 @@ import math
 import sys
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,9 @@ CHECKS = {  # of the worst joints
     False: ((NodeLayout.LOBATTO, 6), (NodeLayout.LOBATTO, 7), (NodeLayout.VERTICES, 8)),
     True: ((NodeLayout.LOBATTO, 3), (NodeLayout.LOBATTO, 4), (NodeLayout.VERTICES, 5)),
 }
+
+MORE_LOCKS = (7, 9, 12)  # of the worst joints of elastic blocks, too slow to be searched
+MORE = "safe_over_first_failure_{}_locks"
 
 
 @dataclass(frozen=True)
@@ -137,17 +140,22 @@ def safe_load(target: Target) -> float | None:
 
 
 def ratio_at(space: Space, place: Sequence[float]) -> float | None:
+    """`ratio_of` the joint of ``space`` at a ``place``."""
+    return ratio_of(target_at(space, place))
+
+
+def ratio_of(target: Target) -> float | None:
     """Safe load over first failure: 0 where the rule refuses, inf where nothing is carried.
 
     None where the static model has no answer on its nodes.
     """
-    target = target_at(space, place)
     promised = safe_load(target)
     if promised is None:
         return 0.0
     joint = target.joint
     try:
-        problem = posed(joint, target.loading, joint.least_side / CELLS[space.elastic])
+        cells = CELLS[joint.elastic is not None]
+        problem = posed(joint, target.loading, joint.least_side / cells)
         load = static_first_failure(*problem).point.load
     except CapacityError:
         return None
@@ -219,6 +227,8 @@ def row_of(worst: Search) -> dict[str, Any]:
     }
     for number, (layout, cells) in enumerate(CHECKS[worst.space.elastic], start=1):
         row |= _checked(target, promised, number, layout, cells)
+    if worst.space.elastic:
+        row |= with_more_locks(target)
     return {
         **row,
         "eccentricity_over_a": target.loading.direction.eccentricity,
@@ -241,6 +251,12 @@ def _checked(
         f"peak_{number}_N": path.peak.load,
         f"safe_over_peak_{number}": promised / path.peak.load if path.peak.load else math.inf,
     }
+
+
+def with_more_locks(target: Target) -> dict[str, float | None]:
+    """`ratio_of` the same joint with each of `MORE_LOCKS`."""
+    longer = {n: replace(target.joint, locks=n) for n in MORE_LOCKS}
+    return {MORE.format(n): ratio_of(Target(joint, target.loading)) for n, joint in longer.items()}
 
 
 def _row_of_start(space: Space, seed: int, evaluations: int) -> dict[str, Any]:
