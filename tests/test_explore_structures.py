@@ -20,6 +20,7 @@ from analysis.explore.examples import (
 )
 from analysis.explore.structures import limit, static, structure_answer
 from sidmacib.command.structures import structure_rows
+from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import parsed, read_yaml
 
@@ -177,6 +178,16 @@ def test_a_model_without_an_answer_says_why() -> None:
     assert static_line[4] == "no equilibrium at 0 N"
     assert "no answer" in answer["words"] and "no equilibrium at 0 N" in answer["words"]
     assert answer["shape"]["blocks"] and answer["yaml"]
+
+
+def test_a_peak_that_depends_on_the_mesh_is_not_the_answer() -> None:
+    answer = structure_answer(chosen(structure="arch", cohesion=50, tensile_strength=20))
+    failure, peak = (
+        {line[0]: line for line in answer["lines"]}[f"static model, {end}"]
+        for end in ("first failure", "peak")
+    )
+    assert peak[3] > 100 * SETTLED
+    assert answer["words"].endswith(f"first bond at {failure[1]:.5g} N; {UNSETTLED}.")
 
 
 def test_a_fault_in_one_model_is_a_line_and_the_other_model_is_shown(

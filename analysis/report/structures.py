@@ -11,7 +11,7 @@ from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure
 from analysis.summary.summary import AGREEMENT
-from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
+from sidmacib.structure.analysis.mesh_error import UNSETTLED, is_unsettled
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
@@ -100,7 +100,7 @@ def _of_model(row: Mapping[str, Any]) -> str:
         return "" if pd.isna(error) else f", mesh error {round(100 * error, 1):g} %"
 
     peak = f"{_answer(row)} ({model}{about(row['mesh_error'])})"
-    if pd.isna(row["first_interface"]) or not row["mesh_error"] > SETTLED:
+    if not is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"])):
         return peak
     error = about(row["first_failure_mesh_error"])
     return f"first bond at {first_failure(row)} ({model}{error}); {UNSETTLED}, {peak}"

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from sidmacib.mechanics.solution import SPREAD_LIMIT
-from sidmacib.structure.analysis.mesh_error import SETTLED, UNSETTLED
+from sidmacib.structure.analysis.mesh_error import UNSETTLED, is_unsettled
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 
@@ -59,7 +59,7 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
         yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
-    if pd.notna(row["first_interface"]) and row["mesh_error"] > SETTLED:
+    if is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"])):
         yield UNSETTLED
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"

@@ -14,9 +14,9 @@ from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.mesh_error import (
-    SETTLED,
     UNSETTLED,
     Failures,
+    is_unsettled,
     structure_mesh_errors,
 )
 from sidmacib.structure.analysis.tilt import Tilt, moves_most, static_tilt
@@ -104,7 +104,7 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
         )
         yield row("static, first failure", fine.first_failure_load, "of a bond, or the peak", first)
         note = f"ends by: {fine.mode}"
-        if peak is not None and peak > SETTLED and fine.first_failure_load < fine.peak.load:
+        if is_unsettled(peak, bond_fails=fine.first_failure_load < fine.peak.load):
             note += f"; {UNSETTLED}"
         yield row("static, peak", fine.peak.load, note, peak)
     except CapacityError as error:

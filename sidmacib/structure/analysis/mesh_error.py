@@ -29,6 +29,14 @@ class MeshErrors(NamedTuple):
 UNKNOWN = MeshErrors(None, None)
 
 
+def is_unsettled(peak_error: float | None, *, bond_fails: bool) -> bool:
+    """Whether the first failure counts, not the peak, of which ``peak_error`` is the mesh error.
+
+    ``bond_fails``: whether a bond does before the peak; if not, there is no first failure.
+    """
+    return bond_fails and peak_error is not None and peak_error > SETTLED
+
+
 def structure_mesh_errors(
     assembly: Assembly, coarse: Failures, fine: Failures, *, of_fine: bool = False
 ) -> MeshErrors:
