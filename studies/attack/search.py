@@ -41,7 +41,7 @@ CHECKS = {  # of the worst joints
     True: ((NodeLayout.LOBATTO, 3), (NodeLayout.LOBATTO, 4), (NodeLayout.VERTICES, 5)),
 }
 
-MORE_LOCKS = (7, 9, 12)  # of the worst joints of elastic blocks, too slow to be searched
+MORE_LOCKS = (7, 9, 12, 15)  # of the worst joints of elastic blocks, too slow to be searched
 MORE = "safe_over_first_failure_{}_locks"
 
 
