@@ -49,18 +49,6 @@ def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> 
     return Case("push", force_at(assembly, "block", (0.2, 0.3, 0.0), along), load)
 
 
-def row(count: int) -> list[Block]:
-    """Cubes side by side without a floor between two fixed walls: only locks hold them up."""
-    walls = [
-        box("left", (-0.4, 0.0, 0.0), (0.0, 0.4, 0.4), 2e3, fixed=True),
-        box("right", (0.4 * count, 0.0, 0.0), (0.4 * count + 0.4, 0.4, 0.4), 2e3, fixed=True),
-    ]
-    cubes = [
-        box(f"cube{k}", (0.4 * k, 0.0, 0.0), (0.4 * k + 0.4, 0.4, 0.4), 2e3) for k in range(count)
-    ]
-    return [*walls, *cubes]
-
-
 def stack() -> list[Block]:
     """Two blocks on a base."""
     return [

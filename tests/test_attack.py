@@ -72,8 +72,6 @@ def test_a_short_attack_finds_no_unsafe_joint(space: Space) -> None:
     assert 0.9 < worst.ratio <= 1.0
 
 
-@pytest.mark.study
-@pytest.mark.usefixtures("small")
 def test_the_worst_joint_is_solved_with_more_locks(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[tuple[int, float]] = []
 
@@ -87,6 +85,8 @@ def test_the_worst_joint_is_solved_with_more_locks(monkeypatch: pytest.MonkeyPat
     assert asked == [(n, target.joint.a) for n in MORE_LOCKS]
 
 
+@pytest.mark.study
+@pytest.mark.usefixtures("small")
 def test_an_attack_finds_a_rule_that_is_not_safe(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = attack.safe_load
     monkeypatch.setattr(attack, "safe_load", lambda target: 1.2 * (honest(target) or 0.0) or None)

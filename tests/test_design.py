@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from designs import FRICTION, KIND, T1, design_on, pushed, row, stack, two_blocks, working
+from designs import FRICTION, KIND, T1, design_on, pushed, stack, two_blocks, working
 from structures import dry
 
 from sidmacib.design.direction import SHORT, Search, choice_of, rounded_up
@@ -16,6 +16,7 @@ from sidmacib.errors import InfeasibleError
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import force_at, free_weight
 from sidmacib.structure.structure import structure
+from studies.designed_vault.all_layouts import row
 
 LOAD = 3000.0  # N
 

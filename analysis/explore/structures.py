@@ -11,14 +11,13 @@ from analysis.drawing.labels import label_of
 from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
-from analysis.summary.structures import first_failure
+from analysis.summary.structures import first_failure, peak_is_unsettled
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.errors import CapacityError
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import (
     UNSETTLED,
     Failures,
-    is_unsettled,
     structure_mesh_errors,
 )
 from sidmacib.structure.files.structure_file import structure_of
@@ -137,7 +136,7 @@ def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
     if row["error"]:
         return f"{title}: no answer of the {label_of('static').name}: {_why(row)}."
     load, weight = row["load_N"], row["load_over_weight"]
-    if is_unsettled(row["mesh_error"], bond_fails=row["first_interface"] is not None):
+    if peak_is_unsettled(row):
         return f"{title}: first bond at {first_failure(row)}; {UNSETTLED}."
     at = (
         f"{row['tilt_degrees']:.4g}°"

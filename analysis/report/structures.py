@@ -9,9 +9,9 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
-from analysis.summary.structures import first_failure
+from analysis.summary.structures import first_failure, peak_is_unsettled
 from analysis.summary.summary import AGREEMENT
-from sidmacib.structure.analysis.mesh_error import UNSETTLED, is_unsettled
+from sidmacib.structure.analysis.mesh_error import UNSETTLED
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
@@ -100,7 +100,7 @@ def _of_model(row: Mapping[str, Any]) -> str:
         return "" if pd.isna(error) else f", mesh error {round(100 * error, 1):g} %"
 
     peak = f"{_answer(row)} ({model}{about(row['mesh_error'])})"
-    if not is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"])):
+    if not peak_is_unsettled(row):
         return peak
     error = about(row["first_failure_mesh_error"])
     return f"first bond at {first_failure(row)} ({model}{error}); {UNSETTLED}, {peak}"

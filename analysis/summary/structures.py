@@ -59,10 +59,15 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
         yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
-    if is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"])):
+    if peak_is_unsettled(row):
         yield UNSETTLED
     if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
         yield "peaks spread too far: the load is that of the first failure"
+
+
+def peak_is_unsettled(row: Mapping[str, Any]) -> bool:
+    """See `is_unsettled`, of a row of the table of structures."""
+    return is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"]))
 
 
 def first_failure(row: Mapping[str, Any]) -> str:

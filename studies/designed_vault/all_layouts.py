@@ -18,7 +18,7 @@ from sidmacib.design.direction import Search
 from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import Case, Site, Structure
 from sidmacib.joint.joint import DRY, INNER
-from sidmacib.mechanics.assembly import Floats, NodeLayout
+from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.loads import force_at
@@ -51,18 +51,27 @@ class Comparison:
     search_s: float
 
 
+def row(count: int) -> list[Block]:
+    """Cubes side by side without a floor between two fixed walls: only locks hold them up."""
+    walls = [
+        box("left", (-EDGE, 0.0, 0.0), (0.0, EDGE, EDGE), DENSITY, fixed=True),
+        box(
+            "right", (EDGE * count, 0.0, 0.0), (EDGE * (count + 1), EDGE, EDGE), DENSITY, fixed=True
+        ),
+    ]
+    free = [
+        box(f"cube{k}", (EDGE * k, 0.0, 0.0), (EDGE * (k + 1), EDGE, EDGE), DENSITY)
+        for k in range(count)
+    ]
+    return [*walls, *free]
+
+
 def cubes(count: int) -> Structure:
-    """The design of a row of ``count`` cubes; each interface has rows in four directions."""
-    ends = [(EDGE * number, EDGE * (number + 1)) for number in range(-1, count + 1)]
-    blocks: list[Block] = []
-    for number, (low, high) in enumerate(ends):
-        fixed = number in (0, count + 1)
-        corners = (low, 0.0, 0.0), (high, EDGE, EDGE)
-        blocks.append(box(f"block{number}", *corners, DENSITY, fixed=fixed))
-    assembly = structure(blocks, replace(DRY, friction=0.0), nodes=NodeLayout.VERTICES)
+    """The design of a `row` of cubes; each interface may get locks in four directions."""
+    assembly = structure(row(count), replace(DRY, friction=0.0), nodes=NodeLayout.VERTICES)
     middle = (EDGE / 2, EDGE / 2, EDGE / 2)
     cases = tuple(
-        Case(name, force_at(assembly, "block1", middle, along), PUSH)
+        Case(name, force_at(assembly, "cube0", middle, along), PUSH)
         for name, along in (("aside", (0.0, 1.0, 0.0)), ("down", (0.0, 1.0, -1.0)))
     )
     sites = tuple(
@@ -75,21 +84,14 @@ def cubes(count: int) -> Structure:
 
 def tried(given: Structure, search: Search) -> tuple[int, float]:
     """Number of all layouts, and the least cost of those that carry all cases."""
-    sites = [np.flatnonzero(given.site_of == site) for site in range(len(given.sites))]
     count, best = 0, np.inf
-    for chosen in product(*[(None, *each) for each in sites]):
+    for choice in product(*[(None, *site.layouts) for site in given.sites]):
         count += 1
-        taken = _taken(given, [number for number in chosen if number is not None])
+        taken = given.chosen(choice)
         cost = float(given.costs @ taken)
         if cost < best and search.carries(taken):  # no solver is asked about what costs more
             best = cost
     return count, best
-
-
-def _taken(given: Structure, numbers: Sequence[int]) -> Floats:
-    taken = np.zeros(len(given.layouts))
-    taken[numbers] = 1.0
-    return taken
 
 
 def compared(count: int) -> Comparison:
@@ -112,11 +114,11 @@ def rows(results: Path) -> str:
         HEAD,
         [
             [
-                *(str(row.interfaces), f"{row.layouts:,}", f"{row.least_cost:g}"),
-                *(f"{row.tried_s:.1f}", f"{row.found_cost:g}"),
-                *(f"{row.bound:.4g}", f"{row.search_s:.1f}"),
+                *(str(each.interfaces), f"{each.layouts:,}", f"{each.least_cost:g}"),
+                *(f"{each.tried_s:.1f}", f"{each.found_cost:g}"),
+                *(f"{each.bound:.4g}", f"{each.search_s:.1f}"),
             ]
-            for row in table.itertuples()
+            for each in table.itertuples()
         ],
     )
 
