@@ -1,7 +1,7 @@
 """Run times on this machine, as a table: `make bench`.
 
-With ``--base``, imports and plans of another checkout, in its environment, are measured too.
-CPU times are of all processes. Run it on a quiet machine.
+With ``--base``, another checkout runs its own `make bench` first, in its environment; the table has
+both for what is called the same there. CPU times are of all processes. Run it on a quiet machine.
 """
 
 import argparse
@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 import timeit
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,11 +24,14 @@ import yaml
 from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
+from sidmacib.joint.joint import Joint
 from workflow.configuration import read_study
 from workflow.engines.scripts.records import RESULT
+from workflow.joints.sampling import Sampling, sampled_joints
 from workflow.planning.closure import ROOT
 from workflow.planning.snakefile import plan_of
 from workflow.run.job import read_times
+from workflow.steps.sampling import solved_rows
 
 REPEATS = 5
 UNGUIDED = "unguided"  # the study's variant
@@ -59,12 +62,11 @@ ONE = {
 
 @dataclass(frozen=True)
 class Figure:
-    """A line of the table: what was measured, its unit, its value here and in another checkout."""
+    """A line of the table: what was measured, its unit and its value."""
 
     what: str
     unit: str
     value: float
-    base: float | None = None
 
 
 @dataclass(frozen=True)
@@ -87,22 +89,21 @@ def used(command: Sequence[str], folder: Path) -> Usage:
     return Usage(wall, cpu, after.ru_maxrss / 1024)
 
 
-def least(command: Callable[[Path], Sequence[str]], checkout: Path, repeats: int) -> Usage:
-    """The quickest of some runs of a command of a checkout."""
-    runs = [used(command(checkout), checkout) for _ in range(repeats)]
-    return min(runs, key=lambda run: run.cpu)
+def least(command: Sequence[str], repeats: int) -> Usage:
+    """The quickest of some runs of a command."""
+    return min((used(command, ROOT) for _ in range(repeats)), key=lambda run: run.cpu)
 
 
-def python(code: str) -> Callable[[Path], Sequence[str]]:
-    """A command that runs ``code`` in the Python of a checkout."""
-    return lambda checkout: [str(checkout / ".venv/bin/python"), "-c", code]
+def python(code: str) -> list[str]:
+    """A command that runs ``code``."""
+    return [sys.executable, "-c", code]
 
 
-def snakemake(config: Path, *arguments: str) -> Callable[[Path], Sequence[str]]:
+def snakemake(config: Path, *arguments: str) -> list[str]:
     """A command that runs Snakemake on a configuration."""
-    return lambda checkout: [
-        *(str(checkout / ".venv/bin/snakemake"), *arguments, "--quiet", "all"),
-        *("--configfile", str(config), "--config", f"results={config.parent / checkout.name}"),
+    return [
+        *(str(Path(sys.executable).parent / "snakemake"), *arguments, "--quiet", "all"),
+        *("--configfile", str(config), "--config", f"results={config.parent / 'results'}"),
     ]
 
 
@@ -130,6 +131,18 @@ def static_seconds(locks: int, mesh: float) -> float:
     return min(timeit.repeat(solve, repeat=3, number=1))
 
 
+def sampling_seconds(joints: int) -> float:
+    """CPU-s a point of `make locks`: a joint in a direction, on two meshes; limit analysis apart.
+
+    The mean of the ``joints`` after the first of its sampling, in seven directions.
+    """
+    ratios, sampling = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf")), Sampling(512, 2026)
+    sampled = sampled_joints(sampling, Joint(5), 1, 1 + joints)
+    start = time.process_time()
+    points = list(solved_rows(sampled, ratios, cells=(1, 2), limited=joints + 1))
+    return (time.process_time() - start) / len(points)
+
+
 def library_figures() -> Iterator[Figure]:
     """The static model and SiDMACIB, in this process and in two."""
     import sidmacib
@@ -140,6 +153,7 @@ def library_figures() -> Iterator[Figure]:
         start = time.perf_counter()
         list(pool.map(static_case, range(1000), chunksize=50))
         yield Figure("static cases, 5 locks", "1/s", 1000 / (time.perf_counter() - start))
+    yield Figure("static model, a point of make locks", "ms CPU", 1e3 * sampling_seconds(40))
     yield Figure("static case, 63 locks", "s", static_seconds(63, 0.02))
     yield Figure("static case, 15 locks, mesh 0.005 m", "s", static_seconds(15, 0.005))
     for locks in (3, 5):
@@ -225,23 +239,19 @@ def structure_figures() -> Iterator[Figure]:
         yield Figure(what, unit, value)
 
 
-def process_figures(base: Path | None, folder: Path) -> Iterator[Figure]:
-    """Imports and planning, here and in the other checkout."""
-    commands: list[tuple[str, tuple[str, ...], Callable[[Path], Sequence[str]], int]] = [
-        ("import numpy", ("cpu",), python("import numpy"), REPEATS),
-        ("import sidmacib", ("cpu",), python("import sidmacib; sidmacib.Joint"), REPEATS),
-    ]
+def process_figures(folder: Path) -> Iterator[Figure]:
+    """Imports and planning."""
+    for what, code in (
+        ("import numpy", "import numpy"),
+        ("import sidmacib", "import sidmacib; sidmacib.Joint"),
+    ):
+        yield Figure(what, "CPU-s", least(python(code), REPEATS).cpu)
     for name, config in (("10,000 static cases", SWEEP), ("500 engine cases", ENGINES)):
         path = folder / f"{name.split()[1]}.yaml"
         path.write_text(yaml.safe_dump(config))
-        commands.append((f"plan {name}", ("wall", "memory"), snakemake(path, "-n"), 1))
-    units = {"cpu": "CPU-s", "wall": "s", "memory": "MB"}
-    for what, kinds, command, repeats in commands:
-        here = least(command, ROOT, repeats)
-        there = least(command, base, repeats) if base else None
-        for kind in kinds:
-            other = None if there is None else getattr(there, kind)
-            yield Figure(what, units[kind], getattr(here, kind), other)
+        plan = used(snakemake(path, "-n"), ROOT)
+        yield Figure(f"plan {name}", "s", plan.wall)
+        yield Figure(f"plan {name}", "MB", plan.memory)
 
 
 def workflow_figures(folder: Path) -> Iterator[Figure]:
@@ -312,6 +322,13 @@ def time_steps(result: Path) -> int:
     return int(json.loads(result.read_text())["time_steps"])
 
 
+def base_values(checkout: Path, folder: Path) -> pd.DataFrame:
+    """What `make bench` of another checkout measures: columns what, unit, base."""
+    used(["make", "bench", f"RESULTS={folder}"], checkout)
+    table = pd.read_csv(folder / "tables/bench.csv")
+    return table[["what", "unit", "value"]].rename(columns={"value": "base"})
+
+
 def main() -> None:
     """Command line: perhaps another checkout, and the results of a study that was run."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -321,17 +338,20 @@ def main() -> None:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        base = base_values(arguments.base, folder / "base") if arguments.base else None
         figures = [
             *library_figures(),
             *elastic_figures(),
             *structure_figures(),
-            *process_figures(arguments.base, folder),
+            *process_figures(folder),
             *workflow_figures(folder),
             *study_figures(arguments.results),
             *step_figures(arguments.results),
         ]
     table = pd.DataFrame(figures)
-    table["ratio"] = table["value"] / table["base"].astype(float)
+    if base is not None:
+        table = table.merge(base, on=["what", "unit"], how="left")
+        table["ratio"] = table["value"] / table["base"]
     path = arguments.results / "tables/bench.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     table.to_csv(path, index=False, float_format="%.4g")

@@ -26,6 +26,7 @@ from sidmacib.joint.pieces import lock_faces
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
+    Floats,
     Kind,
     Loads,
     NodeLayout,
@@ -33,6 +34,8 @@ from sidmacib.mechanics.assembly import (
     shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
+from sidmacib.mechanics.newton.faces import Structure, unbalanced
+from sidmacib.mechanics.newton.nodes import Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
@@ -81,6 +84,14 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     material = joint.inner if kind is Kind.INNER else joint.dry
     faces = (shared_face("face", kind, material, pieces, (0, 1)),)
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
+
+
+def point_at(structure: Structure, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
+    """What ``unknowns`` of a compiled ``structure`` make of its nodes, without other forces."""
+    here = new_point(len(unknowns), structure.start)
+    here.unknowns[:] = unknowns
+    unbalanced(structure, slip, whole, np.zeros_like(unknowns), here)
+    return here
 
 
 def renumbered(assembly: Assembly) -> Assembly:

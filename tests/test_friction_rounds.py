@@ -2,10 +2,11 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block
+from conftest import block_on_ground, load_on_block, point_at
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,10 +16,11 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.newton.equilibrium import PATIENT, newton, node_forces
+from sidmacib.mechanics.newton.equilibrium import PATIENT, newton
+from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN
 from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
@@ -141,24 +143,18 @@ def problem(model: Assembly, loads: Loads, load: float) -> tuple[EquilibriumSear
     state = NodeState.initial(solver.contact_law)
     target = solver.weight + load * solver.load
     limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.largest_step
-    system = target, state.slip, state.whole, solver.stiffness, *limits
-    return EquilibriumSearch(solver.structure, solver.matrix, *system), solver.rest
+    system = target, components(state.slip), state.whole, solver.stiffness, *limits
+    arrays = solver.structure, solver.matrix, solver.here
+    return EquilibriumSearch(*arrays, *system), solver.rest
 
 
 def test_rounds_find_what_newtons_method_does_not() -> None:
     search, guess = problem(*loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO), 0.0)
+    arrays = search.structure, search.matrix, search.here
+    nodes = search.target, guess, search.slip, search.whole
     limits = search.floor, search.allowed, search.farthest
-    system = (
-        search.structure,
-        search.matrix,
-        search.target,
-        guess,
-        search.slip,
-        search.whole,
-        limits,
-    )
-    assert not newton(*system, PATIENT)[0]
-    assert by_rounds(search, guess) is not None
+    assert not newton(*arrays, *nodes, limits, PATIENT)
+    assert by_rounds(search, guess)
 
 
 def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
@@ -166,15 +162,15 @@ def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
     limits = search.never_reached()
     limits[np.isinf(limits)] = 3.0  # N
     nodes = search.structure.nodes.copy()
-    nodes[:, 2], nodes[:, 3] = 0.0, limits
+    nodes[FRICTION], nodes[GIVEN] = 0.0, limits
     structure = search.structure._replace(nodes=nodes)
     random, size = np.random.default_rng(1), np.abs(rest).max()
     forces = []
     for far in (0.0, 1.0, 1e3):
         guess = rest + far * size * random.normal(size=len(rest))
-        found, holds = friction_rounds._given_limits(search, guess, limits)
-        assert holds
-        forces.append(node_forces(structure, search.slip, search.whole, found)[0])
+        assert search.with_given_limits(guess, limits)
+        where = search.slip, search.whole, search.here.unknowns
+        forces.append(point_at(structure, *where).force)
     largest = np.abs(forces[0]).max()
     for force in forces[1:]:
         assert force == pytest.approx(forces[0], abs=1e-6 * largest)
@@ -192,13 +188,14 @@ def test_where_pieces_move_off_the_search_ends_soon(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     model = block_on_ground(joint, Kind.DRY, 0.02)
-    loads, counted, plain = load_on_block(model, force, 0.0), [], friction_rounds._given_limits
+    loads, counted = load_on_block(model, force, 0.0), []
+    plain = EquilibriumSearch.with_given_limits
 
-    def counting(*given: object) -> tuple[np.ndarray, bool]:
+    def counting(*given: Any) -> bool:
         counted.append(given)
-        return plain(*given)  # type: ignore[arg-type]
+        return plain(*given)
 
-    monkeypatch.setattr(friction_rounds, "_given_limits", counting)
+    monkeypatch.setattr(EquilibriumSearch, "with_given_limits", counting)
     solver = RigidSolver(model, loads)
     start = solver.start()
     assert not counted  # Newton's method finds this

@@ -2,18 +2,18 @@
 
 import numpy as np
 import pytest
+from conftest import point_at
 from stack import tilted_stack
 
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.elimination import solve_linear
-from sidmacib.mechanics.newton.equilibrium import node_forces
-from sidmacib.mechanics.newton.faces import tangent_stiffness, unbalanced
+from sidmacib.mechanics.newton.faces import slip_after, tangent_stiffness
 from sidmacib.mechanics.rigid.ordering import ordering
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs
@@ -71,14 +71,10 @@ def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> Non
 def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(
-        rigid_solver.structure,
-        state.slip,
-        np.ones_like(state.whole),
-        unknowns,
-        0.0,
-        rigid_solver.matrix,
-    )
+    structure, whole = rigid_solver.structure, np.ones_like(state.whole)
+    slip = components(state.slip)
+    here = point_at(structure, slip, whole, unknowns)
+    tangent_stiffness(structure, slip, whole, here, 0.0, rigid_solver.matrix)
     expected = Springs.of(model).elastic_stiffness()
     assert dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)] == pytest.approx(
         expected, rel=1e-9, abs=1e-5
@@ -88,18 +84,18 @@ def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assemb
 def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    residual = np.empty_like(unknowns)
-    unbalanced(rigid_solver.structure, state.slip, state.whole, unknowns, 0.0 * unknowns, residual)
-    force, _ = node_forces(rigid_solver.structure, state.slip, state.whole, unknowns)
-    inside = (equilibrium_matrix(model) @ force.ravel())[free_rows(model)] / rigid_solver.units
-    assert -residual[rigid_solver.place] == pytest.approx(inside, rel=1e-9, abs=1e-9)
+    here = point_at(rigid_solver.structure, components(state.slip), state.whole, unknowns)
+    inside = (equilibrium_matrix(model) @ here.force.T.ravel())[free_rows(model)]
+    expected = inside / rigid_solver.units
+    assert -here.residual[rigid_solver.place] == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
 def test_nodes_move_with_their_pieces(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
     bonded = np.ones_like(state.whole)
-    force, _ = node_forces(rigid_solver.structure, 0.0 * state.slip, bonded, unknowns)
+    none = np.zeros((2, len(bonded)))
+    force = point_at(rigid_solver.structure, none, bonded, unknowns).force.T
     displacement = unknowns[rigid_solver.place] / rigid_solver.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
     contact_law = ContactLaw.of(model)
@@ -113,14 +109,14 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    tangent_stiffness(
-        rigid_solver.structure, state.slip, state.whole, unknowns, 0.0, rigid_solver.matrix
-    )
+    structure, nodes = rigid_solver.structure, (components(state.slip), state.whole)
+    here = point_at(structure, *nodes, unknowns)
+    tangent_stiffness(structure, *nodes, here, 0.0, rigid_solver.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
-    after, before = np.empty_like(unknowns), np.empty_like(unknowns)
-    for sign, residual in ((1, after), (-1, before)):
-        moved = unknowns + sign * 1e-12 * direction
-        unbalanced(rigid_solver.structure, state.slip, state.whole, moved, 0.0 * moved, residual)
+    after, before = (
+        point_at(structure, *nodes, unknowns + step * direction).residual
+        for step in (1e-12, -1e-12)
+    )
     expected = dense(rigid_solver) @ direction
     found = (before - after) / 2e-12
     assert found == pytest.approx(expected, abs=1e-4 * np.abs(expected).max())
@@ -129,11 +125,14 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
 def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    force, slip = node_forces(rigid_solver.structure, state.slip, state.whole, unknowns)
-    again, same = node_forces(rigid_solver.structure, slip, state.whole, unknowns)
-    assert again == pytest.approx(force, rel=1e-9, abs=1e-9)
+    structure, whole, before = rigid_solver.structure, state.whole, components(state.slip)
+    here = point_at(structure, before, whole, unknowns)
+    slip = slip_after(structure, before, whole, here)
+    again = point_at(structure, slip, whole, unknowns)
+    assert again.force == pytest.approx(here.force, rel=1e-9, abs=1e-9)
+    same = slip_after(structure, slip, whole, again)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
-    assert (slip[state.bonded] == state.slip[state.bonded]).all()
+    assert (slip[:, state.bonded] == before[:, state.bonded]).all()
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -85,3 +85,11 @@ class NodeState:
     def initial(cls, contact_law: ContactLaw) -> "NodeState":
         """No slip yet, and every cohesive node bonded."""
         return cls(np.zeros((len(contact_law.friction), 2)), contact_law.cohesive.astype(float))
+
+
+def components(vectors: Floats) -> Floats:
+    """The components of the nodes' ``vectors``, (N, K), one after the other, (K, N).
+
+    Compiled code reads and writes them in this order; nothing is copied where it made them.
+    """
+    return np.ascontiguousarray(vectors.T)

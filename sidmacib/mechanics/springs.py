@@ -13,6 +13,7 @@ assembly can only have failed.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,16 +35,18 @@ class Springs:
 
     ``start``: first node of each face, then the number of nodes, (F + 1,). ``place``: of each node
     along the tangents, from the face's middle, over ``length``, (N, 2). ``piece``: the pieces below
-    and above each face, counted among the free pieces, -1 for a fixed one, (F, 2). ``motion``: w
-    per unit of the unknowns of either piece, (F, 2, 6, 6). ``unknowns``: first unknown of each free
-    piece, then the number of unknowns, (P + 1,). ``length`` in m.
+    and above each face, counted among the free pieces, -1 for a fixed one, (F, 2). ``axes``: normal
+    and tangents of each face, (F, 3, 3). ``levers``: from the centroid of either piece to the
+    face's middle, over ``length``, (F, 2, 3). ``unknowns``: first unknown of each free piece, then
+    the number of unknowns, (P + 1,). ``length`` in m.
     """
 
     contact_law: ContactLaw
     start: Integers
     place: Floats
     piece: Integers
-    motion: Floats
+    axes: Floats
+    levers: Floats
     unknowns: Integers
     length: float
 
@@ -60,20 +63,26 @@ class Springs:
         ends = np.array([(face.below, face.above) for face in faces])
         centres = np.array([piece.centre for piece in assembly.pieces])
         levers = (middle[:, None] - centres[ends]) / assembly.length
-        motion = np.zeros((len(faces), 2, 6, RIGID))
-        motion[:, :, :3, :3] = motion[:, :, 3:, 3:] = axes[:, None]
-        # A rotation moves the middle of the face by rotation x lever.
-        motion[:, :, :3, 3:] = np.cross(levers[:, :, None], axes[:, None])
-        motion[:, 1] *= -1.0
         return cls(
             ContactLaw.of(assembly),
             np.searchsorted(nodes.face, np.arange(len(faces) + 1)),
             (tangents * arms[:, None]).sum(axis=2),
             number[ends],
-            motion,
+            axes,
+            levers,
             RIGID * np.arange(number.max() + 2),
             assembly.length,
         )
+
+    @cached_property
+    def motion(self) -> Floats:
+        """Motion w of each face per unit of the unknowns of either piece, (F, 2, 6, 6)."""
+        motion = np.zeros((len(self.piece), 2, 6, RIGID))
+        motion[:, :, :3, :3] = motion[:, :, 3:, 3:] = self.axes[:, None]
+        # A rotation moves the middle of the face by rotation x lever.
+        motion[:, :, :3, 3:] = np.cross(self.levers[:, :, None], self.axes[:, None])
+        motion[:, 1] *= -1.0
+        return motion
 
     def elastic_stiffness(self) -> Floats:
         """Stiffness (N/m) by all unknowns, (U, U), with every node closed and bonded."""

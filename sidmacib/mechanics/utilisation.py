@@ -3,7 +3,7 @@
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.contact_law import ROUNDING, ContactLaw, NodeState
+from sidmacib.mechanics.contact_law import ROUNDING, ContactLaw, NodeState, components
 from sidmacib.mechanics.newton.bonds import utilisations
 
 
@@ -15,6 +15,5 @@ def utilisation(contact_law: ContactLaw, state: NodeState, force: Floats) -> Flo
     error of the largest force.
     """
     strengths = contact_law.shear_strength, contact_law.tensile_strength
-    return np.asarray(
-        utilisations(*strengths, contact_law.bond_friction, state.whole, force, ROUNDING)
-    )
+    bonds = *strengths, contact_law.bond_friction, state.whole
+    return np.asarray(utilisations(*bonds, components(force), ROUNDING))

@@ -3,10 +3,11 @@
 Apart from `workflow.engines.render`, so that whoever only plans loads no compiled model.
 """
 
+import importlib
+
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, static_tilt
 from workflow.engines.scripts.assembly import Guide
 
 
@@ -28,8 +29,10 @@ def _failures(assembly: Assembly, loads: Loads) -> tuple[float, float]:
     if loads.axis is None:
         found = static_peak(assembly, loads)
         return found.first_failure_load, found.peak.load
-    tilt = static_tilt(assembly, Tilt(loads.axis))
-    return load_of_tilt(tilt.first_failure, loads), load_of_tilt(tilt.angle, loads)
+    # Imported here: it takes as long as all else that a joint needs.
+    tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
+    found = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
+    return tilt.load_of_tilt(found.first_failure, loads), tilt.load_of_tilt(found.angle, loads)
 
 
 def _roughly(value: float) -> float:

@@ -7,15 +7,18 @@ with gaps g and the rest r
     R = W_rr - W_rg W_gg^-1 W_gr,    P = W_rg W_gg^-1,    H = W_gg^-1
 
 From one step of Newton's method to the next, few gaps open or close. Then these matrices change by
-products of narrow ones, which takes far less than to factorise anew.
+products of narrow ones, which takes far less than to factorise W_gg anew. Where many do, it does
+not, and they are computed from W.
 """
 
 from copy import copy
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
-from scipy.linalg.blas import dgemm
+from scipy.linalg.blas import dgemm, dtrsm
+from scipy.linalg.lapack import dpotrf, dpotri
 
+from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
 
@@ -35,20 +38,30 @@ class OpenGaps:
 
     def opened(self, gaps: Flags) -> Floats:
         """R, P and -H in one symmetric matrix, (M, M), for these ``gaps``, (M,)."""
-        changes = np.count_nonzero(gaps != self.gaps)
-        if not self.accurate or changes > np.count_nonzero(gaps):
-            self.matrix, self.accurate = self._closed(), True
-            self.gaps, changes = np.zeros_like(gaps), np.count_nonzero(gaps)
-        if changes:
-            self._exchange(np.flatnonzero(gaps != self.gaps), gaps)
+        which = np.flatnonzero(gaps != self.gaps)
+        if not self.accurate or self._exchange_work(len(which)) > self._work(gaps):
+            self._factorise(gaps)
+        elif len(which):
+            self._exchange(which, gaps)
         self.gaps = gaps.copy()
         return self.matrix
+
+    def _exchange_work(self, count: int) -> int:
+        """Approximate number of multiplications in `_exchange` of so many components."""
+        size = len(self.floor)
+        return size * count * (size + count)
+
+    def _work(self, gaps: Flags) -> int:
+        """The same of `_factorise`."""
+        count = int(np.count_nonzero(gaps))
+        rest = len(gaps) - count
+        return count * (rest**2 // 2 + rest * count + count**2 // 2)
 
     def extended(self, influence: Floats, floor: Floats) -> "OpenGaps":
         """The same gaps among more components, which come last: all are closed."""
         old, gaps = len(self.floor), self.gaps
         across = influence[old:, :old]
-        by_gaps = across[:, gaps] @ self.matrix[gaps]
+        by_gaps = across[:, gaps] @ self.matrix[:, gaps].T  # symmetric, and columns are together
         matrix = np.empty(influence.shape, order="F")
         matrix[:old, :old] = self.matrix
         matrix[old:, :old] = np.where(gaps, 0.0, across) - by_gaps
@@ -65,6 +78,29 @@ class OpenGaps:
         matrix = np.array(self.influence, order="F")
         matrix[np.diag_indices_from(matrix)] += self.floor
         return matrix
+
+    def _factorise(self, gaps: Flags) -> None:
+        """Compute the matrices for these ``gaps`` from W, by Cholesky's method."""
+        opened, rest = np.flatnonzero(gaps), np.flatnonzero(~gaps)
+        own, kept = self._among(opened), self._among(rest)
+        across = self.influence[np.ix_(rest, opened)].T
+        factor, failed = dpotrf(own.T, lower=1, overwrite_a=True)
+        if failed:
+            raise SolverError("stiffness of elastic blocks: not positive definite")
+        half = dtrsm(1.0, factor, across, lower=1, overwrite_b=True)
+        kept -= half.T @ half
+        ratio = dtrsm(1.0, factor, half, lower=1, trans_a=1, overwrite_b=True)
+        inverse = np.tril(dpotri(factor, lower=1, overwrite_c=True)[0])
+        inverse += np.tril(inverse, -1).T
+        self.matrix[np.ix_(rest, rest)], self.matrix[np.ix_(opened, opened)] = kept, -inverse
+        self.matrix[np.ix_(opened, rest)], self.matrix[np.ix_(rest, opened)] = ratio, ratio.T
+        self.accurate = True
+
+    def _among(self, which: Integers) -> Floats:
+        """W of ``which`` components among themselves."""
+        matrix = self.influence[np.ix_(which, which)]
+        matrix[np.diag_indices_from(matrix)] += self.floor[which]
+        return np.asarray(matrix)
 
     def _exchange(self, which: Integers, gaps: Flags) -> None:
         """Open or close ``which`` components, as ``gaps`` says."""

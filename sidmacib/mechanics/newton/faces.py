@@ -1,8 +1,8 @@
 """Faces with contact nodes: the forces on the pieces, and their derivatives.
 
 The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
-`sidmacib.mechanics.rigid.ordering` finds; forces are in N. The unknowns of a piece are a slice that
-begins at ``Structure.begin``; its faces move by six components of it.
+`sidmacib.mechanics.rigid.ordering` finds; forces are in N. A piece has three displacements and
+three rotations, from ``Structure.begin`` on.
 """
 
 # mypy: allow-untyped-defs
@@ -13,18 +13,17 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.newton.compilation import compiled
-from sidmacib.mechanics.newton.node_law import node_force, node_tangent
-
-NORMAL, SHEAR, FRICTION, GIVEN, P, Q = range(6)  # columns of `Structure.nodes`
+from sidmacib.mechanics.newton.nodes import P, Q, put_forces, put_slip, put_tangents
 
 
 class Structure(NamedTuple):
     """What stays the same along a path, see `sidmacib.mechanics.springs.Springs`.
 
     ``nodes``: normal and shear stiffness (N/m), friction coefficient, given friction (N) and place
-    of each, (N, 6). Given friction is a limit that does not depend on the normal force, not even at
+    of each, (6, N). Given friction is a limit that does not depend on the normal force, not even at
     an open node; if there is no other friction, the energy of the nodes is convex.
-    ``begin``: first unknown of the pieces below and above each face, -1 for a fixed one, (F, 2).
+    ``axes``, ``levers``: of the faces. ``begin``: first unknown of the pieces below and above each
+    face, -1 for a fixed one, (F, 2).
     ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
     whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
     The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
@@ -33,7 +32,8 @@ class Structure(NamedTuple):
 
     nodes: Floats
     start: Integers
-    motion: Floats
+    axes: Floats
+    levers: Floats
     begin: Integers
     bonded: Floats
     inner: int
@@ -51,93 +51,172 @@ def norm(vector):
 
 
 @compiled
+def cross(one, other):
+    """Cross product of two triples."""
+    return (
+        one[1] * other[2] - one[2] * other[1],
+        one[2] * other[0] - one[0] * other[2],
+        one[0] * other[1] - one[1] * other[0],
+    )
+
+
+@compiled
 def face_motion(structure, face, unknowns, w):
-    """Relative motion ``w`` (6,) of the middle of ``face``."""
-    for i in range(6):
-        value = 0.0
-        for side in range(2):
-            begin = structure.begin[face, side]
-            if begin >= 0:
-                for j in range(6):
-                    value += structure.motion[face, side, i, j] * unknowns[begin + j]
-        w[i] = value
+    """Motion ``w`` (6,) of the middle of ``face``: of the piece below relative to that above."""
+    x = y = z = turn_x = turn_y = turn_z = 0.0
+    for side in range(2):
+        i = structure.begin[face, side]
+        if i >= 0:
+            sign, lever = 1.0 - 2.0 * side, structure.levers[face, side]
+            a, b, c = cross((unknowns[i + 3], unknowns[i + 4], unknowns[i + 5]), lever)
+            x += sign * (unknowns[i] + a)
+            y += sign * (unknowns[i + 1] + b)
+            z += sign * (unknowns[i + 2] + c)
+            turn_x += sign * unknowns[i + 3]
+            turn_y += sign * unknowns[i + 4]
+            turn_z += sign * unknowns[i + 5]
+    for k in range(3):
+        axis = structure.axes[face, k]
+        w[k] = axis[0] * x + axis[1] * y + axis[2] * z
+        w[3 + k] = axis[0] * turn_x + axis[1] * turn_y + axis[2] * turn_z
 
 
 @compiled
-def node_displacement(p, q, slip, node, w):
-    """Displacement (m) of ``node`` at (p, q), less its slip, when its face moves by ``w``."""
-    d1, d2 = w[1] - q * w[3] - slip[node, 0], w[2] + p * w[3] - slip[node, 1]
-    return w[0] + q * w[4] - p * w[5], d1, d2
+def subtract_force(structure, face, force, residual):
+    """Subtract force and moment (6,) of ``face`` from those on its two pieces in ``residual``."""
+    axes = structure.axes[face]
+    x, y, z = together(axes, force[0], force[1], force[2])
+    turn_x, turn_y, turn_z = together(axes, force[3], force[4], force[5])
+    for side in range(2):
+        i = structure.begin[face, side]
+        if i >= 0:
+            sign = 1.0 - 2.0 * side
+            a, b, c = cross(structure.levers[face, side], (x, y, z))
+            residual[i] -= sign * x
+            residual[i + 1] -= sign * y
+            residual[i + 2] -= sign * z
+            residual[i + 3] -= sign * (turn_x + a)
+            residual[i + 4] -= sign * (turn_y + b)
+            residual[i + 5] -= sign * (turn_z + c)
 
 
 @compiled
-def unbalanced(structure, slip, whole, unknowns, target, residual):
-    """Put ``target`` less the nodes' forces into ``residual``; returns its norm (N)."""
-    w, force = np.empty(6), np.empty(6)
-    for i, value in enumerate(target):
-        residual[i] = value
-    for face in range(len(structure.begin)):
-        face_motion(structure, face, unknowns, w)
-        force[:] = 0.0
-        for node in range(structure.start[face], structure.start[face + 1]):
-            normal, shear, friction, given, p, q = structure.nodes[node]
-            d0, d1, d2 = node_displacement(p, q, slip, node, w)
-            f0, f1, f2 = node_force(normal, shear, friction, given, whole[node], d0, d1, d2)
-            force[0] += f0
-            force[1] += f1
-            force[2] += f2
-            force[3] += p * f2 - q * f1
-            force[4] += q * f0
-            force[5] -= p * f0
-        for side in range(2):
-            begin = structure.begin[face, side]
-            if begin >= 0:
-                for i in range(6):
-                    for j in range(6):
-                        residual[begin + j] -= structure.motion[face, side, i, j] * force[i]
-    return norm(residual)
+def together(axes, a, b, c):
+    """The sum of ``a``, ``b`` and ``c`` times the rows of ``axes``."""
+    return (
+        a * axes[0, 0] + b * axes[1, 0] + c * axes[2, 0],
+        a * axes[0, 1] + b * axes[1, 1] + c * axes[2, 1],
+        a * axes[0, 2] + b * axes[1, 2] + c * axes[2, 2],
+    )
 
 
 @compiled
-def face_stiffness(structure, face, slip, whole, w, k):
-    """Put the derivative of the face's forces by its motion ``w`` into ``k``, (6, 6).
+def unbalanced(structure, slip, whole, target, here):
+    """Fill in forces and residual of ``here`` at its unknowns, for ``target`` (N) on the pieces.
 
-    Returns whether any node resists.
+    Returns the norm of the residual (N).
     """
-    nodes, resists = structure.nodes, False
-    k[:] = 0.0
-    for node in range(structure.start[face], structure.start[face + 1]):
-        given, p, q = nodes[node, GIVEN], nodes[node, P], nodes[node, Q]
-        d0, d1, d2 = node_displacement(p, q, slip, node, w)
-        if d0 <= 0.0 and whole[node] == 0.0 and given == 0.0:  # open
-            continue
-        resists = True
-        normal, shear, friction = nodes[node, NORMAL], nodes[node, SHEAR], nodes[node, FRICTION]
-        t00, t10, t20, t11, t12, t22 = node_tangent(
-            normal, shear, friction, given, whole[node], d0, d1, d2
-        )
-        # All six forces of the face by the normal displacement, then its shear forces by shear.
-        rises = t00, t10, t20, p * t20 - q * t10, q * t00, -p * t00
-        for i in range(6):
-            k[i, 0] += rises[i]
-            k[i, 4] += rises[i] * q
-            k[i, 5] -= rises[i] * p
-        k[1, 1] += t11
-        k[1, 2] += t12
-        k[2, 2] += t22
-        k[1, 3] += p * t12 - q * t11
-        k[2, 3] += p * t22 - q * t12
-        k[3, 3] += p * p * t22 - 2.0 * p * q * t12 + q * q * t11
-    k[2, 1], k[3, 1], k[3, 2] = k[1, 2], k[1, 3], k[2, 3]
-    return resists
+    w, on_face = np.empty(6), np.empty(6)
+    for i, value in enumerate(target):
+        here.residual[i] = value
+    for face in range(len(structure.begin)):
+        face_motion(structure, face, here.unknowns, w)
+        put_forces(structure, face, w, slip, whole, here.force)
+        resultant(structure, face, here.force, on_face)
+        subtract_force(structure, face, on_face, here.residual)
+    return norm(here.residual)
 
 
 @compiled
-def tangent_stiffness(structure, slip, whole, unknowns, floor, matrix):
+def slip_after(structure, slip, whole, here):
+    """Slip (m) of the nodes after the equilibrium ``here``, from the ``slip`` before, (2, N)."""
+    w, after = np.empty(6), np.empty_like(slip)
+    for face in range(len(structure.begin)):
+        face_motion(structure, face, here.unknowns, w)
+        put_slip(structure, face, w, slip, whole, here.force, after)
+    return after
+
+
+@compiled
+def resultant(structure, face, force, on_face):
+    """Put force and moment about the middle of ``face`` into ``on_face``, (6,)."""
+    nodes = structure.nodes
+    x = y = z = about_x = about_y = about_z = 0.0
+    for node in range(structure.start[face], structure.start[face + 1]):
+        p, q = nodes[P, node], nodes[Q, node]
+        f0, f1, f2 = force[0, node], force[1, node], force[2, node]
+        x += f0
+        y += f1
+        z += f2
+        about_x += p * f2 - q * f1
+        about_y += q * f0
+        about_z -= p * f0
+    put(on_face, x, y, z, about_x, about_y, about_z)
+
+
+@compiled
+def face_stiffness(structure, face, tangent, k):
+    """Put the derivative of the face's forces by its motion into ``k``, (6, 6).
+
+    ``tangent``: of its nodes, see `put_tangents`. Returns whether any of them resists.
+    """
+    # Sums over nodes, also times p and q: normal forces by normal displacements, shear forces by
+    # normal displacements where nodes slide, shear forces by shear. Turns are about the normal.
+    n = n_p = n_q = n_pp = n_pq = n_qq = 0.0
+    y = y_p = y_q = z = z_p = z_q = turn = turn_p = turn_q = 0.0
+    yy = yz = zz = y_turn = z_turn = turns = 0.0
+    first = structure.start[face]
+    for node in range(first, structure.start[face + 1]):
+        p, q, i = structure.nodes[P, node], structure.nodes[Q, node], node - first
+        t00, t10, t20 = tangent[0, i], tangent[1, i], tangent[2, i]
+        t11, t12, t22 = tangent[3, i], tangent[4, i], tangent[5, i]
+        if t00 == 0.0 and t11 == 0.0 and t22 == 0.0:  # open
+            continue
+        n += t00
+        n_p += p * t00
+        n_q += q * t00
+        n_pp += p * p * t00
+        n_pq += p * q * t00
+        n_qq += q * q * t00
+        if t10 != 0.0 or t20 != 0.0:
+            t30 = p * t20 - q * t10
+            y += t10
+            y_p += p * t10
+            y_q += q * t10
+            z += t20
+            z_p += p * t20
+            z_q += q * t20
+            turn += t30
+            turn_p += p * t30
+            turn_q += q * t30
+        t13, t23 = p * t12 - q * t11, p * t22 - q * t12
+        yy += t11
+        yz += t12
+        zz += t22
+        y_turn += t13
+        z_turn += t23
+        turns += p * t23 - q * t13
+    put(k[0], n, 0.0, 0.0, 0.0, n_q, -n_p)
+    put(k[1], y, yy, yz, y_turn, y_q, -y_p)
+    put(k[2], z, yz, zz, z_turn, z_q, -z_p)
+    put(k[3], turn, y_turn, z_turn, turns, turn_q, -turn_p)
+    put(k[4], n_q, 0.0, 0.0, 0.0, n_qq, -n_pq)
+    put(k[5], -n_p, 0.0, 0.0, 0.0, -n_pq, n_pp)
+    return n > 0.0 or yy > 0.0 or zz > 0.0
+
+
+@compiled
+def put(row, a, b, c, d, e, f):
+    """Fill a ``row`` of six numbers."""
+    row[0], row[1], row[2], row[3], row[4], row[5] = a, b, c, d, e, f
+
+
+@compiled
+def tangent_stiffness(structure, slip, whole, here, floor, matrix):
     """Put the derivative of the nodes' forces on the pieces into ``matrix``.
 
-    ``floor`` (N/m) is added to the diagonal: it keeps pieces that nothing holds during an iteration
-    from flying off, and changes no equilibrium.
+    ``here``: where, by its unknowns. ``floor`` (N/m) is added to the diagonal: it keeps pieces that
+    nothing holds during an iteration from flying off, and changes no equilibrium.
     """
     w, k, blocks = np.empty(6), np.empty((6, 6)), np.empty((2, 2, 6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
@@ -148,8 +227,9 @@ def tangent_stiffness(structure, slip, whole, unknowns, floor, matrix):
         if is_whole(structure, face, whole):
             add_face(structure, matrix, face, structure.bonded[face])
             continue
-        face_motion(structure, face, unknowns, w)
-        if face_stiffness(structure, face, slip, whole, w, k):
+        face_motion(structure, face, here.unknowns, w)
+        put_tangents(structure, face, w, slip, whole, here.tangent)
+        if face_stiffness(structure, face, here.tangent, k):
             by_pieces(structure, face, k, blocks)
             add_face(structure, matrix, face, blocks)
 
@@ -164,59 +244,51 @@ def is_whole(structure, face, whole):
 
 
 @compiled
-def whole_faces(structure):
-    """Put the stiffness of each face with all bonds whole into ``structure.bonded``."""
-    count = len(structure.nodes)
-    slip, whole, w, k = np.zeros((count, 2)), np.ones(count), np.zeros(6), np.empty((6, 6))
+def whole_faces(structure, here):
+    """Put the stiffness of each face with all bonds whole into ``structure.bonded``.
+
+    ``here``: a point, which is overwritten.
+    """
+    count, w, k = structure.nodes.shape[1], np.zeros(6), np.empty((6, 6))
+    slip, whole = np.zeros((2, count)), np.ones(count)
     for face in range(len(structure.begin)):
-        face_stiffness(structure, face, slip, whole, w, k)
+        put_tangents(structure, face, w, slip, whole, here.tangent)
+        face_stiffness(structure, face, here.tangent, k)
         by_pieces(structure, face, k, structure.bonded[face])
 
 
 @compiled
 def by_pieces(structure, face, k, blocks):
     """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns."""
-    moved = np.empty((6, 6))
+    axes, rows, columns = structure.axes[face], np.empty((6, 6)), np.empty((6, 6))
+    for i in range(6):
+        rows[i, 0], rows[i, 1], rows[i, 2] = together(axes, k[i, 0], k[i, 1], k[i, 2])
+        rows[i, 3], rows[i, 4], rows[i, 5] = together(axes, k[i, 3], k[i, 4], k[i, 5])
+    for j in range(6):
+        columns[0, j], columns[1, j], columns[2, j] = together(
+            axes, rows[0, j], rows[1, j], rows[2, j]
+        )
+        columns[3, j], columns[4, j], columns[5, j] = together(
+            axes, rows[3, j], rows[4, j], rows[5, j]
+        )
     for right in range(2):
         if structure.begin[face, right] >= 0:
-            multiply(k, structure.motion[face, right], moved)
+            moved, lever = rows, structure.levers[face, right]
+            for i in range(6):
+                a, b, c = cross(lever, (columns[i, 0], columns[i, 1], columns[i, 2]))
+                moved[i, 0], moved[i, 1], moved[i, 2] = columns[i, 0], columns[i, 1], columns[i, 2]
+                moved[i, 3], moved[i, 4] = columns[i, 3] + a, columns[i, 4] + b
+                moved[i, 5] = columns[i, 5] + c
             for left in range(2):
                 if structure.begin[face, left] >= 0:
-                    multiply_transposed(structure.motion[face, left], moved, blocks[left, right])
-
-
-@compiled
-def multiply(one, other, product):
-    """Put ``one`` times ``other``, both (6, 6), into ``product``."""
-    for i in range(6):
-        row = one[i, 0], one[i, 1], one[i, 2], one[i, 3], one[i, 4], one[i, 5]
-        put_row(row, other, product, i)
-
-
-@compiled
-def multiply_transposed(one, other, product):
-    """`multiply` with the transpose of ``one``; faster than with a view of it."""
-    for i in range(6):
-        row = one[0, i], one[1, i], one[2, i], one[3, i], one[4, i], one[5, i]
-        put_row(row, other, product, i)
-
-
-@compiled
-def put_row(row, other, product, i):
-    """Put ``row``, six numbers, times ``other`` into row ``i`` of ``product``.
-
-    Written out, it is vectorised.
-    """
-    a, b, c, d, e, f = row
-    for j in range(6):
-        product[i, j] = (
-            a * other[0, j]
-            + b * other[1, j]
-            + c * other[2, j]
-            + d * other[3, j]
-            + e * other[4, j]
-            + f * other[5, j]
-        )
+                    sign, block = 1.0 if left == right else -1.0, blocks[left, right]
+                    lever = structure.levers[face, left]
+                    for j in range(6):
+                        a, b, c = cross(lever, (moved[0, j], moved[1, j], moved[2, j]))
+                        block[0, j], block[1, j] = sign * moved[0, j], sign * moved[1, j]
+                        block[2, j], block[3, j] = sign * moved[2, j], sign * (moved[3, j] + a)
+                        block[4, j] = sign * (moved[4, j] + b)
+                        block[5, j] = sign * (moved[5, j] + c)
 
 
 @compiled

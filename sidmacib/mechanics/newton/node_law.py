@@ -15,18 +15,11 @@ def node_force(normal, shear, friction, given, whole, d0, d1, d2):
     0 without a bond. Under compression a bond has its full stiffness. ``given``: friction limit in
     N, added to that of the normal force.
     """
-    if whole > 0.0:
-        return (
-            normal * d0 if d0 > 0.0 else whole * normal * d0,
-            whole * shear * d1,
-            whole * shear * d2,
-        )
-    if d0 <= 0.0 and given == 0.0:
-        return 0.0, 0.0, 0.0
-    pressed = max(d0, 0.0)
-    size, cone = shear * np.sqrt(d1 * d1 + d2 * d2), friction * normal * pressed + given
-    share = shear if size <= cone else shear * (cone / size)
-    return normal * pressed, share * d1, share * d2
+    pressed, pulled = (d0, 0.0) if d0 > 0.0 else (0.0, d0)
+    square, cone = shear * shear * (d1 * d1 + d2 * d2), friction * normal * pressed + given
+    share = shear if square <= cone * cone else shear * (cone / np.sqrt(square))
+    share = whole * shear if whole > 0.0 else share
+    return normal * (pressed + whole * pulled), share * d1, share * d2
 
 
 @compiled
@@ -36,18 +29,18 @@ def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
     In this order: of the normal force by d0, of the shear forces (1, 2) by d0, of 1 by d1, of 1 by
     d2 (the same as of 2 by d1), of 2 by d2.
     """
-    if whole > 0.0:
-        along = whole * shear
-        return normal if d0 > 0.0 else whole * normal, 0.0, 0.0, along, 0.0, along
-    if d0 <= 0.0:
-        if given == 0.0:
-            return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        normal = 0.0
-    slip, cone = np.sqrt(d1 * d1 + d2 * d2), friction * normal * d0 + given
-    if shear * slip <= cone:
-        return normal, 0.0, 0.0, shear, 0.0, shear
-    x, y, across, rise = d1 / slip, d2 / slip, cone / slip, friction * normal
-    return normal, rise * x, rise * y, across * y * y, -across * x * y, across * x * x
+    closed, bonded, square = d0 > 0.0, whole > 0.0, d1 * d1 + d2 * d2
+    cone = friction * normal * (d0 if closed else 0.0) + given
+    rigid = bonded or ((closed or given > 0.0) and shear * shear * square <= cone * cone)
+    over = 0.0 if rigid or square == 0.0 else 1.0 / np.sqrt(square)
+    x, y, across = over * d1, over * d2, 0.0 if rigid else over * cone  # which may be infinite
+    along = (whole * shear if bonded else shear) if rigid else 0.0
+    rise = friction * normal if closed else 0.0
+    held = normal if closed else whole * normal
+    return (
+        *(held, rise * x, rise * y),
+        *(along + across * y * y, -across * x * y, along + across * x * x),
+    )
 
 
 @compiled

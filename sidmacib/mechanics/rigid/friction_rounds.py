@@ -23,10 +23,10 @@ from sidmacib.mechanics.newton.equilibrium import (
     allowed_at,
     least_energy,
     newton,
-    node_forces,
     product,
 )
-from sidmacib.mechanics.newton.faces import FRICTION, GIVEN, Structure
+from sidmacib.mechanics.newton.faces import Structure, unbalanced
+from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN, Point
 
 ROUNDS = 30  # of friction limits, at most
 SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
@@ -37,13 +37,14 @@ IN_A_ROW = 6  # rounds without equilibrium that end the search
 class EquilibriumSearch:
     """The problem whose equilibrium is sought, see `sidmacib.mechanics.newton.equilibrium.newton`.
 
-    ``target`` (U,) in N; ``slip`` (N, 2) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
+    ``target`` (U,) in N; ``slip`` (2, N) in m and ``whole`` (N,) of the nodes; ``stiffness`` of the
     stiffest face and ``floor`` in N/m; ``allowed``: norm of unbalanced forces, N; ``farthest``: a
     piece that moves further in one round (m) moves away.
     """
 
     structure: Structure
     matrix: Matrix
+    here: Point
     target: Floats
     slip: Floats
     whole: Floats
@@ -52,79 +53,71 @@ class EquilibriumSearch:
     allowed: float
     farthest: float
 
-    def limits(self, unknowns: Floats) -> Floats:
-        """Friction limit (N) of each node by its normal force at ``unknowns``, (N,)."""
-        force, _ = node_forces(self.structure, self.slip, self.whole, unknowns)
-        pressed = np.where(self.whole > 0.0, 0.0, np.maximum(force[:, 0], 0.0))
-        return np.asarray(self.structure.nodes[:, FRICTION] * pressed)
+    @property
+    def limits(self) -> Floats:
+        """Friction limit (N) of each node by its normal force ``here``, (N,)."""
+        pressed = np.where(self.whole > 0.0, 0.0, np.maximum(self.here.force[0], 0.0))
+        return np.asarray(self.structure.nodes[FRICTION] * pressed)
 
     def never_reached(self) -> Floats:
         """Limits (N) that friction never reaches; 0 at nodes without friction, (N,)."""
-        rough = (self.whole == 0.0) & (self.structure.nodes[:, FRICTION] > 0.0)
+        rough = (self.whole == 0.0) & (self.structure.nodes[FRICTION] > 0.0)
         return np.where(rough, math.inf, 0.0)
 
-    def equilibrium_from(self, unknowns: Floats) -> Floats | None:
-        """Equilibrium by Newton's method, None if it is not found from ``unknowns``."""
+    def equilibrium_from(self, unknowns: Floats) -> bool:
+        """Move ``here`` to equilibrium by Newton's method from ``unknowns``; whether it did."""
         allowed = allowed_at(unknowns, self.stiffness, self.allowed)
-        limits = self.floor, allowed, self.farthest
-        converged, solution = newton(
-            self.structure, self.matrix, self.target, unknowns, self.slip, self.whole, limits, QUICK
-        )
-        return solution if converged else None
+        arrays = self.structure, self.matrix, self.here
+        nodes = self.target, unknowns, self.slip, self.whole
+        return bool(newton(*arrays, *nodes, (self.floor, allowed, self.farthest), QUICK))
+
+    def with_given_limits(self, unknowns: Floats, limits: Floats) -> bool:
+        """Move ``here`` to the minimum of the energy with friction ``limits`` (N), (N,).
+
+        Returns whether it was found. It is not if the loads push pieces away; these are then some
+        way off.
+        """
+        nodes = self.structure.nodes.copy()
+        nodes[FRICTION], nodes[GIVEN] = 0.0, limits
+        arrays = self.structure._replace(nodes=nodes), self.matrix, self.here
+        at_nodes = self.target, unknowns, self.slip, self.whole
+        accuracy = self.stiffness, self.floor, self.allowed, self.farthest
+        return bool(least_energy(*arrays, *at_nodes, accuracy))
 
 
-def by_rounds(problem: EquilibriumSearch, guess: Floats) -> Floats | None:
-    """Unknowns (U,) of an equilibrium, from a ``guess``; None if none is found.
+def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
+    """Look for an equilibrium from a ``guess`` of the unknowns (U,); whether it was found.
 
-    The first rounds start with the limits of the guess, to find an equilibrium nearby; if they
-    fail, other rounds start with limits that are never reached.
+    It is then ``problem.here``. The first rounds start with the limits of the guess, to find an
+    equilibrium nearby; if they fail, other rounds start with limits that are never reached.
     """
-    stuck, holds = _given_limits(problem, guess, problem.never_reached())
-    if not holds:
-        return None
-    solution = _rounds(problem, guess, problem.limits(guess))
-    if solution is None:
-        solution = problem.equilibrium_from(stuck)
-    return _rounds(problem, stuck, problem.limits(stuck)) if solution is None else solution
+    here = problem.here
+    if not problem.with_given_limits(guess, problem.never_reached()):
+        return False
+    stuck, from_stuck = here.unknowns.copy(), problem.limits
+    here.unknowns[:] = guess
+    unbalanced(problem.structure, problem.slip, problem.whole, problem.target, here)
+    return (
+        _rounds(problem, guess, problem.limits)
+        or problem.equilibrium_from(stuck)
+        or _rounds(problem, stuck, from_stuck)
+    )
 
 
-def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> Floats | None:
+def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> bool:
     """Rounds from ``unknowns``, the first of them with ``limits`` (N); see `by_rounds`."""
     lost, share, last = 0, 1.0, np.zeros_like(limits)  # rounds without equilibrium, in a row
     for number in range(ROUNDS):
-        unknowns, holds = _given_limits(problem, unknowns, limits)
-        solution = problem.equilibrium_from(unknowns)
-        if solution is not None:
-            return solution
+        holds = problem.with_given_limits(unknowns, limits)
+        unknowns, next_limits = problem.here.unknowns.copy(), problem.limits
+        if problem.equilibrium_from(unknowns):
+            return True
         lost = 0 if holds else lost + 1
         if lost == IN_A_ROW:
-            return None
-        change = problem.limits(unknowns) - limits
+            return False
+        change = next_limits - limits
         if number:  # longer steps while the limits change the same way, shorter ones after a turn
             onward = product(change, last) > 0.0
             share = min(2.0 * share, SHARES[1]) if onward else max(share / 2.0, SHARES[0])
         limits, last = np.maximum(limits + share * change, 0.0), change
-    return None
-
-
-def _given_limits(
-    problem: EquilibriumSearch, unknowns: Floats, limits: Floats
-) -> tuple[Floats, bool]:
-    """The minimum of the energy with friction ``limits`` (N), (N,), and whether it was found.
-
-    It is not found if the loads push pieces away; these are then some way off.
-    """
-    nodes = problem.structure.nodes.copy()
-    nodes[:, FRICTION], nodes[:, GIVEN] = 0.0, limits
-    structure = problem.structure._replace(nodes=nodes)
-    accuracy = problem.stiffness, problem.floor, problem.allowed, problem.farthest
-    found, minimum = least_energy(
-        structure,
-        problem.matrix,
-        problem.target,
-        unknowns,
-        problem.slip,
-        problem.whole,
-        accuracy,
-    )
-    return minimum, found
+    return False

@@ -11,11 +11,12 @@ import numpy as np
 
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.contact_law import NodeState, components
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton.elimination import Matrix
-from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium, node_forces
-from sidmacib.mechanics.newton.faces import Structure, whole_faces
+from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium
+from sidmacib.mechanics.newton.faces import Structure, slip_after, whole_faces
+from sidmacib.mechanics.newton.nodes import new_point
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
@@ -40,7 +41,8 @@ class RigidSolver:
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
         self.structure, self.matrix = _structure(springs, order), _matrix(order)
-        whole_faces(self.structure)
+        self.here = new_point(order.inner + order.outer, springs.start)
+        whole_faces(self.structure, self.here)
         size = np.diff(springs.unknowns)
         self.place = np.arange(springs.unknowns[-1])
         self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
@@ -79,23 +81,22 @@ class RigidSolver:
         """
         target = load * self.load + self.weight
         allowed = RESIDUAL * float(np.abs(target).max())
-        begin = self._inside(guess * self.units)
+        begin, before = self._inside(guess * self.units), components(state.slip)
         limits = self.floor, allowed, self.largest_step
-        converged, unknowns, force, slip = equilibrium(
-            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
-        )
-        if thorough and not converged:
-            at_nodes = target, state.slip, state.whole, self.stiffness
-            problem = EquilibriumSearch(self.structure, self.matrix, *at_nodes, *limits)
-            by_limits = by_rounds(problem, begin)
-            if by_limits is not None:
-                converged, unknowns = True, by_limits
-                force, slip = node_forces(self.structure, state.slip, state.whole, unknowns)
-        if not converged:
+        nodes = target, begin, before, state.whole
+        found = equilibrium(self.structure, self.matrix, self.here, *nodes, limits)
+        if not found and thorough:
+            at_nodes = target, before, state.whole, self.stiffness
+            search = EquilibriumSearch(self.structure, self.matrix, self.here, *at_nodes, *limits)
+            found = by_rounds(search, begin)
+        if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
-        displacement = float(self.load @ unknowns)
-        after = NodeState(slip, state.whole)
-        return Equilibrium(load, self._outside(unknowns), displacement, force, after)
+        here = self.here
+        slip = slip_after(self.structure, before, state.whole, here)
+        displacement = float(self.load @ here.unknowns)
+        after = NodeState(slip.T, state.whole)
+        unknowns, force = self._outside(here.unknowns), here.force.copy()
+        return Equilibrium(load, unknowns, displacement, force.T, after)
 
     def lift(self, point: Equilibrium, load: float) -> float:
         """Fraction of the pieces' motion that lifts them when they move away under ``load`` (N)."""
@@ -112,16 +113,13 @@ class RigidSolver:
         # With drag in place of the floor: as nothing carries the load, Newton's steps go on.
         limits = self.drag, 0.0, math.inf
         state = point.state
-        _, end, _, _ = equilibrium(
-            self.structure, self.matrix, target, begin, state.slip, state.whole, limits
-        )
-        return np.asarray(end - begin)
+        nodes = target, begin, components(state.slip), state.whole
+        equilibrium(self.structure, self.matrix, self.here, *nodes, limits)
+        return np.asarray(self.here.unknowns - begin)
 
     def _elastic(self, target: Floats) -> Floats:
         """Unknowns under ``target`` (N) with every node closed and bonded."""
-        count = len(self.contact_law.friction)
-        slip, whole = np.zeros((count, 2)), np.ones(count)
-        return np.asarray(elastic(self.structure, self.matrix, target, slip, whole, self.floor))
+        return np.asarray(elastic(self.structure, self.matrix, self.here, target, self.floor))
 
     def _inside(self, values: Floats) -> Floats:
         inside = np.empty_like(values)
@@ -135,17 +133,18 @@ class RigidSolver:
 def _structure(springs: Springs, order: Ordering) -> Structure:
     contact_law = springs.contact_law
     return Structure(
-        np.column_stack(
+        np.array(
             [
                 contact_law.normal_stiffness,
                 contact_law.shear_stiffness,
                 contact_law.friction,
                 0.0 * contact_law.friction,
-                springs.place,
+                *springs.place.T,
             ]
         ),
         springs.start,
-        springs.motion,
+        springs.axes,
+        springs.levers,
         np.where(springs.piece < 0, -1, order.begin[springs.piece]),
         np.zeros((len(springs.piece), 2, 2, 6, 6)),
         order.inner,
