@@ -40,6 +40,7 @@ from sidmacib.problem import Problem
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError
+from workflow.engines.guide import guide_for
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.engines.scripts.records import RESULT
@@ -50,6 +51,7 @@ from workflow.results.record import CaseRecord
 from workflow.run.job import paths
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
+from workflow.steps import guides as guides_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
@@ -117,6 +119,15 @@ def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_
     return Loads(self_weight(assembly.pieces), variable, Joint(3).T0)
 
 
+def run_guided(
+    name: str, problem: Problem, numerics: Numerics, folder: Path, time_limit: float
+) -> None:
+    """Run an engine as a study does, from the loads of the static model."""
+    engine = ENGINES[name]
+    guide = guide_for(engine, problem, numerics)
+    run_engine(engine, problem, numerics, "what is tested", folder, time_limit, guide)
+
+
 @pytest.fixture
 def run_block(tmp_path: Path) -> Callable[..., Path]:
     """Search the peak of a block on the ground; returns the folder of the results."""
@@ -124,7 +135,7 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
     def run(name: str, assembly: Assembly, loads: Loads) -> Path:
         folder = tmp_path / "block"
         problem, numerics = Problem(assembly, loads), Numerics(tolerance=5e-4)
-        run_engine(ENGINES[name], problem, numerics, "block", folder, 120)
+        run_guided(name, problem, numerics, folder, 120)
         return folder
 
     return run
@@ -228,7 +239,9 @@ def run_case(case: Case, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     arguments = {"case": case.to_json(), "time_limit": 300.0}
     outputs = {"record": folder / RECORD, "result": folder / RESULT}
-    fault = engine_step.run(arguments, {}, outputs)
+    inputs = {"guides": folder.with_name(f"{folder.name}-guides.json")}
+    guides_step.run({"cases": [case.to_json()]}, {}, inputs)
+    fault = engine_step.run(arguments, inputs, outputs)
     if fault is not None:
         raise EngineError(fault)
     return folder

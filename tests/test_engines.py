@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case
+from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case, run_guided
 from stack import overturning, tilted_stack
 
 from sidmacib.joint.hold_down import HoldDown
@@ -20,7 +20,6 @@ from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.execute import OUTPUTS, EngineError
 from workflow.engines.numerics import Numerics
-from workflow.engines.run import run_engine
 from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved
 
@@ -78,7 +77,7 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 ) -> None:
     assembly, loads = tilted_stack(3, friction, width=width, mesh=0.1)
     expected = min(friction, overturning(assembly)) * loads.scale
-    run_engine(ENGINES[engine], Problem(assembly, loads), Numerics(), "stack", tmp_path, 300)
+    run_guided(engine, Problem(assembly, loads), Numerics(), tmp_path, 300)
     result = json.loads((tmp_path / "result.json").read_text())
     assert result["peak_load_N"] == pytest.approx(expected, rel=5e-3)
     assert result["mode"] == "mechanism"
@@ -131,7 +130,7 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
     with pytest.raises(
         EngineError, match=r"diverged|carries no load|LIGGGHTS ended before its commands were done"
     ):
-        run_engine(ENGINES[engine], Problem(assembly, loads), numerics, "block", tmp_path, 120)
+        run_guided(engine, Problem(assembly, loads), numerics, tmp_path, 120)
     assert not (tmp_path / "result.json").exists()
 
 

@@ -310,8 +310,9 @@ def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineErr
     monkeypatch.setattr("workflow.run.job.edited", lambda _: False)
     monkeypatch.setattr("workflow.engines.engine.Engine.version", lambda _: "1")
     config = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
-    job = plan_of(read_study(config)).jobs["yade/n3-mesh0.03-e0a"]
-    run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    jobs = plan_of(read_study(config)).jobs
+    for job in (jobs["guides/yade"], jobs["yade/n3-mesh0.03-e0a"]):
+        run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
     return job
 
 

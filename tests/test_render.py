@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from conftest import run_guided
 from stack import tilted_stack
 from structures import dry
 
@@ -34,7 +35,6 @@ from workflow.engines.render import (
     script,
     write_script,
 )
-from workflow.engines.run import run_engine
 from workflow.engines.scripts.assembly import read_assembly
 
 
@@ -176,7 +176,7 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     def scripts(numerics: Numerics) -> list[str]:
         found = []
         for problem in problems_of(engine):
-            run_engine(engine, problem, numerics, "", tmp_path, 1.0)
+            run_guided(engine.name, problem, numerics, tmp_path, 1.0)
             found.append((tmp_path / engine.script).read_text())
         return found
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import DISTINCT
+from conftest import DISTINCT, run_guided
 from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
@@ -25,7 +25,7 @@ from workflow.engines import ENGINES
 from workflow.engines.execute import EngineNoAnswerError
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import DATA_FILE, write_script
-from workflow.engines.run import refusal, run_engine
+from workflow.engines.run import refusal
 from workflow.outcome import Outcome
 from workflow.results.files import read_outcome
 
@@ -56,7 +56,7 @@ def pushed(assembly: Assembly) -> Problem:
 
 
 def found(engine: str, problem: Problem, folder: Path) -> Outcome:
-    run_engine(ENGINES[engine], problem, Numerics(), "structure", folder, 300)
+    run_guided(engine, problem, Numerics(), folder, 300)
     return read_outcome(folder, problem.assembly)
 
 

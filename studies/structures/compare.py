@@ -32,6 +32,7 @@ from studies.structures.pyramid import pyramid_tilt
 from studies.structures.samples import AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
 from workflow.engines import ENGINES
+from workflow.engines.guide import guide_for
 from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.results.files import read_outcome
@@ -101,9 +102,11 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
 
 def engine_tilt(name: str, model: Assembly, tilt: Tilt) -> float:
     """The critical tilt (degrees) after an engine."""
-    problem = Problem(model, tilting(model, tilt))
+    engine, problem = ENGINES[name], Problem(model, tilting(model, tilt))
+    guide = guide_for(engine, problem, Numerics())
     with tempfile.TemporaryDirectory() as folder:
-        run_engine(ENGINES[name], problem, Numerics(), "tilted block", Path(folder), TIME_LIMIT)
+        settings = Numerics(), "tilted block", Path(folder), TIME_LIMIT, guide
+        run_engine(engine, problem, *settings)
         peak = read_outcome(Path(folder), model).path[-1]
     return tilt_of_load(peak.load, problem.loads.scale)
 

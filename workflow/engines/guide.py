@@ -1,6 +1,6 @@
-"""The start of an engine's search, from the static model, which the study runs in any case.
+"""The start of an engine's search: failure loads of the static model, roughly.
 
-Apart from `workflow.engines.render`, so that whoever only plans loads no compiled model.
+Apart from `workflow.engines.run`, so that whoever plans or runs an engine loads no compiled model.
 """
 
 import importlib
@@ -8,7 +8,17 @@ import importlib
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.problem import Problem
+from workflow.engines.engine import Engine
+from workflow.engines.numerics import Numerics
+from workflow.engines.run import refusal
 from workflow.engines.scripts.assembly import Guide
+
+
+def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
+    """Where ``engine`` begins its search; None if ``numerics`` or the engine want no guide."""
+    wanted = numerics.guided and "guided" in engine.reads
+    return guide_of(*problem) if wanted and not refusal(engine, problem.assembly) else None
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:

@@ -6,9 +6,9 @@ from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind
 from sidmacib.problem import Problem
 from workflow.engines.engine import Engine
 from workflow.engines.execute import EngineNoAnswerError, execute
-from workflow.engines.guide import guide_of
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import write_script
+from workflow.engines.scripts.assembly import Guide
 from workflow.model import Ability
 
 
@@ -19,16 +19,15 @@ def run_engine(
     title: str,
     folder: Path,
     time_limit: float,
+    guide: Guide | None,
 ) -> None:
-    """Search the peak of ``problem`` for at most ``time_limit`` s.
+    """Search the peak of ``problem`` for at most ``time_limit`` s, from the ``guide`` if any.
 
     Leaves in ``folder`` the script with all that it needs, the engine's log, and its results.
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
     if reason := refusal(engine, problem.assembly):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
-    guided = numerics.guided and "guided" in engine.reads
-    guide = guide_of(*problem) if guided else None
     write_script(engine, *problem, numerics, title, folder, guide)
     execute(engine, folder, time_limit)
 

@@ -7,14 +7,41 @@ from workflow.engines.scripts.records import OUTPUTS
 
 WILDCARDS |= {
     "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],
+    "guides": [
+        {"engine": engine} for engine in dict.fromkeys(engine for engine, _ in CASES.engines)
+    ],
     "solve": [{"model": model, "batch": batch} for model, batch in CASES.batches],
     "returned": [{"program": program, "case": case} for program, case in CASES.returned],
 }
 
 
+rule guides:
+    input:
+        plan=plan("guides/{engine}"),
+    output:
+        guides=below("cases/guides/{engine}.json"),
+    log:
+        below("logs/guides/{engine}.log"),
+    wildcard_constraints:
+        engine=one_of(engine for engine, _ in CASES.engines),
+    # In no group: it would make one of all cases that wait for it.
+    resources:
+        **asks("guides/{engine}"),
+    params:
+        step="workflow.steps.guides",
+        cases=lambda wildcards: [case.to_json() for case in cases_in_engine(wildcards)],
+        resources=lambda wildcards: solved_resources(cases_in_engine(wildcards)),
+    message:
+        "{wildcards.engine}: loads to begin with"
+    shell:
+        STEP
+
+
 rule engine:
     input:
         plan=plan("{engine}/{case}"),
+        # A case depends on its own guide, which follows from the case and from the code below.
+        guides=ancient(below("cases/guides/{engine}.json")),
     output:
         record=below("cases/{engine}/{case}/record.json"),
         result=below("cases/{engine}/{case}/result.json"),
@@ -36,7 +63,10 @@ rule engine:
         also=[
             below(f"cases/{{engine}}/{{case}}/{name}") for name in OUTPUTS if name != "result.json"
         ],
-        modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
+        modules=lambda wildcards: (
+            "workflow.engines.guide",
+            *sources(ENGINES[wildcards.engine])[0],
+        ),
         files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
         versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
         resources=lambda wildcards: engine_resources(
@@ -110,6 +140,7 @@ RECORDS = {  # where the record of a case is
     },
 }
 OF_CASES = [
+    *of_jobs(rules.guides.rule),
     *of_jobs(rules.engine.rule),
     *of_jobs(rules.solve.rule),
     *of_jobs(rules.returned.rule),

@@ -97,6 +97,10 @@ def case_in_engine(wildcards):
     return CASES.engines[wildcards.engine, wildcards.case]
 
 
+def cases_in_engine(wildcards):
+    return [case for case in CASES.engines.values() if case.model == wildcards.engine]
+
+
 def batch(wildcards):
     return CASES.batches[wildcards.model, wildcards.batch]
 

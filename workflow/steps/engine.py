@@ -9,6 +9,7 @@ from sidmacib.errors import CapacityError
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
+from workflow.engines.scripts.assembly import Guide
 from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
@@ -29,8 +30,9 @@ def run(
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     try:
-        problem = problem_of(case)
-        run_engine(engine, problem, case.numerics, title, folder, arguments["time_limit"])
+        problem, guide = problem_of(case), read_guide(inputs["guides"], case.name)
+        settings = case.numerics, title, folder, arguments["time_limit"], guide
+        run_engine(engine, problem, *settings)
         outcome = read_outcome(folder, problem.assembly)
         least = case.numerics.first_increment * problem.loads.scale
         check_bracket(outcome, case.numerics.tolerance, least)
@@ -47,6 +49,12 @@ def run(
         settled = isinstance(error, EngineNoAnswerError | CapacityError)
         return Settled(reason) if settled else reason
     return None
+
+
+def read_guide(path: Path, name: str) -> Guide | None:
+    """Where the search of a case begins, from the file of `workflow.steps.guides`; None: at 0."""
+    loads = json.loads(path.read_text()).get(name)
+    return Guide(**loads) if loads else None
 
 
 def in_short(reason: str) -> str:

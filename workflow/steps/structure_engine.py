@@ -9,6 +9,7 @@ from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
+from workflow.engines.guide import guide_for
 from workflow.engines.run import refusal, run_engine
 from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.engines.scripts.records import HISTORY, OUTPUTS
@@ -56,7 +57,8 @@ def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> Str
     problem = structure_of(case.description, "the description")
     if reason := refusal(engine, problem.assembly):
         return record_without_result(case, refused=f"{engine.name}: {reason}")
-    run_engine(engine, problem, case.numerics, f"{case.name}.", folder, time_limit)
+    guide = guide_for(engine, problem, case.numerics)
+    run_engine(engine, problem, case.numerics, f"{case.name}.", folder, time_limit, guide)
     outcome = read_outcome(folder, problem.assembly)
     check_bracket(
         outcome,
