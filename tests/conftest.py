@@ -51,7 +51,6 @@ from workflow.results.record import CaseRecord
 from workflow.run.job import paths
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
-from workflow.steps import guides as guides_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
@@ -237,11 +236,9 @@ def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
-    arguments = {"case": case.to_json(), "time_limit": 300.0}
+    arguments = {"case": case.to_json(), "time_limit": 300.0, "guides_code": ""}
     outputs = {"record": folder / RECORD, "result": folder / RESULT}
-    inputs = {"guides": folder.with_name(f"{folder.name}-guides.json")}
-    guides_step.run({"cases": [case.to_json()]}, {}, inputs)
-    fault = engine_step.run(arguments, inputs, outputs)
+    fault = engine_step.run(arguments, {}, outputs)
     if fault is not None:
         raise EngineError(fault)
     return folder

@@ -124,14 +124,13 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
     monkeypatch.setattr(engine_step, "run_engine", killed)
     outputs = {"record": tmp_path / RECORD, "result": tmp_path / RESULT}
     case = case_on(mesh=0.02)
-    arguments, inputs = {"case": case.to_json(), "time_limit": 60}, {"guides": tmp_path / "none"}
-    inputs["guides"].write_text("{}")
+    arguments = {"case": case.to_json(), "time_limit": 60, "guides_code": ""}
     monkeypatch.setenv(LAST_TRY, "0")
     with pytest.raises(KilledError, match="killed by signal 9"):
-        engine_step.run(arguments, inputs, outputs)
+        engine_step.run(arguments, {}, outputs)
     assert not any(path.exists() for path in outputs.values())
     monkeypatch.setenv(LAST_TRY, "1")
-    assert "killed" in str(engine_step.run(arguments, inputs, outputs))
+    assert "killed" in str(engine_step.run(arguments, {}, outputs))
     assert all(path.exists() for path in outputs.values())
 
 

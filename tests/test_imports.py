@@ -50,6 +50,10 @@ def test_planning_a_study_loads_no_compiled_model() -> None:
     assert "numba" not in loaded_by("import workflow.planning.plan")
 
 
+def test_a_case_in_an_engine_loads_no_compiled_model() -> None:
+    assert "numba" not in loaded_by("import workflow.run.job, workflow.steps.engine")
+
+
 def test_every_public_name_is_there_and_listed() -> None:
     assert set(sidmacib.__all__) == set(sidmacib._HOME)
     assert dir(sidmacib) == sorted(sidmacib.__all__)

@@ -13,7 +13,9 @@ from conftest import ROOT
 
 from workflow.configuration import read_study, read_study_file
 from workflow.engines.execute import EngineError, EngineNoAnswerError
+from workflow.engines.scripts.assembly import Guide
 from workflow.joints.case import Case
+from workflow.joints.problem import problem_of
 from workflow.planning.batches import BATCH, BATCH_TIME, batches
 from workflow.planning.cases import cases_of
 from workflow.planning.plan import Job, prepared
@@ -23,6 +25,8 @@ from workflow.planning.results_folder import LockedError, lock
 from workflow.planning.snakefile import plan_of
 from workflow.run.job import run_job
 from workflow.schema import Study
+from workflow.steps import guides as guides_step
+from workflow.steps.engine import find_guide
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},
@@ -263,6 +267,33 @@ def test_engines_cases_are_held_against_the_static_model_even_if_no_one_asked() 
     assert {case.model for case in plan.cases.values()} == {"yade", "limit"}
 
 
+def test_guides_of_an_engine_are_found_at_once_and_used_if_they_are_of_the_same_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    variants = {"unguided": {"numerics": {"guided": False}}, "soft": {"failure": "softening"}}
+    config = SMALL | {"dem": {"engines": ["yade"]}, "variants": variants, "eccentricities": [0]}
+    config["materials"] = {"inner": {"fracture_energy": 10.0}}
+    jobs = plan_of(read_study(config)).jobs
+    job = jobs["guides/yade"]
+    assert job.finds == ()
+    assert "workflow.engines.guide" in jobs["yade/n3-mesh0.03-e0a"].modules
+    (tmp_path / "guides").mkdir()
+    guides_step.run(job.arguments, {}, {"guides": tmp_path / "guides/yade.json"})
+
+    def find(text: str, code: str) -> Guide | None:
+        case = Case.from_json(text)
+        return find_guide(tmp_path, code, case, problem_of(case))
+
+    code, cases = job.arguments["code"], job.arguments["cases"]
+    found = [find(text, code) for text in cases]
+    assert found == [find(text, "of other code") for text in cases]
+    (guide,) = filter(None, found)
+    assert 0.0 < guide.first_failure_N <= guide.peak_N
+    monkeypatch.setattr("workflow.engines.guide.guide_for", lambda *_: "found anew")
+    assert [find(text, code) for text in cases] == found
+    assert find(cases[0], "of other code") == "found anew"
+
+
 def test_witnesses_of_an_engine_at_two_meshes_are_at_these_only() -> None:
     config = {**SMALL, "models": ["limit"], "dem": {"engines": ["yade"]}, "eccentricities": [0]}
     slow = {"slow": {"numerics": {"ramp_periods": 80}, "meshes": [0.03]}}
@@ -310,9 +341,8 @@ def engine_job(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: EngineErr
     monkeypatch.setattr("workflow.run.job.edited", lambda _: False)
     monkeypatch.setattr("workflow.engines.engine.Engine.version", lambda _: "1")
     config = SMALL | {"dem": {"engines": ["yade"]}, "results": str(tmp_path), "eccentricities": [0]}
-    jobs = plan_of(read_study(config)).jobs
-    for job in (jobs["guides/yade"], jobs["yade/n3-mesh0.03-e0a"]):
-        run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
+    job = plan_of(read_study(config)).jobs["yade/n3-mesh0.03-e0a"]
+    run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
     return job
 
 

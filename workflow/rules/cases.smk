@@ -2,9 +2,11 @@
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
+from workflow.planning.closure import code_digest
 from workflow.planning.resources import engine_resources, solved_resources
 from workflow.engines.scripts.records import OUTPUTS
 
+GUIDES_CODE = code_digest(("workflow.engines.guide",))
 WILDCARDS |= {
     "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],
     "guides": [
@@ -24,15 +26,17 @@ rule guides:
         below("logs/guides/{engine}.log"),
     wildcard_constraints:
         engine=one_of(engine for engine, _ in CASES.engines),
-    # In no group: it would make one of all cases that wait for it.
+    # No case waits for it: one that does not find its guide there finds it itself.
+    priority: 1
     resources:
         **asks("guides/{engine}"),
     params:
         step="workflow.steps.guides",
         cases=lambda wildcards: [case.to_json() for case in cases_in_engine(wildcards)],
+        code=GUIDES_CODE,
         resources=lambda wildcards: solved_resources(cases_in_engine(wildcards)),
     message:
-        "{wildcards.engine}: loads to begin with"
+        "Find where {wildcards.engine} begins to search"
     shell:
         STEP
 
@@ -40,8 +44,6 @@ rule guides:
 rule engine:
     input:
         plan=plan("{engine}/{case}"),
-        # A case depends on its own guide, which follows from the case and from the code below.
-        guides=ancient(below("cases/guides/{engine}.json")),
     output:
         record=below("cases/{engine}/{case}/record.json"),
         result=below("cases/{engine}/{case}/result.json"),
@@ -58,7 +60,7 @@ rule engine:
     params:
         step="workflow.steps.engine",
         case=case_in_engine,
-        settings={"time_limit": STUDY.dem.time_limit},
+        settings={"time_limit": STUDY.dem.time_limit, "guides_code": GUIDES_CODE},
         # Written only if the engine has a result.
         also=[
             below(f"cases/{{engine}}/{{case}}/{name}") for name in OUTPUTS if name != "result.json"

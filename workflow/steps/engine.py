@@ -1,11 +1,13 @@
 """Run an engine on a case, check what it returns, and write the record."""
 
+import importlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
+from sidmacib.problem import Problem
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.run import run_engine
@@ -30,7 +32,8 @@ def run(
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     try:
-        problem, guide = problem_of(case), read_guide(inputs["guides"], case.name)
+        problem = problem_of(case)
+        guide = find_guide(folder.parents[1], arguments["guides_code"], case, problem)
         settings = case.numerics, title, folder, arguments["time_limit"], guide
         run_engine(engine, problem, *settings)
         outcome = read_outcome(folder, problem.assembly)
@@ -51,10 +54,23 @@ def run(
     return None
 
 
-def read_guide(path: Path, name: str) -> Guide | None:
-    """Where the search of a case begins, from the file of `workflow.steps.guides`; None: at 0."""
-    loads = json.loads(path.read_text()).get(name)
-    return Guide(**loads) if loads else None
+def find_guide(cases: Path, code: str, case: Case, problem: Problem) -> Guide | None:
+    """Where the search of ``case`` begins; None: at 0.
+
+    From what `workflow.steps.guides` left in the folder ``cases``, if it is of the same ``code``.
+    """
+    try:
+        found = json.loads((cases / "guides" / f"{case.model}.json").read_text())
+        if found["code"] == code:
+            loads = found["guides"][case.digest()]
+            return Guide(**loads) if loads else None
+    except (OSError, ValueError, TypeError, KeyError):
+        pass  # not there yet
+    # Imported here: it takes as long as an engine takes to start.
+    guide: Guide | None = importlib.import_module("workflow.engines.guide").guide_for(
+        ENGINES[case.model], problem, case.numerics
+    )
+    return guide
 
 
 def in_short(reason: str) -> str:

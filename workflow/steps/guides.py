@@ -1,6 +1,7 @@
 """Where an engine begins to search in each of its cases, found at once for all of them.
 
-What finds it takes as long to load as an engine takes to start.
+What finds it takes as long to load as an engine takes to start. No case waits for this: one that
+does not find its guide in the file looks for it itself.
 """
 
 import json
@@ -14,12 +15,13 @@ from workflow.engines import ENGINES
 from workflow.engines.guide import guide_for
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
+from workflow.planning.receipts import write_whole
 
 
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> None:
-    """Write the guides by the names of their cases; searches without one begin at 0."""
+    """Write the guides by digests of their cases, and the digest of the code that finds them."""
     guides = {}
     for case in map(Case.from_json, arguments["cases"]):
         assert case.numerics is not None, f"{case.name}: an engine needs numerics"
@@ -27,6 +29,6 @@ def run(
             guide = guide_for(ENGINES[case.model], problem_of(case), case.numerics)
         except (CapacityError, ValueError, MemoryError):
             continue  # the case itself tells why
-        if guide is not None:
-            guides[case.name] = asdict(guide)
-    outputs["guides"].write_text(json.dumps(guides, indent=1) + "\n")
+        guides[case.digest()] = None if guide is None else asdict(guide)
+    text = json.dumps({"code": arguments["code"], "guides": guides}, indent=1)
+    write_whole(outputs["guides"], text + "\n")
