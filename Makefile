@@ -84,7 +84,7 @@ docs: .venv/test.ready
 	@echo "Pages: build/docs/index.html"
 
 bench: .venv/test.ready $(if $(PEERS),.venv/peers.ready)
-	@exec $(BIN)/python -m benchmarks.bench $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
+	@OPENBLAS_NUM_THREADS=1 exec $(BIN)/python -m benchmarks.bench $(if $(BASE),--base "$$BASE") $(if $(RESULTS),--results "$$RESULTS")
 
 test: .venv/test.ready lint
 	$(BIN)/pytest --numprocesses 2 --dist worksteal

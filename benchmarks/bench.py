@@ -7,7 +7,6 @@ both for what is called the same there. CPU times are of all processes. Run it o
 import argparse
 import json
 import os
-import resource
 import subprocess
 import sys
 import tempfile
@@ -24,7 +23,12 @@ import yaml
 from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
-from sidmacib.joint.joint import Joint
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.peak_spread import static_capacity
+from sidmacib.problem import Problem
 from workflow.configuration import read_study
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.sampling import Sampling, sampled_joints
@@ -71,7 +75,7 @@ class Figure:
 
 @dataclass(frozen=True)
 class Usage:
-    """Time (s), CPU time of all processes (s) and memory of the largest (MB) of a command."""
+    """Time (s), CPU time (s) and largest memory (MB) of a command with what it starts."""
 
     wall: float
     cpu: float
@@ -80,13 +84,16 @@ class Usage:
 
 def used(command: Sequence[str], folder: Path) -> Usage:
     """Run ``command`` in ``folder``; RuntimeError if it fails."""
-    before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
-    ended = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    wall, after = time.monotonic() - start, resource.getrusage(resource.RUSAGE_CHILDREN)
-    if ended.returncode:
-        raise RuntimeError(f"{' '.join(command)}: {ended.stderr[-2000:]}")
-    cpu = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return Usage(wall, cpu, after.ru_maxrss / 1024)
+    start = time.monotonic()
+    with tempfile.TemporaryFile("w+") as log:
+        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=subprocess.STDOUT)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        if process.returncode:
+            log.seek(0)
+            raise RuntimeError(f"{' '.join(command)}: {log.read()[-2000:]}")
+    wall = time.monotonic() - start
+    return Usage(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
 
 
 def least(command: Sequence[str], repeats: int) -> Usage:
@@ -107,15 +114,17 @@ def snakemake(config: Path, *arguments: str) -> list[str]:
     ]
 
 
-def static_case(number: int) -> float:
-    """Solve one of many joints of five locks, mesh 0.02 m; returns the peak (N)."""
-    import sidmacib
+def static_problem(number: int) -> Problem:
+    """One of many joints of five locks, mesh 0.02 m."""
+    joint = Joint(5, h=0.008 + 1e-5 * number)
+    assembly = assemble(joint, 0.02)
+    loading = Loading(Direction(0.02 * (number % 50)))
+    return Problem(assembly, lateral_load(joint, assembly, loading))
 
-    joint = sidmacib.Joint(5, h=0.008 + 1e-5 * number)
-    assembly = sidmacib.assemble(joint, 0.02)
-    direction = sidmacib.Direction(0.02 * (number % 50))
-    loads = sidmacib.lateral_load(joint, assembly, sidmacib.Loading(direction))
-    return float(sidmacib.static_peak(assembly, loads).peak.load)
+
+def static_case(number: int) -> float:
+    """The peak (N) of one of many joints."""
+    return static_peak(*static_problem(number)).peak.load
 
 
 def static_seconds(locks: int, mesh: float) -> float:
@@ -129,6 +138,14 @@ def static_seconds(locks: int, mesh: float) -> float:
         sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
 
     return min(timeit.repeat(solve, repeat=3, number=1))
+
+
+def capacity_seconds(cases: int) -> float:
+    """CPU-s of a case of a study, with the spread of its peak: the mean."""
+    start = time.process_time()
+    for number in range(cases):
+        static_capacity(*static_problem(number))
+    return (time.process_time() - start) / cases
 
 
 def sampling_seconds(joints: int) -> float:
@@ -148,6 +165,7 @@ def library_figures() -> Iterator[Figure]:
     import sidmacib
 
     static_case(0)
+    yield Figure("static case with its spread, 5 locks", "ms CPU", 1e3 * capacity_seconds(100))
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(static_case, range(20)))
         start = time.perf_counter()
@@ -260,7 +278,7 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     times = job_times({**batch, "results": str(folder / "batch")}, "static/")
     start = time.process_time()
     for number in range(500):
-        static_case(number)
+        static_capacity(*static_problem(number))
     alone = time.process_time() - start
     yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
     for engine in ("yade", "liggghts"):
@@ -273,7 +291,7 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     command = [sys.executable, "-m", "workflow", "study", str(path), "--results", target]
     used(command, ROOT)
     yield Figure("make study with nothing to do", "s", used(command, ROOT).wall)
-    command = [*command[:3], "case", *command[4:], "--case", "n3-mesh0.02-e0a"]
+    command = [sys.executable, "-m", "analysis", "case", *command[4:], "--case", "n3-mesh0.02-e0a"]
     used(command, ROOT)
     yield Figure("make case of a finished case", "s", used(command, ROOT).wall)
 
@@ -324,7 +342,9 @@ def time_steps(result: Path) -> int:
 
 def base_values(checkout: Path, folder: Path) -> pd.DataFrame:
     """What `make bench` of another checkout measures: columns what, unit, base."""
-    used(["make", "bench", f"RESULTS={folder}"], checkout)
+    # `make bench` here, with its variables, is no part of it.
+    apart = [*("env", "-u", "MAKEFLAGS", "-u", "MAKELEVEL"), "BASE="]
+    used([*apart, "make", "bench", f"RESULTS={folder}"], checkout)
     table = pd.read_csv(folder / "tables/bench.csv")
     return table[["what", "unit", "value"]].rename(columns={"value": "base"})
 
@@ -335,7 +355,6 @@ def main() -> None:
     parser.add_argument("--base", type=Path, help="another checkout, which has a .venv")
     parser.add_argument("--results", type=Path, default=ROOT / "results")
     arguments = parser.parse_args()
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         base = base_values(arguments.base, folder / "base") if arguments.base else None

@@ -16,7 +16,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mechanics.static import peak_spread as module
-from sidmacib.mechanics.static.model import brittle_path, solver_of, static_peak
+from sidmacib.mechanics.static.model import path_like, solver_of, static_peak
 from sidmacib.mechanics.static.peak_spread import (
     StaticCapacity,
     changed,
@@ -88,17 +88,20 @@ def test_a_peak_that_is_the_first_failure_is_not_sought_again(
 ) -> None:
     assembly, loads = loaded(5, 0.0)
     whole = static_peak(assembly, loads)
-    monkeypatch.setattr(module, "brittle_path", None)
+    monkeypatch.setattr(module, "path_like", None)
     assert peak_spread(assembly, loads, whole) == 0.0
 
 
-def test_a_path_with_known_increments_is_the_one_whose_first_failure_converged() -> None:
-    assembly, loads = loaded(5, 0.5)
-    found = brittle_path(solver_of(assembly, loads), loads.scale)
-    again = brittle_path(solver_of(assembly, loads), loads.scale, refinement=found.refinement)
-    other = brittle_path(solver_of(assembly, loads), loads.scale, refinement=found.refinement / 2)
-    assert [point.load for point in again.path] == [point.load for point in found.path]
-    assert len(other.path) > len(found.path)
+@pytest.mark.parametrize("e_over_a", [0.3, 0.5])
+def test_a_path_like_another_of_the_same_joint_is_the_rest_of_it(e_over_a: float) -> None:
+    assembly, loads = loaded(5, e_over_a)
+    found = static_peak(assembly, loads)
+    again = path_like(solver_of(assembly, loads), loads.scale, found)
+    rest = [point.load for point in found.path if point.load >= found.first_failure_load]
+    assert [point.load for point in again.path] == pytest.approx(rest, rel=2e-5)
+    assert found.collapsed is not None and again.collapsed is not None
+    assert np.array_equal(again.collapsed, found.collapsed)
+    assert again.collapsed.sum() < found.peak.state.whole.sum()
 
 
 def test_copies_differ_by_the_change_and_are_the_same_each_time() -> None:

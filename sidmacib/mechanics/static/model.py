@@ -104,7 +104,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     found = brittle_path(solver, loads.scale)
     mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], loads.scale)
     path = found.path[: found.peak + 1]
-    return StaticSolution(found.first_failure_load, path, mode, found.refinement)
+    return StaticSolution(found.first_failure_load, path, mode, found.refinement, found.collapsed)
 
 
 @dataclass(frozen=True)
@@ -114,13 +114,14 @@ class BrittlePath:
     ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
     equilibria; those after the ``peak`` have its load, with more bonds broken. ``by_bonds``:
     whether it ends as bonds fail and no equilibrium follows. ``refinement``: a factor on the
-    increments.
+    increments. ``collapsed``: what was left of the bonds then, see `NodeState.whole`.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
     by_bonds: bool
     refinement: float
+    collapsed: Floats | None
 
     @property
     def peak(self) -> int:
@@ -129,29 +130,52 @@ class BrittlePath:
 
 
 def brittle_path(
-    solver: Equilibria,
-    scale: float,
-    precision: float = LEAST_INCREMENT,
-    refinement: float | None = None,
+    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
 ) -> BrittlePath:
     """Raise the load of ``solver`` from 0 until no equilibrium follows.
 
-    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load.
-    ``refinement``: of the increments, where it is known; None: they are halved until the first
-    failure converges. Errors of ``solver``, and `UnboundedError` if the assembly carries any load.
+    ``scale``: of the load, as in `Loads`; ``precision``: of the peak, over the load. Increments are
+    halved until the first failure converges. Errors of ``solver``, and `UnboundedError` if the
+    assembly carries any load.
     """
-    if refinement is None:
-        path, failing, refinement = _to_first_failure(solver, scale, precision)
-    else:
-        path, failing = _raised(solver, [solver.start()], scale, refinement, precision)
-    first_failure = path[-1].load
+    path, failing, refinement = _to_first_failure(solver, scale, precision)
+    return _after_first_failure(solver, path, failing, scale, precision, refinement)
+
+
+def path_like(solver: Equilibria, scale: float, other: StaticSolution) -> BrittlePath:
+    """The path of ``solver`` from where the first node fails in an ``other``, of almost the same.
+
+    Where no equilibrium followed in the other, with the same bonds left, rounds of friction limits
+    are spared: Newton's method has the last word. Errors of `brittle_path`.
+    """
+    first = next(point for point in other.path if point.load >= other.first_failure_load)
+    start = solver.solve(first.load, first.unknowns, first.state, thorough=True)
+    path, failing = _raised(solver, [start], scale, other.refinement)
+    increments = scale, LEAST_INCREMENT, other.refinement
+    return _after_first_failure(solver, path, failing, *increments, other)
+
+
+def _after_first_failure(
+    solver: Equilibria,
+    path: list[Equilibrium],
+    failing: Flags,
+    scale: float,
+    precision: float,
+    refinement: float,
+    other: StaticSolution | None = None,
+) -> BrittlePath:
+    """``path`` to the first failure, where nodes are ``failing``, and what follows.
+
+    ``other``: the path of almost the same assembly, if it is known.
+    """
+    first_failure, collapsed = path[-1].load, None
     while failing.any():
-        try:
-            path.append(_redistributed(solver, path[-1], failing))
-        except NoEquilibriumError:
+        after, left = _redistributed(solver, path[-1], failing, other)
+        if after is None:
+            collapsed = left
             break
-        path, failing = _raised(solver, path, scale, refinement, precision)
-    return BrittlePath(first_failure, tuple(path), bool(failing.any()), refinement)
+        path, failing = _raised(solver, [*path, after], scale, refinement, precision)
+    return BrittlePath(first_failure, tuple(path), bool(failing.any()), refinement, collapsed)
 
 
 def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
@@ -299,14 +323,26 @@ def _guess(load: float, path: list[Equilibrium], above: Equilibrium | None) -> F
     return low.unknowns + onward * (other.unknowns - low.unknowns)
 
 
-def _redistributed(solver: Equilibria, point: Equilibrium, failing: Flags) -> Equilibrium:
+def _redistributed(
+    solver: Equilibria, point: Equilibrium, failing: Flags, other: StaticSolution | None
+) -> tuple[Equilibrium | None, Floats]:
     """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
 
-    Raises `NoEquilibriumError` if there is none.
+    None if there is none; and what is left of the bonds. ``other``: see `path_like`.
     """
     state = point.state
     while failing.any():
         state = replace(state, whole=np.where(failing, 0.0, state.whole))
-        after = solver.solve(point.load, point.unknowns, state, thorough=True)
+        thorough = other is None or not _collapses(other, point.load, state.whole)
+        try:
+            after = solver.solve(point.load, point.unknowns, state, thorough=thorough)
+        except NoEquilibriumError:
+            return None, state.whole
         failing = utilisation(solver.contact_law, state, after.force) > 1.0
-    return after
+    return after, state.whole
+
+
+def _collapses(other: StaticSolution, load: float, whole: Floats) -> bool:
+    """Whether the ``other`` had no equilibrium near ``load`` (N) with the same bonds left."""
+    bonds = other.collapsed
+    return bonds is not None and _near(load, other.peak.load) and np.array_equal(whole, bonds)

@@ -3,8 +3,8 @@
 The first failure moves by no more than the change itself. After it nodes fail one after the other,
 and which one is next may depend on the last digits: after a long cascade the peak then jumps. So
 the peak is computed again on a few copies of the assembly, with the stiffnesses and strengths of
-each node changed by up to 1e-9. If the peaks lie too far apart, none of them is the capacity; the
-first failure is.
+each node changed by up to 1e-9, from the first failure on. If the peaks lie too far apart, none of
+them is the capacity; the first failure is.
 """
 
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from sidmacib.mechanics.solution import (
     Equilibrium,
     StaticSolution,
 )
-from sidmacib.mechanics.static.model import brittle_path, solver_of, static_peak
+from sidmacib.mechanics.static.model import path_like, solver_of, static_peak
 
 CHANGE = 1e-9  # largest relative change of a node's area, and so of its stiffness and strengths
 COPIES = 8  # at most; the first jump ends the search
@@ -79,7 +79,7 @@ def peak_spread(assembly: Assembly, loads: Loads, solution: StaticSolution) -> f
     elastic = any(piece.elastic and not piece.fixed for piece in assembly.pieces)
     least = most = peak
     for seed in range(COPIES_ELASTIC if elastic else COPIES):
-        other = _peak(changed(assembly, seed), loads, solution.refinement)
+        other = _peak(changed(assembly, seed), loads, solution)
         least, most = min(least, other), max(most, other)
         if (most - least) / peak > SPREAD_LIMIT:
             break
@@ -93,10 +93,10 @@ def changed(assembly: Assembly, seed: int) -> Assembly:
     return replace(assembly, nodes=replace(nodes, area=nodes.area * (1.0 + change)))
 
 
-def _peak(assembly: Assembly, loads: Loads, refinement: float) -> float:
-    """The peak in N with known increments, 0 where there is none."""
+def _peak(assembly: Assembly, loads: Loads, solution: StaticSolution) -> float:
+    """The peak in N, 0 where there is none; ``solution``: of the assembly that was changed."""
     try:
-        found = brittle_path(solver_of(assembly, loads), loads.scale, refinement=refinement)
+        found = path_like(solver_of(assembly, loads), loads.scale, solution)
         return found.path[found.peak].load
     except CapacityError:
         return 0.0
