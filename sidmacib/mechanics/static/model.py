@@ -218,9 +218,9 @@ def _to_first_failure(
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
-    slipped on the path, it is compared with one of twice the increments, and where they differ, the
-    increments are halved until the first failure no longer changes. A path on which the solver
-    gives up before a bond fails is not used.
+    slipped on the path, it is compared with one of twice the increments, and unless bonds fail at
+    the same load on both, the increments are halved until the first failure no longer changes. A
+    path on which the solver gives up before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale, precision=precision)
@@ -229,8 +229,8 @@ def _to_first_failure(
     coarser_path, coarser_failing = _raised(
         solver, [start], scale, 2.0, precision, known=path[-1].load
     )
-    same = failing.any() == coarser_failing.any()
-    if same and _near(coarser_path[-1].load, path[-1].load):
+    by_bonds = failing.any() and coarser_failing.any()
+    if by_bonds and _near(coarser_path[-1].load, path[-1].load):
         return path, failing, refinement
     while refinement > LEAST_REFINEMENT:
         finer_path, finer_failing = _raised(
