@@ -56,7 +56,7 @@ function takeSnapshot(id) {
     if (!plot.clientWidth || printing) return;
     const [data, whole] = styled(traces, layout, LIGHT);
     const scene = { ...whole.scene, camera: plot.layout.scene.camera || whole.scene.camera };
-    const source = await Plotly.toImage({ data, layout: { ...whole, scene } }, { format: "png", width: 900, height: 640 });
+    const source = await Plotly.toImage({ data, layout: { ...whole, scene }, config: CHART_CONFIG }, { format: "png", width: 900, height: 640 });
     let picture = plot.nextElementSibling;
     if (!picture || !picture.classList.contains("printed")) {
       picture = Object.assign(document.createElement("img"), { className: "printed", alt: plot.getAttribute("aria-label") });
