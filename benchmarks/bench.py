@@ -283,6 +283,7 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
     for engine in ("yade", "liggghts"):
         config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
+        job_times(config, f"guides/{engine}")  # a study does this once
         times = job_times(config, f"{engine}/")
         yield Figure(f"added to a case of {engine}", "CPU-s", sum(times))
     path = folder / "one.yaml"
@@ -359,10 +360,10 @@ def main() -> None:
         folder = Path(name)
         base = base_values(arguments.base, folder / "base") if arguments.base else None
         figures = [
+            *process_figures(folder),  # first: a process begins with the memory of this one
             *library_figures(),
             *elastic_figures(),
             *structure_figures(),
-            *process_figures(folder),
             *workflow_figures(folder),
             *study_figures(arguments.results),
             *step_figures(arguments.results),
