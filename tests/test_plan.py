@@ -285,6 +285,7 @@ def test_guides_of_an_engine_are_found_at_once_and_used_if_they_are_of_the_same_
         return find_guide(tmp_path, code, case, problem_of(case))
 
     code, cases = job.arguments["code"], job.arguments["cases"]
+    assert "unguided" not in {Case.from_json(text).variant for text in cases}
     found = [find(text, code) for text in cases]
     assert found == [find(text, "of other code") for text in cases]
     (guide,) = filter(None, found)

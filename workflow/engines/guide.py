@@ -17,8 +17,9 @@ from workflow.engines.scripts.assembly import Guide
 
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
     """Where ``engine`` begins its search; None if ``numerics`` or the engine want no guide."""
-    wanted = numerics.guided and "guided" in engine.reads
-    return guide_of(*problem) if wanted and not refusal(engine, problem.assembly) else None
+    if not engine.wants_guide(numerics) or refusal(engine, problem.assembly):
+        return None
+    return guide_of(*problem)
 
 
 def guide_of(assembly: Assembly, loads: Loads) -> Guide | None:
@@ -39,7 +40,7 @@ def _failures(assembly: Assembly, loads: Loads) -> tuple[float, float]:
     if loads.axis is None:
         found = static_peak(assembly, loads)
         return found.first_failure_load, found.peak.load
-    # Imported here: it takes as long as all else that a joint needs.
+    # Imported here: it needs scipy.sparse, which joints do not.
     tilt = importlib.import_module("sidmacib.structure.analysis.tilt")
     found = tilt.static_tilt(assembly, tilt.Tilt(loads.axis))
     return tilt.load_of_tilt(found.first_failure, loads), tilt.load_of_tilt(found.angle, loads)

@@ -10,7 +10,9 @@ GUIDES_CODE = code_digest(("workflow.engines.guide",))
 WILDCARDS |= {
     "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],
     "guides": [
-        {"engine": engine} for engine in dict.fromkeys(engine for engine, _ in CASES.engines)
+        {"engine": engine}
+        for engine in dict.fromkeys(engine for engine, _ in CASES.engines)
+        if guided_cases(engine)
     ],
     "solve": [{"model": model, "batch": batch} for model, batch in CASES.batches],
     "returned": [{"program": program, "case": case} for program, case in CASES.returned],
@@ -32,9 +34,9 @@ rule guides:
         **asks("guides/{engine}"),
     params:
         step="workflow.steps.guides",
-        cases=lambda wildcards: [case.to_json() for case in cases_in_engine(wildcards)],
+        cases=lambda wildcards: [case.to_json() for case in guided_cases(wildcards.engine)],
         code=GUIDES_CODE,
-        resources=lambda wildcards: solved_resources(cases_in_engine(wildcards)),
+        resources=lambda wildcards: solved_resources(guided_cases(wildcards.engine)),
     message:
         "Find where {wildcards.engine} begins to search"
     shell:

@@ -97,8 +97,10 @@ def case_in_engine(wildcards):
     return CASES.engines[wildcards.engine, wildcards.case]
 
 
-def cases_in_engine(wildcards):
-    return [case for case in CASES.engines.values() if case.model == wildcards.engine]
+@functools.cache
+def guided_cases(engine):
+    wanted = (case for case in CASES.engines.values() if case.model == engine)
+    return [case for case in wanted if ENGINES[engine].wants_guide(case.numerics)]
 
 
 def batch(wildcards):

@@ -59,6 +59,9 @@ def find_guide(cases: Path, code: str, case: Case, problem: Problem) -> Guide | 
 
     From what `workflow.steps.guides` left in the folder ``cases``, if it is of the same ``code``.
     """
+    engine, numerics = ENGINES[case.model], case.numerics
+    if numerics is None or not engine.wants_guide(numerics):
+        return None
     try:
         found = json.loads((cases / "guides" / f"{case.model}.json").read_text())
         if found["code"] == code:
@@ -67,9 +70,8 @@ def find_guide(cases: Path, code: str, case: Case, problem: Problem) -> Guide | 
     except (OSError, ValueError, TypeError, KeyError):
         pass  # not there yet
     # Imported here: it takes as long as an engine takes to start.
-    guide: Guide | None = importlib.import_module("workflow.engines.guide").guide_for(
-        ENGINES[case.model], problem, case.numerics
-    )
+    module = importlib.import_module("workflow.engines.guide")
+    guide: Guide | None = module.guide_for(engine, problem, numerics)
     return guide
 
 

@@ -16,11 +16,10 @@ from copy import copy
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 from scipy.linalg.blas import dgemm, dtrsm
-from scipy.linalg.lapack import dpotrf, dpotri
 
-from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
 
 GROWTH = 1e4  # of P by new gaps: above it digits are lost, and the next update starts from W
 
@@ -34,12 +33,13 @@ class OpenGaps:
     def __init__(self, influence: Floats, floor: Floats) -> None:
         self.influence, self.floor = influence, floor
         self.gaps = np.zeros(len(floor), bool)
-        self.matrix, self.accurate = self._closed(), True
+        self.matrix, self.accurate = np.array(influence, order="F"), True
+        self.matrix[np.diag_indices_from(self.matrix)] += floor
 
     def opened(self, gaps: Flags) -> Floats:
         """R, P and -H in one symmetric matrix, (M, M), for these ``gaps``, (M,)."""
         which = np.flatnonzero(gaps != self.gaps)
-        if not self.accurate or self._exchange_work(len(which)) > self._work(gaps):
+        if not self.accurate or self._exchange_work(len(which)) > self._factorise_work(gaps):
             self._factorise(gaps)
         elif len(which):
             self._exchange(which, gaps)
@@ -51,7 +51,7 @@ class OpenGaps:
         size = len(self.floor)
         return size * count * (size + count)
 
-    def _work(self, gaps: Flags) -> int:
+    def _factorise_work(self, gaps: Flags) -> int:
         """The same of `_factorise`."""
         count = int(np.count_nonzero(gaps))
         rest = len(gaps) - count
@@ -74,25 +74,17 @@ class OpenGaps:
         other.gaps = np.concatenate([gaps, np.zeros(len(floor) - old, bool)])
         return other
 
-    def _closed(self) -> Floats:
-        matrix = np.array(self.influence, order="F")
-        matrix[np.diag_indices_from(matrix)] += self.floor
-        return matrix
-
     def _factorise(self, gaps: Flags) -> None:
         """Compute the matrices for these ``gaps`` from W, by Cholesky's method."""
         opened, rest = np.flatnonzero(gaps), np.flatnonzero(~gaps)
         own, kept = self._among(opened), self._among(rest)
         across = self.influence[np.ix_(rest, opened)].T
-        factor, failed = dpotrf(own.T, lower=1, overwrite_a=True)
-        if failed:
-            raise SolverError("stiffness of elastic blocks: not positive definite")
+        factor = cholesky_factor(own)
         half = dtrsm(1.0, factor, across, lower=1, overwrite_b=True)
         kept -= half.T @ half
         ratio = dtrsm(1.0, factor, half, lower=1, trans_a=1, overwrite_b=True)
-        inverse = np.tril(dpotri(factor, lower=1, overwrite_c=True)[0])
-        inverse += np.tril(inverse, -1).T
-        self.matrix[np.ix_(rest, rest)], self.matrix[np.ix_(opened, opened)] = kept, -inverse
+        self.matrix[np.ix_(rest, rest)] = kept
+        self.matrix[np.ix_(opened, opened)] = -inverse_by(factor)
         self.matrix[np.ix_(opened, rest)], self.matrix[np.ix_(rest, opened)] = ratio, ratio.T
         self.accurate = True
 

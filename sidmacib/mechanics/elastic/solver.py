@@ -17,7 +17,6 @@ import math
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 from scipy.linalg.blas import dgemm
-from scipy.linalg.lapack import dpotrf, dpotri
 
 from sidmacib.errors import NoEquilibriumError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
@@ -26,6 +25,7 @@ from sidmacib.mechanics.elastic.flexibility import flexibility
 from sidmacib.mechanics.elastic.loose_nodes import LooseNodes
 from sidmacib.mechanics.elastic.memory import memory_needed, require_memory
 from sidmacib.mechanics.elastic.open_gaps import OpenGaps
+from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
@@ -60,7 +60,7 @@ class ElasticSolver:
         size = row_units(assembly)
         rigid = (equilibrium_matrix(assembly).toarray()[rows][:, self.kept] / size[:, None]).T
         give[np.diag_indices_from(give)] += 1.0 / self.stiffness
-        inverse = _inverted(give)
+        inverse = inverse_by(cholesky_factor(give))
         held = inverse @ rigid
         whole = rigid.T @ held
         whole[np.diag_indices_from(whole)] += LOOSE * float(whole.diagonal().max())
@@ -230,13 +230,3 @@ class ElasticSolver:
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
         return Equilibrium(load, jump, along, force, NodeState(after, state.whole))
-
-
-def _inverted(matrix: Floats) -> Floats:
-    """Inverse of a symmetric positive definite ``matrix``, which is overwritten."""
-    # Its transpose is in LAPACK's order, so that nothing is copied.
-    factor, _ = dpotrf(matrix.T, lower=1, overwrite_a=True)
-    inverse, _ = dpotri(factor, lower=1, overwrite_c=True)
-    for column in range(len(inverse)):
-        inverse[column, column + 1 :] = inverse[column + 1 :, column]
-    return np.asarray(inverse)

@@ -112,16 +112,20 @@ class BrittlePath:
     """A path on which bonds fail, until the load cannot rise.
 
     ``first_failure_load``: where the first node fails, or the peak if none does. ``path``: the
-    equilibria; those after the ``peak`` have its load, with more bonds broken. ``by_bonds``:
-    whether it ends as bonds fail and no equilibrium follows. ``refinement``: a factor on the
-    increments. ``collapsed``: what was left of the bonds then, see `NodeState.whole`.
+    equilibria; those after the ``peak`` have its load, with more bonds broken. ``refinement``: a
+    factor on the increments. ``collapsed``: what was left of the bonds when no equilibrium followed
+    their failure, see `NodeState.whole`; None if the path ends otherwise.
     """
 
     first_failure_load: float
     path: tuple[Equilibrium, ...]
-    by_bonds: bool
     refinement: float
     collapsed: Floats | None
+
+    @property
+    def by_bonds(self) -> bool:
+        """Whether it ends as bonds fail and no equilibrium follows."""
+        return self.collapsed is not None
 
     @property
     def peak(self) -> int:
@@ -175,7 +179,7 @@ def _after_first_failure(
             collapsed = left
             break
         path, failing = _raised(solver, [*path, after], scale, refinement, precision)
-    return BrittlePath(first_failure, tuple(path), bool(failing.any()), refinement, collapsed)
+    return BrittlePath(first_failure, tuple(path), refinement, collapsed)
 
 
 def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
