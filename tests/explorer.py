@@ -9,6 +9,7 @@ from http.client import HTTPConnection
 from typing import Any
 
 from analysis.explore.app import LOOPBACK, serve
+from analysis.explore.desk import Desk
 
 JSON = {"Content-Type": "application/json"}
 
@@ -31,6 +32,7 @@ class Served:
     """The page on a port of this machine."""
 
     port: int
+    desk: Desk
 
     @property
     def url(self) -> str:
@@ -56,6 +58,10 @@ class Served:
         more = {k.replace("_", "-"): v for k, v in headers.items()}
         return self.send("POST", path, JSON | more, body)
 
+    def newest(self) -> tuple[str, int]:
+        """The page that asked last, and the number of its newest request."""
+        return list(self.desk._latest.items())[-1]
+
     def ask(self, values: object, page: str = "test", number: int = 1) -> Answered:
         """What the page asks for a joint."""
         return self.post("/answer", {"page": page, "number": number, "values": values})
@@ -64,11 +70,11 @@ class Served:
 @contextmanager
 def explorer() -> Iterator[Served]:
     """Serve the page, on a free port."""
-    server, _ = serve(0)
+    server, app = serve(0)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
     try:
-        yield Served(server.port)
+        yield Served(server.port, app._desk)
     finally:
         server.shutdown()
         thread.join()

@@ -228,7 +228,8 @@ def test_a_superseded_request_is_dropped_between_models(
         seen.append(f"first {state.example}")
         if state.example == "arch":
             thread.start()
-            time.sleep(0.3)  # in which the newer request arrives, and waits
+            while served.newest()[1] < 8:  # the newer request arrives, and waits
+                time.sleep(0.001)
 
     def second(state: Chosen) -> None:
         seen.append(f"second {state.example}")

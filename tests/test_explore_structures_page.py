@@ -1,7 +1,8 @@
 """The explorer's page of structures in a browser."""
 
+import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
@@ -100,20 +101,27 @@ def test_all_that_is_painted_is_of_one_structure_or_grey(opened: Opened) -> None
 
 
 def test_a_newer_choice_is_not_kept_waiting_by_an_older_one(
-    opened: Opened, monkeypatch: pytest.MonkeyPatch
+    opened: Opened, served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page, begun = opened.page, []
+    page, begun, newer = opened.page, [], threading.Event()
 
-    def slow(state: Chosen) -> None:
+    def held(state: Chosen) -> None:
         begun.append(dict(state.values)["friction"])
-        time.sleep(0.5)
+        newer.wait(PATIENCE / 1000)
 
-    monkeypatch.setattr(app, "STAGES", (slow,) * 6)
-    for value in ("0.5", "0.6"):
-        page.fill("#friction-value", value)
+    def choose(friction: str, until: Callable[[], bool]) -> None:
+        page.fill("#friction-value", friction)
         page.keyboard.press("Tab")
-        page.wait_for_timeout(300)
+        give_up = time.monotonic() + PATIENCE / 1000
+        while not until() and time.monotonic() < give_up:
+            page.wait_for_timeout(10)
+        assert until()
         assert page.get_attribute("#answer", "aria-busy") == "true"
+
+    monkeypatch.setattr(app, "STAGES", (held,) * 6)
+    choose("0.5", until=lambda: bool(begun))
+    choose("0.6", until=lambda: served.newest()[1] == page.evaluate("latest"))
+    newer.set()
     settle(page)
     assert begun == [0.5, *[0.6] * 6]
     assert description(page)["interfaces"]["friction"] == 0.6
