@@ -56,6 +56,11 @@ ENGINES = {  # 500 cases of an engine
     "models": [],
     "dem": {"engines": ["yade"]},
 }
+PLANS = {
+    "10,000 static cases": SWEEP,
+    "500 engine cases": ENGINES,
+    "5,000 engine cases": {**ENGINES, "meshes": MESHES, "eccentricities": RATIOS},
+}
 ONE = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.02],
@@ -264,8 +269,8 @@ def process_figures(folder: Path) -> Iterator[Figure]:
         ("import sidmacib", "import sidmacib; sidmacib.Joint"),
     ):
         yield Figure(what, "CPU-s", least(python(code), REPEATS).cpu)
-    for name, config in (("10,000 static cases", SWEEP), ("500 engine cases", ENGINES)):
-        path = folder / f"{name.split()[1]}.yaml"
+    for name, config in PLANS.items():
+        path = folder / f"{name.replace(' ', '-')}.yaml"
         path.write_text(yaml.safe_dump(config))
         plan = used(snakemake(path, "-n"), ROOT)
         yield Figure(f"plan {name}", "s", plan.wall)

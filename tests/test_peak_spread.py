@@ -13,8 +13,10 @@ from analysis.tables.collect import compared_loads
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
-from sidmacib.mechanics.solution import SPREAD_LIMIT
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import NodeState
+from sidmacib.mechanics.rigid.solver import RigidSolver
+from sidmacib.mechanics.solution import SPREAD_LIMIT, Equilibrium
 from sidmacib.mechanics.static import peak_spread as module
 from sidmacib.mechanics.static.model import path_like, solver_of, static_peak
 from sidmacib.mechanics.static.peak_spread import (
@@ -50,7 +52,43 @@ def record(locks: int, ratio: float, mesh: float = 0.02) -> CaseRecord:
     return solved(case, solve)[0]
 
 
+class Recording(RigidSolver):
+    """A solver that keeps what it solved: load, state before, and the equilibrium."""
+
+    def __init__(self, assembly: Assembly, loads: Loads) -> None:
+        super().__init__(assembly, loads)
+        self.solved: list[tuple[float, NodeState, Equilibrium]] = []
+
+    def solve(
+        self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
+    ) -> Equilibrium:
+        found = super().solve(load, guess, state, thorough=thorough)
+        self.solved.append((load, state, found))
+        return found
+
+
 # --- what it is ----------------------------------------------------------------------------------
+def test_the_peak_spreads_as_friction_leaves_more_than_one_equilibrium() -> None:
+    """Copies part where one of them finds another equilibrium of the same problem."""
+    assembly, loads = loaded(13, 1.0, FINE)
+    whole = static_peak(assembly, loads)
+    copies = [Recording(changed(assembly, seed), loads) for seed in range(4)]
+    peaks = [path_like(copy, loads.scale, whole).path[-1].load for copy in copies]
+    low, high = copies[int(np.argmin(peaks))], copies[int(np.argmax(peaks))]
+    for (load, state, mine), (its_load, its_state, its) in zip(
+        low.solved, high.solved, strict=False
+    ):
+        assert its_load == pytest.approx(load, rel=1e-8)
+        assert np.array_equal(its_state.whole, state.whole)  # no tie in the order of failure
+        apart = float(np.abs(its.force - mine.force).max() / np.abs(mine.force).max())
+        if apart > 1e-3:
+            break
+    found = [low.solve(load, each.unknowns, state).force for each in (mine, its)]
+    for force, expected in zip(found, (mine.force, its.force), strict=True):
+        assert np.allclose(force, expected, rtol=0.0, atol=1e-7 * np.abs(expected).max())
+    assert apart > 0.1
+
+
 def test_the_peak_after_a_long_cascade_spreads_and_its_first_failure_does_not() -> None:
     assembly, loads = loaded(13, 1.0, FINE)
     whole = static_peak(assembly, loads)

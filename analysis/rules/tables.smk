@@ -2,6 +2,7 @@
 PUBLISHED = ("analysis/published.yaml",)
 
 
+# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
 rule collect:
     input:
         plan=plan("collect"),
@@ -13,8 +14,6 @@ rule collect:
         models=shown("tables/models.csv"),
     log:
         below("logs/collect.log"),
-    group:
-        "tables"
     resources:
         **asks("collect"),
     params:

@@ -76,6 +76,7 @@ OF_STRUCTURES = [
 ]
 
 
+# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
 rule structure_tables:
     input:
         plan=plan("structure_tables"),
@@ -86,8 +87,6 @@ rule structure_tables:
         blocks=shown("tables/blocks.csv"),
     log:
         below("logs/structure_tables.log"),
-    group:
-        "tables"
     resources:
         **asks("structure_tables"),
     params:
@@ -99,6 +98,7 @@ rule structure_tables:
         STEP
 
 
+# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
 rule structure_vtk:
     input:
         plan=plan("structure_vtk"),
@@ -111,8 +111,6 @@ rule structure_vtk:
         ],
     log:
         below("logs/structure_vtk.log"),
-    group:
-        "tables"
     resources:
         **asks("structure_vtk"),
     params:

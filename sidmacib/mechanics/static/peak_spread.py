@@ -1,10 +1,10 @@
 """Whether a brittle peak can be trusted: its spread under changes far below any tolerance.
 
 The first failure moves by no more than the change itself. After it nodes fail one after the other,
-and which one is next may depend on the last digits: after a long cascade the peak then jumps. So
-the peak is computed again on a few copies of the assembly, with the stiffnesses and strengths of
-each node changed by up to 1e-9, from the first failure on. If the peaks lie too far apart, none of
-them is the capacity; the first failure is.
+and friction may leave more than one equilibrium: which one is found may depend on the last digits,
+and after a long cascade the peak then jumps. So the peak is computed again on a few copies of the
+assembly, with the stiffnesses and strengths of each node changed by up to 1e-9, from the first
+failure on. If the peaks lie too far apart, none of them is the capacity; the first failure is.
 """
 
 from dataclasses import dataclass, replace
