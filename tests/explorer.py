@@ -60,7 +60,8 @@ class Served:
 
     def newest(self) -> tuple[str, int]:
         """The page that asked last, and the number of its newest request."""
-        return list(self.desk._latest.items())[-1]
+        with self.desk._changed:
+            return list(self.desk._latest.items())[-1]
 
     def ask(self, values: object, page: str = "test", number: int = 1) -> Answered:
         """What the page asks for a joint."""

@@ -2,7 +2,7 @@
 
 import re
 import shutil
-import time
+import threading
 from collections.abc import Iterator
 from typing import Any
 
@@ -175,10 +175,10 @@ def test_thirty_presses_of_a_key_end_in_the_joint_that_they_chose(opened: Opened
 def test_a_slow_answer_is_waited_for_in_grey(
     opened: Opened, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    page, quick = opened.page, app.answers
+    page, quick, looked_at = opened.page, app.answers, threading.Event()
 
     def slow(state: Settings) -> Answers:
-        time.sleep(1.0)
+        looked_at.wait(PATIENCE / 1000)
         return quick(state)
 
     monkeypatch.setattr(app, "answers", slow)
@@ -188,6 +188,7 @@ def test_a_slow_answer_is_waited_for_in_grey(
     assert page.get_attribute("#answer", "aria-busy") == "true"
     assert (page.text_content("#words") or "").startswith("5 locks, ")
     assert page.locator("#words").evaluate("part => getComputedStyle(part).opacity") == "0.4"
+    looked_at.set()
     opened.settle()
     assert (page.text_content("#words") or "").startswith("31 locks, ")
     require_true(opened.frames())
