@@ -6,8 +6,6 @@ both for what is called the same there. CPU times are of all processes. Run it o
 
 import argparse
 import json
-import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -23,6 +21,7 @@ import yaml
 from benchmarks.explorer import step_seconds
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
+from benchmarks.usage import Usage, used
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
@@ -76,29 +75,6 @@ class Figure:
     what: str
     unit: str
     value: float
-
-
-@dataclass(frozen=True)
-class Usage:
-    """Time (s), CPU time (s) and largest memory (MB) of a command with what it starts."""
-
-    wall: float
-    cpu: float
-    memory: float
-
-
-def used(command: Sequence[str], folder: Path) -> Usage:
-    """Run ``command`` in ``folder``; RuntimeError if it fails."""
-    start = time.monotonic()
-    with tempfile.TemporaryFile("w+") as log:
-        process = subprocess.Popen(command, cwd=folder, stdout=log, stderr=subprocess.STDOUT)
-        _, status, usage = os.wait4(process.pid, 0)
-        process.returncode = os.waitstatus_to_exitcode(status)
-        if process.returncode:
-            log.seek(0)
-            raise RuntimeError(f"{' '.join(command)}: {log.read()[-2000:]}")
-    wall = time.monotonic() - start
-    return Usage(wall, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024)
 
 
 def least(command: Sequence[str], repeats: int) -> Usage:
@@ -365,7 +341,7 @@ def main() -> None:
         folder = Path(name)
         base = base_values(arguments.base, folder / "base") if arguments.base else None
         figures = [
-            *process_figures(folder),  # first: a process begins with the memory of this one
+            *process_figures(folder),
             *library_figures(),
             *elastic_figures(),
             *structure_figures(),

@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 import yaml
 
-from benchmarks.bench import used
+from benchmarks.usage import used
 from workflow.planning.closure import ROOT
 from workflow.run.job import read_times
 
