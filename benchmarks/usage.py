@@ -13,7 +13,6 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from subprocess import PIPE, STDOUT
 
 
 @dataclass(frozen=True)
@@ -30,7 +29,12 @@ def used(command: Sequence[str], folder: Path) -> Usage:
     with tempfile.NamedTemporaryFile("r") as numbers:
         between = [sys.executable, "-S", str(Path(__file__).resolve()), numbers.name, *command]
         done = subprocess.run(
-            between, cwd=folder, check=False, stdout=PIPE, stderr=STDOUT, text=True
+            between,
+            cwd=folder,
+            check=False,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
         )
         if done.returncode:
             raise RuntimeError(f"{' '.join(command)}: {done.stdout[-2000:]}")

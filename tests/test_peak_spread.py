@@ -68,12 +68,13 @@ class Recording(RigidSolver):
 
 
 # --- what it is ----------------------------------------------------------------------------------
-def test_the_peak_spreads_as_friction_leaves_more_than_one_equilibrium() -> None:
+def test_the_peak_spreads_as_friction_leaves_more_than_one_equilibrium(
+    far: StaticCapacity,
+) -> None:
     """Copies part where one of them finds another equilibrium of the same problem."""
     assembly, loads = loaded(13, 1.0, FINE)
-    whole = static_peak(assembly, loads)
     copies = [Recording(changed(assembly, seed), loads) for seed in range(4)]
-    peaks = [path_like(copy, loads.scale, whole).path[-1].load for copy in copies]
+    peaks = [path_like(copy, loads.scale, far.solution).path[-1].load for copy in copies]
     low, high = copies[int(np.argmin(peaks))], copies[int(np.argmax(peaks))]
     for (load, state, mine), (its_load, its_state, its) in zip(
         low.solved, high.solved, strict=False

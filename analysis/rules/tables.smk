@@ -2,7 +2,7 @@
 PUBLISHED = ("analysis/published.yaml",)
 
 
-# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule collect:
     input:
         plan=plan("collect"),

@@ -76,7 +76,7 @@ OF_STRUCTURES = [
 ]
 
 
-# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule structure_tables:
     input:
         plan=plan("structure_tables"),
@@ -98,7 +98,7 @@ rule structure_tables:
         STEP
 
 
-# Not in a group: a group looks at all inputs of its jobs again whenever one of these is made.
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule structure_vtk:
     input:
         plan=plan("structure_vtk"),
