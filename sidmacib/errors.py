@@ -1,5 +1,7 @@
 """Errors of models that find no answer."""
 
+DOES_NOT_STAND = "The structure does not stand under its own weight"
+
 
 class CapacityError(RuntimeError):
     """A model has no largest load; the message names what was asked and the reason."""

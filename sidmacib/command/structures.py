@@ -88,8 +88,8 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
         error = limit_mesh_error(problem, limit.load)
         yield row("limit", limit.load, f"{_assumes(problem.assembly)}; {moves}", error)
         try:
-            sliding = sliding_limit(*problem).state
-            yield row("limit, no dilation", sliding.load, "sliding does not open the joints")
+            sliding = sliding_limit(*problem)
+            yield row("limit, no dilation", sliding.state.load, sliding.note)
         except CapacityError as error:
             yield row("limit, no dilation", None, reason(error))
     try:

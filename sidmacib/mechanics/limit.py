@@ -13,30 +13,40 @@ penalty on the sum of s^2 / A, picks the one for which that sum is least, which 
 """
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import cvxpy as cp
 import numpy as np
+import scipy.sparse as sp
 from scipy.sparse import csr_array
 
-from sidmacib.errors import CapacityError, SolverError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.mechanics.polygons import CondensedLocks, ResultantLimits
+from sidmacib.mechanics.twist import Twist
 
 # Accuracy of the load, over itself or the loads' scale if that is larger, and digits that are then
-# kept. With an even number of locks, rounding loses the last ones.
-ACCURACIES = {1e-9: 9, 1e-7: 7}
-MANY = 5000  # nodes from which the lower accuracy will do: the higher takes twice as long
+# kept. With an even number of locks, rounding loses the last ones; bonds without friction
+# beside dry faces lose more.
+ACCURACIES = {1e-9: 9, 1e-7: 7, 1e-5: 5}
+MANY = 5000  # nodes from which the highest accuracy is not asked for: it takes twice as long
 # Penalty of the second programme: so small that it decides between equal loads only.
 SMALL = (1e-5, 1e-7, 1e-9)
+OF_ROUNDS = 1e-6  # penalty of the only programme of a round, whose load settles to less than that
 LOST = 1e-8  # relative loss of load by the penalty, at most
 LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
 MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
+ROUNDS = 30  # at most, with limits of torque
+QUICK = 8  # rounds after which places of pressure are taken from the round before in part
+KEPT = 0.6  # that part
+SETTLED = 1e-3  # change of the load over itself in such rounds
+CALM = 3  # rounds in a row that must have settled
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
 MOST_MEMORY = 2**31  # bytes; so large a programme takes some twenty minutes
 
@@ -49,12 +59,13 @@ class LimitState:
     exerts on the piece above, in the frame of the face (normal, two tangents). ``mechanism``: how
     the pieces move when the load exceeds its limit, from the multipliers of the equations of
     equilibrium: displacements (m) and rotations (rad) for 1 m along the load, (P, 6). Several
-    motions may be possible; this is one of them.
+    motions may be possible; this is one of them. ``twisted``: how many faces' torque is limited.
     """
 
     load: float
     force: Floats
     mechanism: Floats
+    twisted: int = 0
 
 
 @dataclass(frozen=True)
@@ -70,16 +81,17 @@ def limit_load(
     loads: Loads,
     *,
     friction: bool = False,
-    sliding: Sliding | None = None,
     most: float | None = None,
 ) -> LimitState:
     """The largest multiple of the variable ``loads`` that ``assembly`` carries.
 
     ``friction``: whether rough faces resist sliding; friction is associated, so that sliding
-    dilates. ``sliding``: in place of the friction cones, see `sidmacib.mechanics.sliding`. ``most``
+    dilates. Dry faces then carry no more torque than a linear pressure over the part that is
+    pressed allows, see `sidmacib.mechanics.twist`; where one would, the programme is repeated with
+    that limit until the load no longer changes, and the lowest load counts. ``most``
     (N): the load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
-    sometimes 1e-7, of the load or of ``loads.scale``, whichever is larger, and rounded to that.
-    ValueError for ``friction`` under a fixed plate, whose force has no limit: use a given force
+    sometimes 1e-7 or 1e-5, of the load or of ``loads.scale``, whichever is larger, and rounded to that;
+    with torque that is limited to 1e-3. ValueError for ``friction`` under a fixed plate, whose force has no limit: use a given force
     instead, see `sidmacib.HoldDown`. `sidmacib.errors.CapacityError` if there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
@@ -87,27 +99,72 @@ def limit_load(
             "friction: must be false under a fixed plate, where associated friction has no limit; "
             "or replace the plate by a force"
         )
+    free = solved(assembly, loads, friction, most=most)
+    return free if not friction else _with_torque_limited(assembly, loads, free, most)
+
+
+def _with_torque_limited(
+    assembly: Assembly, loads: Loads, free: LimitState, most: float | None
+) -> LimitState:
+    """`limit_load` from the state without limits of torque, ``free``."""
+    twist = Twist.of(assembly, free.force)
+    if not twist.motions:
+        return free
+    found = [free]
+    while len(found) <= ROUNDS and not _settled(found):
+        found.append(solved(assembly, loads, True, twist=twist, most=most))
+        kept = KEPT if len(found) > QUICK else 0.0
+        twist = twist.after(assembly, found[-1].force, kept)
+    # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
+    lowest = min(found[-CALM:], key=lambda each: each.load)
+    return replace(lowest, twisted=len(twist.motions))
+
+
+def _settled(found: Sequence[LimitState]) -> bool:
+    """Whether the load of the last rounds no longer changes."""
+    loads = [each.load for each in found[-CALM - 1 :]]
+    return len(loads) > CALM and max(loads) - min(loads) <= SETTLED * abs(loads[-1])
+
+
+def solved(
+    assembly: Assembly,
+    loads: Loads,
+    friction: bool,
+    *,
+    sliding: Sliding | None = None,
+    twist: Twist | None = None,
+    most: float | None = None,
+) -> LimitState:
+    """One round of `limit_load`, or of `sidmacib.mechanics.sliding`.
+
+    ``sliding``: in place of the friction cones. ``twist``: limits of torque.
+    """
     _require_room(assembly)
-    programme = _Programme(assembly, loads, friction, sliding)
+    programme = _Programme(assembly, loads, friction, sliding, twist)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = programme.constraints(load, force)
     if most is not None:
         constraints.append(load <= most / programme.scale)
-    accuracies = tuple(ACCURACIES) if force.shape[0] < MANY else (max(ACCURACIES),)
-    met = solve(cp.Problem(cp.Maximize(load), constraints), WHAT, *accuracies)
+    # In the norm of the areas: the same state however fine the mesh.
+    size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
+    accuracies = tuple(ACCURACIES)[force.shape[0] >= MANY :]
+    first: tuple[float, ...] = (0.0,) if sliding is None and twist is None else (OF_ROUNDS,)
+    met = solve(cp.Problem(cp.Maximize(load - first[0] * size), constraints), WHAT, *accuracies)
     largest = float(load.value)
     carried = most is not None and most - largest * programme.scale <= met * programme.scale
     multipliers = constraints[0].dual_value
     mechanism = np.zeros((programme.pieces, 6)) if carried else programme.mechanism(multipliers)
-    # In the norm of the areas: the same state however fine the mesh.
-    size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
-    for small in SMALL:
+    met_with_penalty = met
+    for small in SMALL if first == (0.0,) else ():
         objective = cp.Maximize(load - small * size)
         met_with_penalty = solve(cp.Problem(objective, constraints), WHAT, *accuracies)
         if largest - float(load.value) <= max(LOST, met) * max(abs(largest), 1.0):
             break
     else:
-        raise SolverError(f"{WHAT}: the second programme found no forces that carry the limit load")
+        if first == (0.0,):
+            raise SolverError(
+                f"{WHAT}: the second programme found no forces that carry the limit load"
+            )
     digits = ACCURACIES[max(met, met_with_penalty)]
     return LimitState(
         _rounded(largest * programme.scale, programme.scale, ACCURACIES[met]),
@@ -126,7 +183,10 @@ def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False
     programme = _Programme(assembly, loads, friction)
     load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     alone = [*programme.constraints(load, force), load == 0.0]
-    solve(cp.Problem(cp.Minimize(load), alone), WHAT, *ACCURACIES)
+    try:
+        solve(cp.Problem(cp.Minimize(load), alone), WHAT, *ACCURACIES)
+    except InfeasibleError:
+        raise InfeasibleError(DOES_NOT_STAND) from None
 
 
 def _require_room(assembly: Assembly) -> None:
@@ -144,7 +204,12 @@ class _Programme:
     """The constraints that both programmes share, in units in which their numbers are about 1."""
 
     def __init__(
-        self, assembly: Assembly, loads: Loads, friction: bool, sliding: "Sliding | None" = None
+        self,
+        assembly: Assembly,
+        loads: Loads,
+        friction: bool,
+        sliding: Sliding | None = None,
+        twist: Twist | None = None,
     ) -> None:
         loads.require_proportional()
         contact_law, rows = ContactLaw.of(assembly), free_rows(assembly)
@@ -174,13 +239,15 @@ class _Programme:
         self.inner, self.rough = np.flatnonzero(contact_law.cohesive), np.flatnonzero(rough)
         self.smooth, self.locked = np.flatnonzero(dry & ~rough), np.flatnonzero(of_locks)
         self.along = friction * contact_law.friction[of_locks]
-        self.sliding = sliding
+        self.assembly, self.sliding, self.twist = assembly, sliding, twist
         self.resultants = _resultants(assembly)
 
     def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
         """Equilibrium under ``load``, and the strengths of the nodes."""
         normal, shear = force[:, 0], force[:, 1:]
         inner, rough, smooth = self.inner, self.rough, self.smooth
+
+        limit = self._friction_limit(rough, normal)
 
         def size(nodes: Integers) -> cp.Expression:
             return cp.norm(shear[nodes], 2, axis=1)
@@ -190,10 +257,11 @@ class _Programme:
             self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
             size(inner) <= self._held(inner, normal),
             normal[inner] >= -self.tension[inner],
-            size(rough) <= self._friction_limit(rough, normal),
+            size(rough) <= limit,
             shear[smooth] == 0,
             normal[smooth] >= 0,
             *([] if self.sliding is None else [normal[rough] >= 0]),
+            *self._twist(limit, shear[rough]),
             *self._locks(normal, shear),
             *self._limited(normal, shear),
         ]
@@ -203,6 +271,18 @@ class _Programme:
             return cp.multiply(self.friction[rough], normal[rough])
         given = self.sliding.limit[rough] / self.unit[rough]
         return given + cp.multiply(self.sliding.slope[rough], normal[rough])
+
+    def _twist(self, limit: cp.Expression, shear: cp.Expression) -> list[cp.Constraint]:
+        if self.twist is None or not self.twist.motions:
+            return []
+        forces, limits = self.twist.rows(self.assembly, self.rough)
+        unit = self.unit[self.rough]
+        largest = float(unit.max())
+        forces, limits = (
+            each @ sp.diags_array(np.repeat(unit / largest, count))
+            for each, count in ((forces, 2), (limits, 1))
+        )
+        return [forces @ cp.vec(shear, order="C") <= limits @ limit]
 
     def mechanism(self, multipliers: Floats) -> Floats:
         """Motion of the pieces, (P, 6), from the multipliers of the equations of equilibrium."""

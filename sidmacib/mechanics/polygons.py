@@ -71,7 +71,7 @@ class Polygon:
 
         Cells no longer than ``mesh`` (m), each side of which is ``divided`` into that many.
         """
-        return _nodes(self.outline, mesh, layout, divided)
+        return outline_nodes(self.outline, mesh, layout, divided)
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,10 +118,10 @@ def polygon_nodes(
     return Nodes(index, np.concatenate(places), np.concatenate([area for _, area in flat]))
 
 
-def _nodes(
-    outline: shapely.Polygon, mesh: float, layout: NodeLayout, divided: int
+def outline_nodes(
+    outline: shapely.Polygon, mesh: float, layout: NodeLayout, divided: int = 1
 ) -> tuple[Floats, Floats]:
-    """Places (m), (K, 2), and areas (m2), (K,), of the nodes on an outline."""
+    """Places (m), (K, 2), and areas (m2), (K,), of the nodes on an outline; see `Polygon.nodes`."""
     corners = shapely.get_coordinates(outline.exterior)[:-1]
     size = float(np.ptp(corners, axis=0).max())
     convex = outline.convex_hull.area - outline.area <= CLOSE * size**2

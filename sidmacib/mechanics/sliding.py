@@ -9,70 +9,98 @@ before. Sliding then opens next to nothing. Rounds end when the load no longer c
 
 The load that they end with is one at which the structure moves with sliding that does not dilate.
 Such loads are not unique, and this one is no strict bound: it lies below the associated load, and
-above or below what a path of loading with its history of friction reaches.
+above or below what a path of loading with its history of friction reaches. Rounds that alternate
+take ever smaller steps; where they do not settle even so, the lowest load of the last ones counts.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.errors import SolverError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.limit import LimitState, Sliding, limit_load
+from sidmacib.mechanics.limit import LimitState, Sliding, limit_load, solved
+from sidmacib.mechanics.twist import Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
-KEPT = 0.6  # weight of the last round's normal forces, against those of the round before
-ROUNDS = 60  # at most
+STEP = 0.6  # weight of the last round's normal forces, against those of the round before
+SHORTER = 0.7  # its factor after a round in which the load turned back, else its divisor
+LEAST, MOST = 0.05, 1.0  # of it
+ROUNDS = 40  # at most
 SETTLED = 1e-4  # change of the load over itself in one round
 CALM = 3  # rounds in a row that must have settled
-LAST = 10  # rounds whose loads are named where they have not
+LAST = 10  # rounds of which the lowest load counts where they have not
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
+FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
+MOST_NODES = 20_000  # of an assembly: the rounds of a larger one would take an hour
+WHAT = "limit analysis without dilation"
 
 
 @dataclass(frozen=True)
 class SlidingLimit:
-    """The limit state of sliding without dilation, and that of associated friction."""
+    """The limit state of sliding without dilation, and that of associated friction.
+
+    ``highest``: the largest load (N) of the last rounds, where these have not settled; else None.
+    """
 
     state: LimitState
     associated: LimitState
     rounds: int
+    highest: float | None = None
 
     @property
     def overestimate(self) -> float:
         """By how much associated friction is higher, over the load without dilation."""
         return self.associated.load / self.state.load - 1.0
 
+    @property
+    def note(self) -> str:
+        """What the load assumes, in words."""
+        words = "sliding does not open the joints"
+        if self.highest is None:
+            return words
+        return f"{words}; lowest of {LAST} rounds that go up to {self.highest:.4g} N"
+
 
 def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
     """The load at which ``assembly`` moves with sliding on dry faces that does not dilate.
 
-    Errors of `limit_load`; `sidmacib.errors.SolverError` if the rounds do not settle.
+    Torque of dry faces is limited as in `limit_load`. Errors of that, and
+    `sidmacib.errors.InfeasibleError` if the structure then does not stand under its permanent
+    loads; `sidmacib.errors.CapacityError` for too large an assembly, at once.
     """
+    if (nodes := len(assembly.nodes.area)) > MOST_NODES:
+        raise CapacityError(f"{WHAT}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed")
+    associated = limit_load(assembly, loads, friction=True)
+    found = _rounds(assembly, loads, associated)
+    if found.state.load < -FALLS * loads.scale:
+        raise InfeasibleError(f"{DOES_NOT_STAND} where sliding does not dilate")
+    return found
+
+
+def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> SlidingLimit:
+    """The rounds from the state with ``associated`` friction on."""
     dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
     friction = np.where(dry, ContactLaw.of(assembly).friction, 0.0)
-    associated = state = limit_load(assembly, loads, friction=True)
-    normal, calm = associated.force[:, 0], 0
-    found: list[float] = []
+    normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
+    found, calm, step, change = [associated], 0, STEP, 0.0
     for number in range(1, ROUNDS + 1):
-        before = state.load
-        slope = SLOPE * friction
-        state = limit_load(
-            assembly,
-            loads,
-            friction=True,
-            sliding=Sliding((1.0 - SLOPE) * friction * np.maximum(normal, 0.0), slope),
-        )
-        found.append(state.load)
-        normal = KEPT * state.force[:, 0] + (1.0 - KEPT) * normal
-        calm = calm + 1 if abs(state.load - before) <= SETTLED * abs(state.load) else 0
-        if calm == CALM and _off_cone(friction, state.force) <= OFF_CONE:
+        limit = (1.0 - SLOPE) * friction * np.maximum(normal, 0.0)
+        sliding = Sliding(limit, SLOPE * friction)
+        state = solved(assembly, loads, True, sliding=sliding, twist=twist)
+        before, change = change, state.load - found[-1].load
+        found.append(state)
+        turned = before * change < 0.0
+        step = max(LEAST, SHORTER * step) if turned else min(MOST, step / SHORTER)
+        normal = step * state.force[:, 0] + (1.0 - step) * normal
+        twist = twist.after(assembly, state.force, max(0.0, 1.0 - step))
+        calm = calm + 1 if abs(change) <= SETTLED * abs(state.load) else 0
+        if calm >= CALM and _off_cone(friction, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
-    low, high = min(found[-LAST:]), max(found[-LAST:])
-    raise SolverError(
-        f"limit analysis without dilation: {ROUNDS} rounds do not settle, as such loads are not "
-        f"unique; the last ones are from {low:.5g} to {high:.5g} N"
-    )
+    last = found[-LAST:]
+    lowest = min(last, key=lambda each: each.load)
+    return SlidingLimit(lowest, associated, ROUNDS, max(each.load for each in last))
 
 
 def _off_cone(friction: Floats, force: Floats) -> float:

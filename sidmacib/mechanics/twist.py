@@ -1,0 +1,275 @@
+"""The shear and the torque that a dry face carries together, by what presses it.
+
+Node by node, Coulomb's law lets pressure gather in the corners of a face, where its lever is
+longest, though nothing presses it there: the torque of a square is then 85 % too high. Here the
+pressure is linear over the part of the face that is pressed: of all pressures p with the same
+resultant and no tension, the one of least sum of p^2 A, that of stiff blocks on stiff joints.
+Friction forces of any direction, at most mu p A at each point, carry a shear V and a torque T of a
+convex set. With the motion v of the face's middle and the rotation w it is
+
+    V v + T w  <=  mu sum over points of p A |v + w x r|    for every motion,
+
+where equality holds for the instantaneous centre of rotation. A uniformly pressed square of side a
+has T = 0.3826 mu N a at V = 0. Orduna & Lourenco (Three-dimensional limit analysis of rigid blocks
+assemblages, International Journal of Solids and Structures 42, 2005, 5140-5160) describe such a set
+by planes; here planes are added where the forces are outside.
+
+The set depends on the place of the pressure's resultant, which depends on the forces. So limit
+analysis takes the places from the round before.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import scipy.sparse as sp
+import shapely
+from scipy.optimize import nnls
+
+from sidmacib.mechanics.assembly import (
+    Assembly,
+    Face,
+    Floats,
+    Integers,
+    Kind,
+    NodeLayout,
+    Rectangle,
+)
+from sidmacib.mechanics.polygons import Polygon, outline_nodes
+
+CELLS = 4  # along the longer side of a rectangle, for the integral of its pressure
+OTHERS = 2  # along that of any other face, which is cut into more cells
+INSIDE = 1e-3  # over the distance from the centroid: a resultant on an edge is moved in by this
+TRIES = 20  # at the part of a face that is pressed
+WORST = 1e10  # condition of the equations for it
+EXACT = 1e4  # weight of a pressure's resultant against its least sum of squares
+STEPS = 60  # in the search for the motion that limits a face
+STOP = 1e-6  # gain over the use of the limit at which it ends
+STUCK = 1e-9  # of the largest speed: points that move less are at the centre of rotation
+EXCESS = 1e-3  # over the limit that is none
+PRESSED = 1e-6  # over the largest normal force of a face: what a face needs to be pressed at all
+# Motions (1, 1, size) that limit every face that is twisted, beside those that are found.
+_TURNS = np.arange(8) * np.pi / 4
+FIRST = np.array(
+    [(0.0, 0.0, w) for w in (-1.0, 1.0)]
+    + [(np.cos(t), np.sin(t), 3.0 * w) for t in _TURNS.tolist() for w in (-1.0, 1.0)]
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Pressure:
+    """A linear pressure on a face, as points: ``places`` (J, 2) along the tangents from its middle.
+
+    In units of ``size`` (m), the face's longer side. ``shares`` of the normal force: (J,).
+    """
+
+    places: Floats
+    shares: Floats
+    size: float
+
+    @classmethod
+    def of(cls, face: Face, centre: Floats) -> "Pressure":
+        """On ``face``, with its resultant at ``centre``, (2,) in m."""
+        places, areas, size = _points(face)
+        return cls(places, linear_pressure(places, areas, centre / size), size)
+
+    def resistance(self, motions: Floats) -> Floats:
+        """Work of friction in ``motions``, (K, 3), over mu N, (K,)."""
+        return np.asarray(np.hypot(*self._speeds(motions)) @ self.shares)
+
+    def _speeds(self, motions: Floats) -> Floats:
+        """Along both tangents at each point, (2, K, J)."""
+        x, y = self.places.T
+        one, other, turn = motions.T[:, :, None]
+        return np.array([one - turn * y, other + turn * x])
+
+    def worst(self, load: Floats) -> tuple[float, Floats]:
+        """How much of the limit a ``load``, (3,), uses and in which motion, (3,), that is reached.
+
+        ``load``: shears and torque / size, over mu N. Least resistance at unit work of the load, by
+        weights that are one over the speeds of the step before.
+        """
+        x, y = self.places.T
+        one, zero = np.ones_like(x), np.zeros_like(x)
+        rows = np.array([[one, zero], [zero, one], [-y, x]])  # (3, 2, J)
+        weight, used, best = self.shares, 0.0, load
+        for _ in range(STEPS):
+            matrix = (rows * weight).reshape(3, -1) @ rows.reshape(3, -1).T
+            matrix += STUCK * matrix.trace() * np.eye(3)  # a line does not resist turning on it
+            motion = np.linalg.solve(matrix, load)
+            speed = np.hypot(*self._speeds(motion[None])[:, 0])
+            use = float(load @ motion / (speed @ self.shares))
+            if use > used:
+                gain, used, best = use - used, use, motion / np.abs(motion).max()
+                if gain <= STOP * use:
+                    break
+            weight = self.shares / np.maximum(speed, STUCK * speed.max())
+        return used, best
+
+
+@dataclass(frozen=True, eq=False)
+class Twist:
+    """The limits of faces that are twisted.
+
+    ``centres``: where the normal force of each face has its resultant, along the tangents from its
+    middle, (F, 2) in m; NaN of faces that have not been pressed. ``motions`` by the number of the
+    face, (K, 3), in which the torque is limited.
+    """
+
+    centres: Floats
+    motions: Mapping[int, Floats]
+
+    @classmethod
+    def of(cls, assembly: Assembly, force: Floats) -> "Twist":
+        """By the forces of a state without such limits, (N, 3) in N."""
+        where = Resultants.of(assembly, force)
+        return cls(where.centres, {})._more(assembly, where)
+
+    def after(self, assembly: Assembly, force: Floats, kept: float) -> "Twist":
+        """By the forces of a state with these limits; ``kept``: weight of the centres before it."""
+        where = Resultants.of(assembly, force)
+        mean = kept * self.centres + (1.0 - kept) * where.centres
+        moved = np.where(np.isnan(self.centres), where.centres, mean)
+        centres = np.where(np.isnan(where.centres), self.centres, moved)
+        return Twist(centres, self.motions)._more(assembly, where)
+
+    def _more(self, assembly: Assembly, where: "Resultants") -> "Twist":
+        motions = dict(self.motions)
+        for number in where.candidates(assembly):
+            pressure = Pressure.of(assembly.faces[number], self.centres[number])
+            used, motion = pressure.worst(where.use(number, pressure.size))
+            if used > 1.0 + EXCESS:
+                motions[number] = np.vstack([motions.get(number, FIRST), motion])
+        return replace(self, motions=motions)
+
+    def rows(self, assembly: Assembly, rough: Integers) -> tuple[sp.csr_array, sp.csr_array]:
+        """Work of the shear forces of nodes and of their friction limits, in every motion.
+
+        ``rough``: the nodes that rub, (R,). Returns (K, 2 R) and (K, R): that of the forces is at
+        most that of the limits.
+        """
+        lever = levers(assembly)
+        forces, limits = [], []
+        for number, motions in self.motions.items():
+            pressure = Pressure.of(assembly.faces[number], self.centres[number])
+            nodes = np.flatnonzero(assembly.nodes.face == number)
+            here = Pressure(lever[nodes] / pressure.size, np.ones(len(nodes)), pressure.size)
+            columns = np.searchsorted(rough, nodes)
+            speeds = here._speeds(motions).transpose(1, 2, 0).reshape(len(motions), -1)
+            wide = (2 * columns[:, None] + np.arange(2)).ravel()
+            most = np.repeat(pressure.resistance(motions)[:, None], len(nodes), axis=1)
+            forces.append(_placed(speeds, wide, 2 * len(rough)))
+            limits.append(_placed(most, columns, len(rough)))
+        return sp.csr_array(sp.vstack(forces)), sp.csr_array(sp.vstack(limits))
+
+
+@dataclass(frozen=True, eq=False)
+class Resultants:
+    """Of each face: normal force (N), (F,), shear (N), (2, F), torque about its middle (N m), (F,).
+
+    ``limit``: friction coefficient times normal force (N). ``centres``: as in `Twist`.
+    """
+
+    limit: Floats
+    shear: Floats
+    torque: Floats
+    centres: Floats
+
+    @classmethod
+    def of(cls, assembly: Assembly, force: Floats) -> "Resultants":
+        """Of node ``force``, (N, 3) in N, in the frames of the faces."""
+        count, face = len(assembly.faces), assembly.nodes.face
+
+        def sums(values: Floats) -> Floats:
+            return np.bincount(face, values, count)
+
+        (x, y), (normal, one, other) = levers(assembly).T, force.T
+        pressing = sums(normal)
+        pressed = pressing > PRESSED * max(float(pressing.max(initial=0.0)), 0.0)
+        divisor = np.where(pressed, pressing, np.nan)
+        friction = np.array([each.material.friction for each in assembly.faces])
+        return cls(
+            friction * np.where(pressed, pressing, 0.0),
+            np.array([sums(one), sums(other)]),
+            sums(x * other - y * one),
+            np.array([sums(x * normal), sums(y * normal)]).T / divisor[:, None],
+        )
+
+    def candidates(self, assembly: Assembly) -> list[int]:
+        """Dry faces that are pressed and twisted about the resultant of their pressure."""
+        x, y = self.centres.T
+        about = np.abs(self.torque - x * self.shear[1] + y * self.shear[0])
+        return [
+            number
+            for number, face in enumerate(assembly.faces)
+            if face.kind is Kind.DRY
+            and self.limit[number] > 0.0
+            and about[number] > EXCESS * self.limit[number] * _points(face)[2]
+        ]
+
+    def use(self, number: int, size: float) -> Floats:
+        """Shears and torque / ``size`` of a face, over its limit of friction, (3,)."""
+        both = [*self.shear[:, number], self.torque[number] / size]
+        return np.array(both) / self.limit[number]
+
+
+def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> Floats:
+    """Shares of a normal force at ``places``, (J, 2), that are no tension and linear if pressed.
+
+    ``areas``: (J,), which add up to 1, as the shares do. ``centre``: (2,), of the force; it is
+    moved inside the places if it is on their edge. They are the shares of least sum of p^2 / A.
+    """
+    middle = areas @ places
+    sought = np.array([1.0, *((1.0 - INSIDE) * (centre - middle))])
+    basis = np.column_stack([np.ones(len(areas)), places - middle])
+    pressed = np.ones(len(areas), bool)
+    for _ in range(TRIES):
+        matrix = (basis[pressed].T * areas[pressed]) @ basis[pressed]
+        if np.linalg.cond(matrix) > WORST:
+            break
+        pressure = basis @ np.linalg.solve(matrix, sought)
+        if np.array_equal(pressure > 0.0, pressed):
+            return np.asarray(areas * np.maximum(pressure, 0.0))
+        pressed = pressure > 0.0
+    # Rare: the part that is pressed is found among all, one point after the other.
+    root = np.sqrt(areas)
+    rows = np.vstack([EXACT * basis.T * root, np.eye(len(areas))])
+    shares = nnls(rows, np.concatenate([EXACT * sought, np.zeros(len(areas))]))[0] * root
+    return np.asarray(shares / shares.sum())
+
+
+def levers(assembly: Assembly) -> Floats:
+    """Where each node is along the tangents from its face's middle, (N, 2) in m."""
+    faces = assembly.nodes.face
+    middle = np.array([face.middle for face in assembly.faces])[faces]
+    tangents = np.array([face.axes[1:] for face in assembly.faces])[faces]
+    return np.asarray(np.einsum("nx,ntx->nt", assembly.nodes.position - middle, tangents))
+
+
+def _placed(values: Floats, columns: Integers, width: int) -> sp.csr_array:
+    """``values``, (K, C), in those ``columns`` of a matrix of that ``width``."""
+    count, each = values.shape
+    ends = np.arange(count + 1) * each
+    return sp.csr_array((values.ravel(), np.tile(columns, count), ends), (count, width))
+
+
+@lru_cache(maxsize=4096)
+def _points(face: Face) -> tuple[Floats, Floats, float]:
+    """Points along the tangents from the middle over the size, (J, 2), their areas, and the size.
+
+    Areas over that of the face, (J,). The size in m: the longer side of the face.
+    """
+    if isinstance(face, Rectangle):
+        u, v = face.axes[1:] @ (np.array(face.high) - np.array(face.low))
+        outline = shapely.box(-u / 2, -v / 2, u / 2, v / 2)
+    elif isinstance(face, Polygon):
+        outline = face.outline
+    else:
+        raise TypeError(f"{face.name}: must be a polygon or a rectangle")
+    low_x, low_y, high_x, high_y = outline.bounds
+    size = float(max(high_x - low_x, high_y - low_y))
+    rectangle = len(outline.exterior.coords) == 5 and not outline.interiors
+    cells = CELLS if rectangle else OTHERS
+    places, areas = outline_nodes(outline, size / cells, NodeLayout.LOBATTO)
+    return places / size, areas / areas.sum(), size
