@@ -187,7 +187,7 @@ def test_what_does_not_stand_is_drawn_with_the_reason_beside_it(
     opened = opened_at(browser, served, "?structure=arch&friction=0.1")
     page = opened.page
     assert "no answer" in (page.text_content("#words") or "")
-    assert "no forces balance the permanent loads" in (page.text_content("#lines") or "")
+    assert "does not stand under its own weight" in (page.text_content("#lines") or "")
     assert len(page.evaluate("document.getElementById('structure-plot').data[1].x")) == 5 * 8
     assert page.locator("#structure-play").is_disabled()
     page.close()

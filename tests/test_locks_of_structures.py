@@ -20,7 +20,7 @@ from sidmacib.problem import Problem
 from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.cutting import cut
-from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import Pair, structure
 from studies.structures.shapes import arch
 
@@ -77,12 +77,12 @@ def test_the_joint_as_two_blocks_has_the_numbers_of_the_joint(eccentricity: floa
 
 
 @pytest.mark.parametrize("option", ["option1", "option4"])
-@pytest.mark.parametrize("working", [None, 2.0])
-def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float | None) -> None:
+@pytest.mark.parametrize("working", [ALL, 2.0])
+def test_condensed_locks_carry_what_sidmacib_says(option: str, working: float) -> None:
     joint = Joint(5, density=1e-6, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.force(PUSH))
     condensed = Condensed(working, OPTIONS[option])
     two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, condensed)})
-    strength = None if working is None else (working / joint.locks,) * joint.locks
+    strength = None if working == ALL else (working / joint.locks,) * joint.locks
     model = Sidmacib(joint, OPTIONS[option], strength)
     permanent, variable = np.zeros((2, 2, 6))
     permanent[1, 2] = -PUSH
@@ -214,7 +214,7 @@ def test_locks_that_do_not_fit_are_refused_by_name(change: dict, message: str) -
 
 def test_condensed_locks_are_refused_by_the_static_model() -> None:
     joint = Joint(3, upper_body=UpperBody.MONOLITHIC)
-    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed())})
+    two = structure(two_blocks(joint), joint.dry, locked={PAIR: locks_of(joint, Condensed(ALL))})
     variable = np.zeros((2, 6))
     variable[1, 1] = 1.0
     with pytest.raises(CapacityError, match="has condensed locks, which have no stiffness"):

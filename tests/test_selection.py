@@ -68,7 +68,7 @@ def test_the_last_law_that_fits_counts() -> None:
 
 
 def test_locks_are_of_the_pairs_that_a_rule_fits() -> None:
-    locks = {"count": 3, "height": 0.1, "row": [0, 1, 0], "condensed": {}}
+    locks = {"count": 3, "height": 0.1, "row": [0, 1, 0], "condensed": {"working": "all"}}
     locks["between"] = {"materials": ["stone", "brick"]}  # type: ignore[assignment]
     locked = [
         face.name

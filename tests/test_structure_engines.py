@@ -18,7 +18,7 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
-from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
 from workflow.engines import ENGINES
@@ -162,7 +162,7 @@ def test_what_an_engine_cannot_do_is_refused_by_name(engine: str, tmp_path: Path
         box("one", (0.0, 0.0, 0.0), (0.4, 0.4, 0.2), 2e3, fixed=True),
         box("two", (0.0, 0.0, 0.2), (0.4, 0.4, 0.4), 2e3),
     ]
-    locks = Locks(3, 0.02, row=(0.0, 1.0, 0.0), condensed=Condensed())
+    locks = Locks(3, 0.02, row=(0.0, 1.0, 0.0), condensed=Condensed(ALL))
     condensed = structure(blocks, dry(0.5), locked={pair: locks})
     with pytest.raises(EngineNoAnswerError, match=f"^{engine}: one-two has condensed locks"):
         found(engine, pushed(condensed), tmp_path)

@@ -13,7 +13,7 @@ from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
 from analysis.summary.structures import first_failure, peak_is_unsettled
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
-from sidmacib.errors import CapacityError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import (
     UNSETTLED,
@@ -64,7 +64,7 @@ def static(chosen: Chosen) -> StructureRecord:
         fine = Problem(refined(problem.assembly), problem.loads)
         found, failures = solve_on_these_cells(fine, spread=False)
         if not failures.peak > 0.0:
-            raise CapacityError("does not stand before the load is raised")
+            raise CapacityError(DOES_NOT_STAND)
         errors = structure_mesh_errors(problem.assembly, before, failures, of_fine=True)
         return fine, replace(found, mesh_errors=errors)
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sidmacib.command.answers import Row, reason
-from sidmacib.errors import CapacityError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Kind
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
 from sidmacib.mechanics.polygons import CondensedLocks
@@ -96,7 +96,7 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
         coarse = static_peak(*problem)
         fine = static_peak(refined(problem.assembly), problem.loads)
         if not fine.peak.load > 0.0:
-            raise CapacityError("does not stand before the load is raised")
+            raise NoEquilibriumError
         first, peak = structure_mesh_errors(
             problem.assembly,
             *(Failures(each.first_failure_load, each.peak.load) for each in (coarse, fine)),
@@ -107,6 +107,8 @@ def _rows(problem: Problem, limit: LimitState | CapacityError | None) -> Iterato
         if is_unsettled(peak, bond_fails=fine.first_failure_load < fine.peak.load):
             note += f"; {UNSETTLED}"
         yield row("static, peak", fine.peak.load, note, peak)
+    except NoEquilibriumError:
+        yield row("static", None, DOES_NOT_STAND)
     except CapacityError as error:
         yield row("static", None, reason(error))
 

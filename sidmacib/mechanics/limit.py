@@ -88,11 +88,12 @@ def limit_load(
     ``friction``: whether rough faces resist sliding; friction is associated, so that sliding
     dilates. Dry faces then carry no more torque than a linear pressure over the part that is
     pressed allows, see `sidmacib.mechanics.twist`; where one would, the programme is repeated with
-    that limit until the load no longer changes, and the lowest load counts. ``most``
+    that limit until the load no longer changes, and the lowest of the last loads counts. ``most``
     (N): the load is not raised beyond this; if it is reached, nothing moves. Accurate to 1e-9,
-    sometimes 1e-7 or 1e-5, of the load or of ``loads.scale``, whichever is larger, and rounded to that;
-    with torque that is limited to 1e-3. ValueError for ``friction`` under a fixed plate, whose force has no limit: use a given force
-    instead, see `sidmacib.HoldDown`. `sidmacib.errors.CapacityError` if there is no largest load.
+    sometimes 1e-7 or 1e-5, of the load or of ``loads.scale``, whichever is larger, and rounded to
+    that; to 1e-3 where torque is limited. ValueError for ``friction`` under a fixed plate, whose
+    force has no limit: use a given force instead, see `sidmacib.HoldDown`.
+    `sidmacib.errors.CapacityError` if there is no largest load.
     """
     if friction and any(face.kind is Kind.PLATE for face in assembly.faces):
         raise ValueError(
@@ -148,26 +149,25 @@ def solved(
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
     accuracies = tuple(ACCURACIES)[force.shape[0] >= MANY :]
-    first: tuple[float, ...] = (0.0,) if sliding is None and twist is None else (OF_ROUNDS,)
-    met = solve(cp.Problem(cp.Maximize(load - first[0] * size), constraints), WHAT, *accuracies)
+    small = 0.0 if sliding is None and twist is None else OF_ROUNDS
+    met = solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *accuracies)
     largest = float(load.value)
+    of_load = ACCURACIES[met]
     carried = most is not None and most - largest * programme.scale <= met * programme.scale
     multipliers = constraints[0].dual_value
     mechanism = np.zeros((programme.pieces, 6)) if carried else programme.mechanism(multipliers)
-    met_with_penalty = met
-    for small in SMALL if first == (0.0,) else ():
-        objective = cp.Maximize(load - small * size)
-        met_with_penalty = solve(cp.Problem(objective, constraints), WHAT, *accuracies)
-        if largest - float(load.value) <= max(LOST, met) * max(abs(largest), 1.0):
-            break
-    else:
-        if first == (0.0,):
+    penalties = iter(SMALL)
+    while not small or largest - float(load.value) > max(LOST, met) * max(abs(largest), 1.0):
+        small = next(penalties, 0.0)
+        if not small:
             raise SolverError(
                 f"{WHAT}: the second programme found no forces that carry the limit load"
             )
-    digits = ACCURACIES[max(met, met_with_penalty)]
+        objective = cp.Maximize(load - small * size)
+        met = max(met, solve(cp.Problem(objective, constraints), WHAT, *accuracies))
+    digits = ACCURACIES[met]
     return LimitState(
-        _rounded(largest * programme.scale, programme.scale, ACCURACIES[met]),
+        _rounded(largest * programme.scale, programme.scale, of_load),
         # Rounded to remove noise; plus 0 turns -0 into 0.
         programme.unit[:, None] / LARGEST * (np.round(LARGEST * force.value, digits) + 0.0),
         mechanism,

@@ -50,14 +50,19 @@ def limit_derivatives(
     """The limit load of ``assembly`` and its derivatives; arguments and errors of `limit_load`.
 
     Three solutions are enough, however many changes there are, where the forces and the mechanism
-    are unique; two more for each change where they are not. ValueError for a change with other
-    pieces, faces or numbers of nodes.
+    are unique. Where the torque of dry faces is limited, the loads at either end of each change
+    tell instead. ValueError for a change with other pieces, faces or numbers of nodes.
     """
     for name, change in changes.items():
         for other, _ in (change.before, change.after):
             if _shape(other) != _shape(assembly):
                 raise ValueError(f"{name}: must keep pieces, faces and the number of nodes")
     state = limit_load(assembly, loads, friction=friction)
+    if state.twisted:
+        return LimitDerivatives(
+            state.load,
+            {name: _difference(change, friction) for name, change in changes.items()},
+        )
     shaken = [
         limit_load(*_shaken(assembly, loads, sign), friction=friction) for sign in (SHAKE, -SHAKE)
     ]
@@ -69,6 +74,12 @@ def limit_derivatives(
         least = max(abs(value), abs(state.load) / change.size)
         found[name] = value if abs(others[0] - others[1]) <= SAME * least else None
     return LimitDerivatives(state.load, found)
+
+
+def _difference(change: Change, friction: bool) -> float:
+    """The derivative from the limit loads at either end of ``change``."""
+    before, after = (limit_load(*each, friction=friction).load for each in _sides(change))
+    return (after - before) / change.difference
 
 
 def _shape(assembly: Assembly) -> tuple[int, tuple[tuple[int, int], ...], list[int]]:

@@ -71,7 +71,7 @@ class Pressure:
     @classmethod
     def of(cls, face: Face, centre: Floats) -> "Pressure":
         """On ``face``, with its resultant at ``centre``, (2,) in m."""
-        places, areas, size = _points(face)
+        places, areas, size = points_of(face)
         return cls(places, linear_pressure(places, areas, centre / size), size)
 
     def resistance(self, motions: Floats) -> Floats:
@@ -182,7 +182,7 @@ class Resultants:
         count, face = len(assembly.faces), assembly.nodes.face
 
         def sums(values: Floats) -> Floats:
-            return np.bincount(face, values, count)
+            return np.asarray(np.bincount(face, values, count), float)
 
         (x, y), (normal, one, other) = levers(assembly).T, force.T
         pressing = sums(normal)
@@ -205,7 +205,7 @@ class Resultants:
             for number, face in enumerate(assembly.faces)
             if face.kind is Kind.DRY
             and self.limit[number] > 0.0
-            and about[number] > EXCESS * self.limit[number] * _points(face)[2]
+            and about[number] > EXCESS * self.limit[number] * points_of(face)[2]
         ]
 
     def use(self, number: int, size: float) -> Floats:
@@ -254,19 +254,21 @@ def _placed(values: Floats, columns: Integers, width: int) -> sp.csr_array:
     return sp.csr_array((values.ravel(), np.tile(columns, count), ends), (count, width))
 
 
-@lru_cache(maxsize=4096)
-def _points(face: Face) -> tuple[Floats, Floats, float]:
+def points_of(face: Face) -> tuple[Floats, Floats, float]:
     """Points along the tangents from the middle over the size, (J, 2), their areas, and the size.
 
     Areas over that of the face, (J,). The size in m: the longer side of the face.
     """
     if isinstance(face, Rectangle):
         u, v = face.axes[1:] @ (np.array(face.high) - np.array(face.low))
-        outline = shapely.box(-u / 2, -v / 2, u / 2, v / 2)
-    elif isinstance(face, Polygon):
-        outline = face.outline
-    else:
-        raise TypeError(f"{face.name}: must be a polygon or a rectangle")
+        return _points(shapely.box(-u / 2, -v / 2, u / 2, v / 2))
+    if isinstance(face, Polygon):
+        return _points(face.outline)
+    raise TypeError(f"{face.name}: must be a polygon or a rectangle")
+
+
+@lru_cache(maxsize=4096)
+def _points(outline: shapely.Polygon) -> tuple[Floats, Floats, float]:
     low_x, low_y, high_x, high_y = outline.bounds
     size = float(max(high_x - low_x, high_y - low_y))
     rectangle = len(outline.exterior.coords) == 5 and not outline.interiors

@@ -26,7 +26,7 @@ from sidmacib.structure.interfaces import (
     mean_size,
     touching,
 )
-from sidmacib.structure.locks import Condensed, Locks, Row, condensed_points, cut_out
+from sidmacib.structure.locks import ALL, Condensed, Locks, Row, condensed_points, cut_out
 from sidmacib.structure.rule_limits import rule_limits
 from sidmacib.validation import refused
 
@@ -232,7 +232,7 @@ def _condensed(
 ) -> CondensedLocks:
     """The face of locks that are condensed: as strong as those that work."""
     locks, each = row.locks, row.interface
-    share = 1.0 if condensed.working is None else condensed.working / locks.count
+    share = min(condensed.working or ALL, locks.count) / locks.count
     law = replace(locks.inner, cohesion=share * locks.inner.cohesion, friction=locks.dry.friction)
     axes = np.array([each.axes[0], row.run, row.across])
     outline = shapely.Polygon(

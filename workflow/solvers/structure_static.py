@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from sidmacib.errors import CapacityError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Kind, Loads
 from sidmacib.mechanics.solution import Equilibrium, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
@@ -42,7 +42,10 @@ def solve_on_these_cells(problem: Problem, *, spread: bool = True) -> tuple[Foun
     """
     if problem.loads.axis is not None:
         return _tilted(problem, Tilt(problem.loads.axis))
-    outcome, path = solve_with_path(problem, spread=spread)
+    try:
+        outcome, path = solve_with_path(problem, spread=spread)
+    except NoEquilibriumError:
+        raise NoEquilibriumError(DOES_NOT_STAND) from None
     motion = np.zeros((len(problem.assembly.pieces), 6))
     free = [number for number, piece in enumerate(problem.assembly.pieces) if not piece.fixed]
     motion[free] = path[-1].unknowns.reshape(len(free), 6)
@@ -88,7 +91,10 @@ def failures_of(assembly: Assembly, loads: Loads, *, first_only: bool = False) -
     if first_only:
         first = static_first_failure(assembly, loads).point.load
         return Failures(first, first)
-    found = static_peak(assembly, loads)
+    try:
+        found = static_peak(assembly, loads)
+    except NoEquilibriumError:
+        raise NoEquilibriumError(DOES_NOT_STAND) from None
     return Failures(found.first_failure_load, found.peak.load)
 
 

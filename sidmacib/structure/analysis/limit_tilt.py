@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.errors import InfeasibleError, UnboundedError
+from sidmacib.errors import UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import LimitState, limit_load, require_standing
@@ -41,10 +41,7 @@ def limit_tilt(assembly: Assembly, tilt: Tilt) -> LimitTilt:
     missed where there are bonds, or where the axis is not horizontal. `InfeasibleError` if there
     are no forces before gravity turns; other errors of `limit_load`.
     """
-    try:
-        require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
-    except InfeasibleError:
-        raise InfeasibleError("limit analysis: no forces balance gravity before it turns") from None
+    require_standing(assembly, turned(assembly, tilt, 0.0), friction=True)
     strong = ContactLaw.of(assembly).cohesive.any() or assembly.without_stiffness
     if tilt.level and not strong:
         return _by_sectors(assembly, tilt)

@@ -15,7 +15,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads, Vector, rotated
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.equilibrium import free_rows
@@ -172,7 +172,7 @@ class _Turning:
         try:
             return self.upright.start()
         except NoEquilibriumError:
-            raise NoEquilibriumError("no equilibrium before gravity turns") from None
+            raise NoEquilibriumError(DOES_NOT_STAND) from None
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False

@@ -30,7 +30,7 @@ from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.selection import Pair, Selection
 from sidmacib.structure.interfaces import NEAR, interfaces
 from sidmacib.structure.loads import acceleration, force_at
-from sidmacib.structure.locks import Condensed, Locks
+from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
 from sidmacib.validation import refused
 from sidmacib.yaml_text import read_yaml
@@ -208,7 +208,9 @@ def _locks(key: str, given: dict[str, Any]) -> Locks:
 def _condensed(key: str, value: Any) -> Condensed:
     given = mapping(key, value, (), ("working", "option", "rule", "hold_down"))
     working, hold_down = None, FIXED_PLATE
-    if "working" in given:
+    if given.get("working") == "all":
+        working = ALL
+    elif "working" in given:
         working = read_number(f"{key}.working", given["working"], POSITIVE)
     option = given.get("option", "option3")
     if not isinstance(option, str) or option not in OPTIONS:
@@ -217,8 +219,8 @@ def _condensed(key: str, value: Any) -> Condensed:
     if "rule" in given and (not isinstance(rule, str) or rule not in RULES):
         raise refused(f"{key}.rule", rule, f"one of {', '.join(RULES)}")
     if "hold_down" in given:
-        if rule is None:
-            raise ValueError(f"{key}.hold_down: is for a rule; give {key}.rule as well")
+        if working is not None:
+            raise ValueError(f"{key}.hold_down: is for a rule; must not be given beside working")
         try:
             hold_down = HoldDown.read(given["hold_down"])
         except ValueError as error:

@@ -1,0 +1,167 @@
+"""The torque that dry faces carry: that of a linear pressure, not of pressure in their corners."""
+
+import math
+
+import numpy as np
+import pytest
+import shapely
+from structures import dry
+
+from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.mechanics.change import Change
+from sidmacib.mechanics.limit import limit_load, solved
+from sidmacib.mechanics.limit_sensitivity import limit_derivatives
+from sidmacib.mechanics.polygons import outline_nodes
+from sidmacib.mechanics.sliding import sliding_limit
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.twist import Pressure, linear_pressure
+from sidmacib.problem import Problem
+from sidmacib.structure.blocks import box
+from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch, wall
+
+SIDE = 0.3  # m
+# Mean distance of the points of a square of side 1 from its centre.
+SQUARE = (math.sqrt(2.0) + math.asinh(1.0)) / 6.0
+
+
+def lintel(
+    at: tuple[float, float, float], shift: float = 0.0, mesh: float = 0.03, friction: float = 0.6
+) -> Problem:
+    """A lintel on a square pier, ``shift`` off its middle, pushed sideways by a force ``at``."""
+    blocks = [
+        box("pier", (0.0, 0.0, -1.0), (SIDE, SIDE, 0.0), 2e3, fixed=True),
+        box("lintel", (shift - 0.6, 0.0, 0.0), (shift + 0.9, SIDE, 0.2), 2e3),
+    ]
+    model = structure(blocks, dry(friction), mesh=mesh)
+    return Problem(model, force_at(model, "lintel", at, (0.0, 1.0, 0.0)))
+
+
+def square(centre: tuple[float, float], cells: int = 4) -> Pressure:
+    places, areas = outline_nodes(
+        shapely.box(-0.5, -0.5, 0.5, 0.5), 1.0 / cells, NodeLayout.LOBATTO
+    )
+    return Pressure(places, linear_pressure(places, areas, np.array(centre)), 1.0)
+
+
+def torque(pressure: Pressure) -> float:
+    """Of a face without shear, over mu N and its size."""
+    used, _ = pressure.worst(np.array([0.0, 0.0, 1.0]))
+    return 1.0 / used
+
+
+def by_center_of_rotation(friction: float, weight: float, lever: float) -> float:
+    """The force on a uniformly pressed square with that ``lever`` (m): turns about one point."""
+    points = (np.arange(400) + 0.5) / 400 * SIDE - SIDE / 2
+    x, y = np.meshgrid(points, points)
+    centres = np.linspace(-SIDE, 0.0, 3001)
+    resistance = [float(np.hypot(x - centre, y).mean()) for centre in centres]
+    return friction * weight * min(np.array(resistance) / (lever - centres))
+
+
+def test_a_square_under_pure_torque_has_its_closed_form() -> None:
+    assert pytest.approx(0.3826, abs=5e-5) == SQUARE
+    assert torque(square((0.0, 0.0))) == pytest.approx(SQUARE, rel=1e-3)
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.1, 0.05), (0.25, 0.0), (0.3, -0.2), (0.45, 0.0)])
+def test_a_pressure_has_its_resultant_and_is_linear_where_it_is_pressed(
+    centre: tuple[float, float],
+) -> None:
+    pressure = square(centre)
+    assert pressure.shares.sum() == pytest.approx(1.0, abs=1e-6)
+    assert pressure.shares @ pressure.places == pytest.approx(centre, abs=1e-3)
+    _, areas = outline_nodes(shapely.box(-0.5, -0.5, 0.5, 0.5), 0.25, NodeLayout.LOBATTO)
+    pressed = pressure.shares > 1e-9
+    stress = (pressure.shares / areas)[pressed]
+    basis = np.column_stack([np.ones(pressed.sum()), pressure.places[pressed]])
+    plane, *_ = np.linalg.lstsq(basis, stress, rcond=None)
+    assert basis @ plane == pytest.approx(stress, rel=1e-3, abs=1e-3 * stress.max())
+
+
+def test_a_face_that_is_pressed_on_an_edge_has_the_torque_of_the_edge() -> None:
+    assert torque(square((0.5, 0.0))) == pytest.approx(0.25, rel=2e-3)
+    assert torque(square((0.5, 0.5))) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_shear_alone_is_limited_by_coulomb_wherever_the_pressure_is() -> None:
+    for centre in ((0.0, 0.0), (0.2, 0.1), (0.49, 0.0)):
+        x, y = centre
+        through_it = np.array([0.6, 0.8, 0.8 * x - 0.6 * y])
+        assert square(centre).worst(through_it)[0] == pytest.approx(1.0, rel=2e-3)
+
+
+@pytest.mark.parametrize("lever", [0.05, 0.35, 0.7, 2.0])
+def test_a_lintel_that_is_pushed_off_its_pier_turns_about_one_point(lever: float) -> None:
+    blocks = [
+        box("pier", (0.0, 0.0, -1.0), (SIDE, SIDE, 0.0), 2e3, fixed=True),
+        box("lintel", (-2.0, 0.0, 0.0), (2.3, SIDE, 0.2), 2e3),
+    ]
+    model = structure(blocks, dry(0.6))
+    loads = force_at(model, "lintel", (SIDE / 2 + lever, SIDE / 2, 0.0), (0.0, 1.0, 0.0))
+    found = limit_load(model, loads, friction=True).load
+    assert found == pytest.approx(
+        by_center_of_rotation(0.6, model.pieces[1].weight, lever), rel=3e-3
+    )
+
+
+def test_pressure_does_not_gather_in_the_corners_of_a_lintel() -> None:
+    problem = lintel((0.85, 0.15, 0.0))
+    assert solved(*problem, True).load == pytest.approx(297.7, abs=0.1)
+    found = limit_load(*problem, friction=True)
+    assert found.load == pytest.approx(170.4, abs=0.2)
+    assert found.twisted == 1
+    assert sliding_limit(*problem).state.load == pytest.approx(170.4, abs=0.2)
+
+
+@pytest.mark.parametrize("mesh", [math.inf, 0.1])
+def test_the_torque_does_not_depend_on_the_mesh(mesh: float) -> None:
+    found = limit_load(*lintel((0.85, 0.15, 0.0), mesh=mesh), friction=True).load
+    assert found == pytest.approx(170.4, abs=0.3)
+
+
+@pytest.mark.parametrize(
+    ("at", "shift"),
+    [
+        ((0.18, 0.15, 0.0), 0.0),
+        ((0.85, 0.15, 0.0), 0.05),
+        ((0.50, 0.15, 0.1), 0.05),
+        ((0.50, 0.15, 0.2), 0.0),
+    ],
+)
+def test_an_eccentric_lintel_carries_what_the_static_model_finds(
+    at: tuple[float, float, float], shift: float
+) -> None:
+    problem = lintel(at, shift)
+    found, static = limit_load(*problem, friction=True).load, static_peak(*problem).peak.load
+    assert found == pytest.approx(static, rel=0.015)
+
+
+def test_forces_obey_coulomb_and_carry_the_load_of_a_face_that_is_twisted() -> None:
+    problem = lintel((0.85, 0.15, 0.0))
+    found = limit_load(*problem, friction=True)
+    shear = np.hypot(found.force[:, 1], found.force[:, 2])
+    assert (shear - 0.6 * found.force[:, 0]).max() <= 1e-5 * found.force[:, 0].max()
+    assert found.force[:, 1:].sum(axis=0) @ problem.assembly.faces[0].axes[1:] == pytest.approx(
+        [0.0, -found.load, 0.0], abs=1e-4 * found.load
+    )
+
+
+@pytest.mark.parametrize("along", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_arches_and_walls_that_are_not_twisted_carry_as_much_as_before(
+    along: tuple[float, float, float],
+) -> None:
+    for blocks in (arch(9, 0.2), wall(3, 0.3)):
+        model = structure(blocks, dry(0.6))
+        loads = acceleration(model, along)
+        free = solved(model, loads, True).load
+        assert limit_load(model, loads, friction=True).load == pytest.approx(free, rel=1e-6)
+
+
+def test_derivatives_of_a_twisted_face_are_those_of_its_limit() -> None:
+    problem = lintel((0.85, 0.15, 0.0))
+    sides = [lintel((0.85, 0.15, 0.0), friction=0.6 + step) for step in (-0.006, 0.006)]
+    change = Change(sides[0], sides[1], 0.012)
+    found = limit_derivatives(*problem, {"friction": change}, friction=True)
+    assert found.by["friction"] == pytest.approx(found.load / 0.6, rel=0.01)
