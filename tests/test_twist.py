@@ -53,9 +53,9 @@ def torque(pressure: Pressure) -> float:
 
 def by_center_of_rotation(friction: float, weight: float, lever: float) -> float:
     """The force on a uniformly pressed square with that ``lever`` (m): turns about one point."""
-    points = (np.arange(400) + 0.5) / 400 * SIDE - SIDE / 2
+    points = (np.arange(80) + 0.5) / 80 * SIDE - SIDE / 2
     x, y = np.meshgrid(points, points)
-    centres = np.linspace(-SIDE, 0.0, 3001)
+    centres = np.linspace(-SIDE, 0.0, 1001)
     resistance = [float(np.hypot(x - centre, y).mean()) for centre in centres]
     return friction * weight * min(np.array(resistance) / (lever - centres))
 

@@ -45,6 +45,8 @@ WHAT = "limit analysis"
 ROUNDS = 30  # at most, with limits of torque
 QUICK = 8  # rounds after which places of pressure are taken from the round before in part
 KEPT = 0.6  # that part
+NEARER = 5  # times that pressure is taken nearer to the middle where nothing balances the weight
+FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
 SETTLED = 1e-3  # change of the load over itself in such rounds
 CALM = 3  # rounds in a row that must have settled
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
@@ -111,13 +113,22 @@ def _with_torque_limited(
     twist = Twist.of(assembly, free.force)
     if not twist.motions:
         return free
-    found = [free]
+    found, nearer = [free], 0
     while len(found) <= ROUNDS and not _settled(found):
-        found.append(solved(assembly, loads, True, twist=twist, most=most))
+        try:
+            found.append(solved(assembly, loads, True, twist=twist, most=most))
+        except InfeasibleError:
+            nearer += 1
+            if nearer > NEARER:
+                raise InfeasibleError(DOES_NOT_STAND) from None
+            twist = twist.nearer()
+            continue
         kept = KEPT if len(found) > QUICK else 0.0
         twist = twist.after(assembly, found[-1].force, kept)
     # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
     lowest = min(found[-CALM:], key=lambda each: each.load)
+    if lowest.load < -FALLS * loads.scale <= free.load:
+        raise InfeasibleError(DOES_NOT_STAND)
     return replace(lowest, twisted=len(twist.motions))
 
 
@@ -148,8 +159,8 @@ def solved(
         constraints.append(load <= most / programme.scale)
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(programme.share)[:, None], force))
-    accuracies = tuple(ACCURACIES)[force.shape[0] >= MANY :]
     small = 0.0 if sliding is None and twist is None else OF_ROUNDS
+    accuracies = tuple(ACCURACIES)[small > 0.0 or force.shape[0] >= MANY :]
     met = solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *accuracies)
     largest = float(load.value)
     of_load = ACCURACIES[met]

@@ -13,6 +13,8 @@ above or below what a path of loading with its history of friction reaches. Roun
 take ever smaller steps; where they do not settle even so, the lowest load of the last ones counts.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,19 +22,19 @@ import numpy as np
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.limit import LimitState, Sliding, limit_load, solved
+from sidmacib.mechanics.limit import FALLS, LimitState, Sliding, limit_load, solved
 from sidmacib.mechanics.twist import Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
 STEP = 0.6  # weight of the last round's normal forces, against those of the round before
 SHORTER = 0.7  # its factor after a round in which the load turned back, else its divisor
 LEAST, MOST = 0.05, 1.0  # of it
-ROUNDS = 40  # at most
-SETTLED = 1e-4  # change of the load over itself in one round
+ROUNDS = 30  # at most
+SETTLED = 3e-4  # change of the load over itself in one round
 CALM = 3  # rounds in a row that must have settled
 LAST = 10  # rounds of which the lowest load counts where they have not
+CLOSE = 3e-3  # over it, by which these may differ before all `ROUNDS` are done
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
-FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
 MOST_NODES = 20_000  # of an assembly: the rounds of a larger one would take an hour
 WHAT = "limit analysis without dilation"
 
@@ -84,11 +86,18 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
     dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
     friction = np.where(dry, ContactLaw.of(assembly).friction, 0.0)
     normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
-    found, calm, step, change = [associated], 0, STEP, 0.0
+    held, found, calm, step, change = normal, [associated], 0, STEP, 0.0
     for number in range(1, ROUNDS + 1):
         limit = (1.0 - SLOPE) * friction * np.maximum(normal, 0.0)
         sliding = Sliding(limit, SLOPE * friction)
-        state = solved(assembly, loads, True, sliding=sliding, twist=twist)
+        try:
+            state = solved(assembly, loads, True, sliding=sliding, twist=twist)
+        except (
+            InfeasibleError
+        ):  # so little friction that nothing balances the weight: half way back
+            normal, step, twist = (normal + held) / 2.0, SHORTER * step, twist.nearer()
+            continue
+        held = normal
         before, change = change, state.load - found[-1].load
         found.append(state)
         turned = before * change < 0.0
@@ -98,9 +107,16 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         calm = calm + 1 if abs(change) <= SETTLED * abs(state.load) else 0
         if calm >= CALM and _off_cone(friction, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
-    last = found[-LAST:]
-    lowest = min(last, key=lambda each: each.load)
-    return SlidingLimit(lowest, associated, ROUNDS, max(each.load for each in last))
+        if _spread(found) <= CLOSE:
+            break
+    last = sorted(found[-LAST:], key=lambda each: each.load)
+    return SlidingLimit(last[0], associated, number, last[-1].load)
+
+
+def _spread(found: Sequence[LimitState]) -> float:
+    """By how much the loads of the last rounds differ, over the lowest."""
+    loads = [each.load for each in found[-LAST:]]
+    return (max(loads) - min(loads)) / abs(min(loads)) if len(found) > LAST else math.inf
 
 
 def _off_cone(friction: Floats, force: Floats) -> float:

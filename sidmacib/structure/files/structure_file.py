@@ -211,7 +211,11 @@ def _condensed(key: str, value: Any) -> Condensed:
     if given.get("working") == "all":
         working = ALL
     elif "working" in given:
-        working = read_number(f"{key}.working", given["working"], POSITIVE)
+        try:
+            working = read_number(f"{key}.working", given["working"], POSITIVE)
+        except ValueError:
+            key, value = f"{key}.working", given["working"]
+            raise refused(key, value, "a number greater than 0, or all") from None
     option = given.get("option", "option3")
     if not isinstance(option, str) or option not in OPTIONS:
         raise refused(f"{key}.option", option, f"one of {', '.join(OPTIONS)}")
