@@ -11,8 +11,9 @@ convex set. With the motion v of the face's middle and the rotation w it is
 
 where equality holds for the instantaneous centre of rotation. A uniformly pressed square of side a
 has T = 0.3826 mu N a at V = 0. Orduna & Lourenco (Three-dimensional limit analysis of rigid blocks
-assemblages, International Journal of Solids and Structures 42, 2005, 5140-5160) describe such a set
-by planes; here planes are added where the forces are outside.
+assemblages, part I, International Journal of Solids and Structures 42, 2005, 5140-5160,
+doi:10.1016/j.ijsolstr.2005.02.010) bound shear and torque of rectangles by fixed planes; here
+planes are added where the forces are outside.
 
 The set depends on the place of the pressure's resultant, which depends on the forces. So limit
 analysis takes the places from the round before.
