@@ -4,9 +4,10 @@ The static theorem: the largest load for which node forces exist that keep every
 equilibrium and exceed no strength. At inner nodes |s_t| <= tau A + mu_b s_n and s_n >= -sigma A,
 where mu_b, the friction of bonds, is 0 in the paper. Dry nodes carry no tension, and shear only if
 friction is asked for, |s_t| <= mu s_n (associated: sliding would dilate, so it overestimates); the
-torque of a face is limited by a linear pressure, see `sidmacib.mechanics.twist`. Contact points in place of locks carry no tension, friction along the locks if that is asked for,
-and up to tau A across them. Forces redistribute freely: the geometry alone decides how far each
-lock is used, without a reduction rule.
+torque of a face is limited by a linear pressure, see `sidmacib.mechanics.twist`. Contact points in
+place of locks carry no tension, friction along the locks if that is asked for, and up to tau A
+across them. Forces redistribute freely: the geometry alone decides how far each lock is used,
+without a reduction rule.
 
 A first programme finds the load. Many states of forces carry it; a second programme, with a small
 penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique.
