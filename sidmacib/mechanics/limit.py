@@ -48,6 +48,7 @@ QUICK = 8  # rounds after which places of pressure are taken from the round befo
 KEPT = 0.6  # that part
 NEARER = 5  # times that pressure is taken nearer to the middle where nothing balances the weight
 FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
+SHORT = 1e-5  # of all permanent loads: what may be missing where a structure stands
 SETTLED = 1e-3  # change of the load over itself in such rounds
 CALM = 3  # rounds in a row that must have settled
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
@@ -193,12 +194,15 @@ def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False
     """
     _require_room(assembly)
     programme = _Programme(assembly, loads, friction)
-    load, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    alone = [*programme.constraints(load, force), load == 0.0]
+    share, force = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
+    # The part of the loads that is carried has a value even where forces do not exist.
+    carried = [*programme.constraints(0.0, force, share), share <= 1.0]
     try:
-        solve(cp.Problem(cp.Minimize(load), alone), WHAT, *ACCURACIES)
-    except InfeasibleError:
+        solve(cp.Problem(cp.Maximize(share), carried), WHAT, *ACCURACIES)
+    except InfeasibleError:  # not even without weight, as a rule wants locks to be pressed
         raise InfeasibleError(DOES_NOT_STAND) from None
+    if float(share.value) < 1.0 - SHORT:
+        raise InfeasibleError(DOES_NOT_STAND)
 
 
 def _require_room(assembly: Assembly) -> None:
@@ -254,8 +258,10 @@ class _Programme:
         self.assembly, self.sliding, self.twist = assembly, sliding, twist
         self.resultants = _resultants(assembly)
 
-    def constraints(self, load: cp.Variable, force: cp.Variable) -> list[cp.Constraint]:
-        """Equilibrium under ``load``, and the strengths of the nodes."""
+    def constraints(
+        self, load: cp.Variable | float, force: cp.Variable, share: cp.Variable | float = 1.0
+    ) -> list[cp.Constraint]:
+        """Equilibrium under ``load`` and a ``share`` of the permanent loads; strengths of nodes."""
         normal, shear = force[:, 0], force[:, 1:]
         inner, rough, smooth = self.inner, self.rough, self.smooth
 
@@ -266,7 +272,8 @@ class _Programme:
 
         return [
             # ``force`` acts on the pieces above, the matrix is for those below: hence no minus.
-            self.balance @ cp.vec(force, order="C") == self.permanent + load * self.variable,
+            self.balance @ cp.vec(force, order="C")
+            == share * self.permanent + load * self.variable,
             size(inner) <= self._held(inner, normal),
             normal[inner] >= -self.tension[inner],
             size(rough) <= limit,

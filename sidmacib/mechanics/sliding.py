@@ -13,13 +13,11 @@ above or below what a path of loading with its history of friction reaches. Roun
 take ever smaller steps; where they do not settle even so, the lowest load of the last ones counts.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import FALLS, LimitState, Sliding, limit_load, solved
@@ -92,9 +90,8 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         sliding = Sliding(limit, SLOPE * friction)
         try:
             state = solved(assembly, loads, True, sliding=sliding, twist=twist)
-        except (
-            InfeasibleError
-        ):  # so little friction that nothing balances the weight: half way back
+        except (InfeasibleError, SolverError):
+            # Too little friction for the weight: half way back.
             normal, step, twist = (normal + held) / 2.0, SHORTER * step, twist.nearer()
             continue
         held = normal
@@ -107,16 +104,16 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         calm = calm + 1 if abs(change) <= SETTLED * abs(state.load) else 0
         if calm >= CALM and _off_cone(friction, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
-        if _spread(found) <= CLOSE:
+        if len(found) > LAST and _close([each.load for each in found[-LAST:]]):
             break
+    if len(found) == 1:
+        raise SolverError(f"{WHAT}: {ROUNDS} rounds find no forces that balance the weight")
     last = sorted(found[-LAST:], key=lambda each: each.load)
     return SlidingLimit(last[0], associated, number, last[-1].load)
 
 
-def _spread(found: Sequence[LimitState]) -> float:
-    """By how much the loads of the last rounds differ, over the lowest."""
-    loads = [each.load for each in found[-LAST:]]
-    return (max(loads) - min(loads)) / abs(min(loads)) if len(found) > LAST else math.inf
+def _close(loads: list[float]) -> bool:
+    return max(loads) - min(loads) <= CLOSE * abs(min(loads))
 
 
 def _off_cone(friction: Floats, force: Floats) -> float:
