@@ -178,7 +178,7 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
     for each in found.effects:
         row = by_name[each.name]
         assert (row["value"], row["unit"], row["note"]) == (each.value, each.unit, each.note)
-        assert row["first failure (N)"] == found.load
+        assert row["first failure (N)"] == found.shear
         for key, value in (("1 % more (%)", each.more), ("1 % less (%)", each.less)):
             assert row[key] == (None if value is None else pytest.approx(value, abs=1e-9))
     sizes = [abs(float(str(row["1 % more (%)"] or 0.0))) for row in rows]
@@ -190,9 +190,18 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
 def test_effects_on_pieces_that_bend_are_refused_in_one_line() -> None:
     found = run("sensitivity", "-n", "3", "--young", "1e10")
     assert found.exit_code == 1
-    assert (
-        found.stderr == "Error: derivatives: for rigid pieces only; elastic ones have none here\n"
+    assert found.stderr == (
+        "Error: sensitivity: for rigid pieces only; elastic ones take minutes each\n"
     )
+
+
+def test_torsion_is_in_newton_metres() -> None:
+    (row, *_) = answers("sensitivity", "-n", "3", "-e", "torsion")
+    torques = {
+        each["model"]: each["M (N m)"] for each in answers("capacity", "-n", "3", "-e", "torsion")
+    }
+    assert row["first failure (N m)"] == pytest.approx(torques["law"], rel=0.02)
+    assert "derivative (N m per unit)" in row
 
 
 def test_the_law_prints_how_many_locks_work() -> None:

@@ -186,18 +186,20 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """How the first failure depends on each size and property (static model).
 
-    Each row has the change of the first failure, in %, for 1 % more and for 1 % less of one
-    parameter at the same e / a, and the derivative of the load. Largest effects come first. A note
-    says why a parameter has no derivative.
+    Each row has the change of V, in %, for 1 % more and for 1 % less of one parameter at the same
+    e / a, and the derivative of V from both; in pure torsion those of M. Largest effects come
+    first. A note says why a parameter has no derivative.
     """
     from sidmacib.command.answers import effect_rows
 
     joint = joint_of(flags)
-    with _refused_in_one_line():
-        words, rows = effect_rows(joint, ratio, Push(push))
+    with _refused_in_one_line(), status_line() as progress:
+        words, rows = effect_rows(joint, ratio, Push(push), progress)
     if form == "table":
         click.echo(f"{words}\n")
-        rows = [{key: row[key] for key in row if key != "first failure (N)"} for row in rows]
+        rows = [
+            {key: row[key] for key in row if not key.startswith("first failure")} for row in rows
+        ]
     click.echo(text_of(rows, form))
 
 
