@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
+from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.effects import sensitivity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
@@ -115,6 +117,27 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
         assert row["V (N)"] == pytest.approx(expected.shear)
         assert row["M (N m)"] == pytest.approx(expected.torque)
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
+    """It would lie up to 5 % above the safe rule."""
+    picture = tmp_path / "points.svg"
+    flags = ("-n", "3", "-m", "safe", "-e", "0", "-e", "0.3", "-e", "torsion")
+    rows = answers("capacity", *flags, "--picture", str(picture))
+    assert "<svg" in picture.read_text()
+    (axes,) = curves(rows, "three", joined=False).axes
+    (points,) = axes.lines
+    assert (points.get_linestyle(), points.get_marker()) == ("None", "o")
+    assert points.get_xdata() == pytest.approx([row["V (N)"] for row in rows])
+
+
+@pytest.mark.parametrize("joint", [Joint(3), Joint(5), Joint(9, a=0.08, H=0.06)])
+def test_lines_of_a_curve_are_hardly_above_the_safe_rule(joint: Joint) -> None:
+    points = [safe(joint, Direction(ratio)) for ratio in VM_RATIOS]
+    for one, other in pairwise(points):
+        shear, lever = (one.shear + other.shear) / 2, (one.torque + other.torque) / 2 / joint.a
+        drawn = math.hypot(shear, lever)
+        assert drawn <= 1.01 * safe(joint, Direction(lever / shear)).load
 
 
 def test_a_picture_has_the_curve_of_each_model() -> None:

@@ -11,9 +11,9 @@ import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
+from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.loading import Push
 
-DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
 
@@ -111,7 +111,7 @@ def capacity(
     with status_line() as progress:
         rows = capacity_rows(joint, directions, asked, Push(push), progress)
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
     _show(rows, form)
 
 
@@ -152,7 +152,7 @@ def envelope(
     joint = joint_of(flags)
     asked = list(dict.fromkeys(models or ("safe", "law")))
     with status_line() as progress:
-        rows = capacity_rows(joint, DIRECTIONS, asked, Push(push), progress)
+        rows = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
