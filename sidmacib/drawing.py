@@ -1,5 +1,6 @@
 """Colours, and V-M curves in print: for the command's pictures and the figures of studies."""
 
+import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,8 @@ BLUE, VERMILION, GREEN, PURPLE, SKY, ORANGE, OCHRE, BLACK, GREY = (
     *("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#8a6d00", "#000000"),
     "#9aa0aa",
 )
+# Of a V-M curve, e / a: straight lines between these are at most 1 % above the safe rule.
+VM_RATIOS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
 
 
 def vm_axes(axes: "Axes", title: str) -> None:

@@ -16,6 +16,7 @@ from sidmacib.validation import is_number
 
 Choice = TypeVar("Choice", bound=StrEnum)
 
+FORMULA = ("=", "+", "-", "@")  # what formulas of a spreadsheet begin with
 MAX_SHOWN = 60  # letters of a value that a message shows
 _DECIMAL = re.compile(r"[-+]?(\.[0-9]+|(0|[1-9][0-9]*)(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _WHOLE = re.compile(r"[-+]?(0|[1-9][0-9]{0,30})")

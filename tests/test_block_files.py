@@ -1,6 +1,7 @@
 """Blocks from OBJ, PLY and STL files, against the same blocks by their corners."""
 
 import json
+import os
 import re
 from pathlib import Path
 
@@ -54,6 +55,55 @@ def test_bodies_that_touch_stay_apart(suffix: str, tmp_path: Path) -> None:
     found = blocks_from_mesh(write(tmp_path / f"b{suffix}", [LOW, HIGH]), 2e3)
     assert [*found] == (["high", "low"] if suffix == ".obj" else ["1", "2"])
     assert sum(block.volume for block in found.values()) == pytest.approx(2.0)
+
+
+def test_a_material_library_is_not_read(tmp_path: Path) -> None:
+    """It says nothing of a block, and a pipe in its place would be waited for without end."""
+    path = write(tmp_path / "b.obj", [LOW])
+    os.mkfifo(tmp_path / "colours.mtl")
+    path.write_text("mtllib colours.mtl\nusemtl red\n" + path.read_text())
+    (found,) = blocks_from_mesh(path, 2e3).values()
+    assert found.volume == pytest.approx(1.0)
+
+
+TETRAHEDRON = """ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 4
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+0 1 0
+0 0 1
+3 0 2 1
+3 0 1 3
+3 1 2 3
+3 2 0 LAST
+"""
+
+
+@pytest.mark.parametrize("vertex", [4, 57, -1])
+def test_a_face_whose_vertex_is_missing_is_refused(vertex: int, tmp_path: Path) -> None:
+    path = tmp_path / "b.ply"
+    path.write_text(TETRAHEDRON.replace("LAST", "3"))
+    assert blocks_from_mesh(path, 2e3)
+    path.write_text(TETRAHEDRON.replace("LAST", str(vertex)))
+    with pytest.raises(ValueError, match=r"^file: b.ply: ") as error:
+        blocks_from_mesh(path, 2e3)
+    assert "\n" not in str(error.value)
+    if vertex > 0:
+        assert str(error.value).endswith(f"has a face with vertex {vertex}; it has 0 to 3")
+
+
+def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: Path) -> None:
+    path = tmp_path / "ball.ply"
+    trimesh.creation.icosphere(subdivisions=5).export(path)
+    with pytest.raises(ValueError, match=r"has 20480 plane faces; at most 5000 are allowed"):
+        blocks_from_mesh(path, 2e3)
 
 
 def test_bodies_that_share_corners_in_an_stl_file_are_refused(tmp_path: Path) -> None:

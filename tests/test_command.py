@@ -4,6 +4,7 @@ import csv
 import io
 import math
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from sidmacib.command.answers import MODELS
 from sidmacib.command.main import MODELS as NAMES
 from sidmacib.command.main import main
 from sidmacib.command.output import COLOURS, bars, curves, status_line, text_of
+from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.effects import sensitivity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
@@ -37,10 +39,9 @@ def test_capacity_prints_the_loads_of_the_library() -> None:
 
 
 def test_a_joint_that_no_model_takes_ends_with_an_error() -> None:
-    found = run("capacity", "-n", "9", "-H", "60", "-m", "law", "-m", "safe")
+    found = run("capacity", "-n", "9", "-H", "4", "-m", "law", "-m", "safe")
     assert found.exit_code == 1
-    assert "H / b: 1200 is not allowed" in found.output
-    assert "H: 60 m is very large; is it in m?" in found.stderr
+    assert "H / b: 80 is not allowed" in found.output
 
 
 def test_the_static_model_of_pieces_that_bend_is_asked_for_by_name() -> None:
@@ -117,6 +118,27 @@ def test_an_envelope_goes_from_shear_to_torsion_and_is_drawn(tmp_path: Path) -> 
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+def test_between_few_directions_no_line_is_drawn(tmp_path: Path) -> None:
+    """It would lie up to 5 % above the safe rule."""
+    picture = tmp_path / "points.svg"
+    flags = ("-n", "3", "-m", "safe", "-e", "0", "-e", "0.3", "-e", "torsion")
+    rows = answers("capacity", *flags, "--picture", str(picture))
+    assert "<svg" in picture.read_text()
+    (axes,) = curves(rows, "three", joined=False).axes
+    (points,) = axes.lines
+    assert (points.get_linestyle(), points.get_marker()) == ("None", "o")
+    assert points.get_xdata() == pytest.approx([row["V (N)"] for row in rows])
+
+
+@pytest.mark.parametrize("joint", [Joint(3), Joint(5), Joint(9, a=0.08, H=0.06)])
+def test_lines_of_a_curve_are_hardly_above_the_safe_rule(joint: Joint) -> None:
+    points = [safe(joint, Direction(ratio)) for ratio in VM_RATIOS]
+    for one, other in pairwise(points):
+        shear, lever = (one.shear + other.shear) / 2, (one.torque + other.torque) / 2 / joint.a
+        drawn = math.hypot(shear, lever)
+        assert drawn <= 1.01 * safe(joint, Direction(lever / shear)).load
+
+
 def test_a_picture_has_the_curve_of_each_model() -> None:
     rows = answers("envelope", "-n", "3")
     (axes,) = curves(rows, "three").axes
@@ -178,7 +200,7 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
     for each in found.effects:
         row = by_name[each.name]
         assert (row["value"], row["unit"], row["note"]) == (each.value, each.unit, each.note)
-        assert row["first failure (N)"] == found.load
+        assert row["first failure (N)"] == found.shear
         for key, value in (("1 % more (%)", each.more), ("1 % less (%)", each.less)):
             assert row[key] == (None if value is None else pytest.approx(value, abs=1e-9))
     sizes = [abs(float(str(row["1 % more (%)"] or 0.0))) for row in rows]
@@ -190,9 +212,18 @@ def test_effects_are_those_of_the_library_largest_first() -> None:
 def test_effects_on_pieces_that_bend_are_refused_in_one_line() -> None:
     found = run("sensitivity", "-n", "3", "--young", "1e10")
     assert found.exit_code == 1
-    assert (
-        found.stderr == "Error: derivatives: for rigid pieces only; elastic ones have none here\n"
+    assert found.stderr == (
+        "Error: sensitivity: for rigid pieces only; elastic ones take minutes each\n"
     )
+
+
+def test_torsion_is_in_newton_metres() -> None:
+    (row, *_) = answers("sensitivity", "-n", "3", "-e", "torsion")
+    torques = {
+        each["model"]: each["M (N m)"] for each in answers("capacity", "-n", "3", "-e", "torsion")
+    }
+    assert row["first failure (N m)"] == pytest.approx(torques["law"], rel=0.02)
+    assert "derivative (N m per unit)" in row
 
 
 def test_the_law_prints_how_many_locks_work() -> None:
@@ -294,7 +325,7 @@ def test_pictures_have_the_colours_of_the_figures() -> None:
 
 
 def test_an_envelope_that_no_model_gives_ends_with_an_error() -> None:
-    assert run("envelope", "-n", "9", "-H", "60").exit_code == 1
+    assert run("envelope", "-n", "9", "-H", "4").exit_code == 1
 
 
 def test_an_answer_asked_for_twice_is_printed_once() -> None:

@@ -138,3 +138,14 @@ def test_whatever_a_file_holds_there_is_an_answer_or_one_line(values: dict[str, 
         path.write_text(yaml.safe_dump(values))
         found = run("law", "--file", str(path))
     assert found.exception is None or isinstance(found.exception, SystemExit), found.exception
+
+
+@pytest.mark.parametrize(("name", "value"), [("a", 80.0), ("b", 50.0), ("h", 472e3), ("H", 5.1)])
+@pytest.mark.parametrize("what", ["capacity", "sensitivity", "weights", "law"])
+def test_a_joint_of_too_many_cells_is_refused_at_once(what: str, name: str, value: float) -> None:
+    found = run(what, f"-{name}", str(value))
+    most = 100 * {"a": 0.05, "b": 0.06}.get(name, 0.05)
+    assert found.exit_code == 2
+    assert f"-{name}: {value:g} m is not allowed; it must be at most {most:g} m" in found.stderr
+    if value > 10.0:
+        assert f"{name}: {value:g} m is very large; is it in m?" in found.stderr

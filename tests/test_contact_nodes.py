@@ -127,3 +127,9 @@ def test_the_first_failure_under_torque_converges_at_the_order_of_the_layout(
     found = -np.polyfit(np.log(1.0 / np.array(meshes)), np.log(errors), 1)[0]
     assert found == pytest.approx(order, abs=0.3)
     assert min(errors) > 0.0  # from above: unsafe
+
+
+def test_more_cells_than_memory_takes_are_refused_before_they_are_made() -> None:
+    words = r"^mesh: 1e-06 m is not allowed; .* at most 1000000 cells \(they would have 3.*e\+10\)$"
+    with pytest.raises(ValueError, match=words):
+        assemble(Joint(3), 1e-6)

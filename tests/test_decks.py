@@ -47,7 +47,7 @@ def returned(case: Case, load: float) -> str:
     lines = [
         "3DEC>program log on",
         f"MULTILOCK|CASE|{fingerprint(case)}",
-        f"MULTILOCK|LOAD|{load}|{load}",
+        f"MULTILOCK|LOAD|{load}|{1.001 * load}",
     ]
     for number, place, area, force in zip(
         nodes.face, nodes.position, nodes.area, forces, strict=True
@@ -169,6 +169,7 @@ def test_what_comes_back_reads_like_any_other_model(case: Case) -> None:
     load = static_outcome(case).path[-1].load
     record = record_of(case, *read_returned(returned(case, load), case), {})
     assert (record.name, record.load_N) == (case.name, pytest.approx(load, rel=1e-9))
+    assert record.failed_load_N == pytest.approx(1.001 * load, rel=1e-9)
     assert record.unbalanced_share < 1e-6
     assert max(each.weight for each in record.weights) <= 1.0 + 1e-6
 

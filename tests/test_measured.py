@@ -57,11 +57,33 @@ def test_a_load_is_given_by_its_shear_or_its_torque(
         ),
         ({"eccentricity": 0.1, "shear": 1.0}, "must be one of eccentricities"),
         ({"sample": "n9", "eccentricity": 0, "shear": 1.0}, "must be one of samples: n3"),
+        (
+            {"eccentricity": 0, "sheer": 1.0},
+            "sheer: unknown key; allowed keys: sample, eccentricity, shear, torque, specimen",
+        ),
     ],
 )
 def test_faults_in_a_load_are_reported(load: dict[str, Any], words: str) -> None:
     with pytest.raises(ConfigError, match=words):
         study_with({"sample": "n3", **load})
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+@pytest.mark.parametrize(
+    "fault",
+    [
+        {"eccentricity": 0, "shear": -1.0},
+        {"eccentricity": 0},
+        {"eccentricity": 0, "shear": 1.0, "sheer": 1.0},
+        {"eccentricity": 0.1, "shear": 1.0},
+        {"eccentricity": 0, "shear": 1.0, "sample": "n9"},
+    ],
+)
+def test_loads_are_counted_from_1_whatever_is_wrong(number: int, fault: dict[str, Any]) -> None:
+    loads: list[dict[str, Any]] = [{"sample": "n3", "eccentricity": 0, "shear": 1.0}] * 3
+    loads[number - 1] = {"sample": "n3", **fault}
+    with pytest.raises(ConfigError, match=rf"measured\.loads\.{number}\b"):
+        study_with(*loads)
 
 
 def test_a_campaign_without_a_source_is_refused() -> None:

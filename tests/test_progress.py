@@ -6,6 +6,7 @@ import logging
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -147,6 +148,17 @@ def test_a_job_that_ends_without_a_word_is_a_reason(tmp_path: Path) -> None:
     run.heard(begin(1, "one", log=str(log)), 0.0)
     run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
     assert run.reasons == [f"Failed: one: no message; log: {log}"]
+
+
+def test_a_job_whose_message_had_no_room_is_reported_with_the_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("shutil.disk_usage", lambda _: SimpleNamespace(free=512))
+    run, log = started(), tmp_path / "job.log"
+    log.touch()
+    run.heard(begin(1, "one", log=str(log)), 0.0)
+    found = run.heard(record(LogEvent.JOB_ERROR, jobid=1, rule_name="rule"), 1.0)
+    assert found == [f"Failed: one: no space left on the disk; log: {log}"]
 
 
 def test_that_cases_lack_results_is_a_reason_only_where_no_case_gave_one(tmp_path: Path) -> None:

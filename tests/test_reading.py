@@ -116,10 +116,10 @@ VALUES = [
     ("dem:", "dem: null is not allowed; it must be a mapping"),
     ("dem: {engines: yade}", "dem.engines: 'yade' is not allowed; it must be a list"),
     ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list of at least one value"),
-    ("eccentricities: [yes]", "eccentricities.0: 'yes' is not allowed; .*, or torsion"),
-    ("eccentricities: [true]", "eccentricities.0: true is not allowed; it must be .* at least 0"),
-    ("eccentricities: [.nan]", "eccentricities.0: nan is not allowed"),
-    (f"eccentricities: [{'9' * 5000}]", "eccentricities.0: '999.* is not allowed"),
+    ("eccentricities: [yes]", "eccentricities.1: 'yes' is not allowed; .*, or torsion"),
+    ("eccentricities: [true]", "eccentricities.1: true is not allowed; it must be .* at least 0"),
+    ("eccentricities: [.nan]", "eccentricities.1: nan is not allowed"),
+    (f"eccentricities: [{'9' * 5000}]", "eccentricities.1: '999.* is not allowed"),
     (f"{'x' * 500}: 1", "'xxxx.*...': unknown key; allowed keys: results, samples, "),
     ('"a\\nb": 1', r"'a\\nb': unknown key"),
     ('"\\0": 1', r"'\\x00': unknown key"),
@@ -153,7 +153,7 @@ VALUES = [
         "calibration: {meshes: [1e-6]}",
         "calibration.meshes: 1e-06 m is too fine .* at least 0.0001 m",
     ),
-    ("models: [[static]]", "models.0: a list is not allowed; it must be a name"),
+    ("models: [[static]]", "models.1: a list is not allowed; it must be a name"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]
 

@@ -250,8 +250,16 @@ def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
     assert page.text_content("#path-load") == "0 N"
     page.keyboard.press("End")
     assert page.text_content("#path-load") == peak
+    assert (peak or "").endswith(" N")
     page.select_option("#path-direction", "torsion")
-    assert page.text_content("#path-load") != peak
+    turned = page.text_content("#path-load") or ""
+    assert turned.endswith(" N m")
+    assert f"peak {turned} at" in (page.text_content("#move-text") or "")
+    path = "chosenPath()"
+    lever = page.evaluate(f"JOINTS.sizes.find((row) => row.sample === {path}.sample).a_m")
+    data = "document.getElementById('move-plot').data"
+    loads = page.evaluate(f"{data}.find((t) => t.name === 'static model, load raised').y")
+    assert max(loads) == pytest.approx(lever * page.evaluate(f"{path}.curve.at(-1)[1]"))
     assert "Bonds fail first in lock" in (page.text_content("#order-text") or "")
 
 

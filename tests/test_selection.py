@@ -103,3 +103,12 @@ def test_a_material_that_is_no_text_is_refused() -> None:
     blocks = {**WALL["blocks"], "base": {**WALL["blocks"]["base"], "material": 3}}
     with pytest.raises(ValueError, match=r"blocks\.base\.material: 3 is not allowed"):
         structure_of({**WALL, "blocks": blocks})
+
+
+@pytest.mark.parametrize("name", ["=1+1", "+a", "-a", "@a", " =1"])
+def test_a_name_that_a_spreadsheet_takes_for_a_formula_is_refused(name: str) -> None:
+    """It would stand in CSV tables of interfaces and blocks."""
+    blocks = {"ground": {"low": [0, 0, 0], "high": [1, 1, 1], "fixed": True}}
+    blocks[name] = {"low": [0, 0, 1], "high": [1, 1, 2]}
+    with pytest.raises(ValueError, match=r"^blocks: '.*' is not allowed; names must not begin"):
+        structure_of({"blocks": blocks, "load": {"acceleration": [1, 0, 0]}})

@@ -1,25 +1,20 @@
-"""Derivatives of a joint's first failure: against differences of the whole path, and by scaling."""
+"""Effects on a joint's first failure: against the joint with 1 % more or less, and by scaling."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
-import sidmacib.mechanics.rigid.solver as rigid
 from sidmacib.errors import CapacityError
-from sidmacib.joint.effects import Effect, Sensitivity, fields_of, sensitivity
+from sidmacib.joint.effects import FIELDS, Effect, Sensitivity, sensitivity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
-from sidmacib.joint.loading import Loading, Push, lateral_load, posed
+from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import assemble, reassemble
-from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Floats, Loads
-from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.model import path_to_first_failure
-from sidmacib.mechanics.utilisation import utilisation
+from sidmacib.mechanics.assembly import Elastic
+from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.rule.law import law
 
 SMOOTH = replace(DRY, friction=0.0)
 WEAK = replace(INNER, tensile_strength=0.0)
@@ -67,10 +62,10 @@ JOINTS = {
 CASES = pytest.mark.parametrize("name", JOINTS)
 
 
-def solved(name: str) -> tuple[Joint, Loading, Sensitivity]:
+def solved(name: str) -> Sensitivity:
     joint, direction = JOINTS[name]
     loading = Loading(direction, push=Push.MINUS_Y if name == "rough" else Push.PLUS_Y)
-    return joint, loading, sensitivity(joint, loading, joint.least_side)
+    return sensitivity(joint, loading, joint.least_side)
 
 
 def per_cent(found: Sensitivity, *names: str) -> float:
@@ -78,68 +73,83 @@ def per_cent(found: Sensitivity, *names: str) -> float:
     return sum(each.more or 0.0 for each in found.effects if each.name in names)
 
 
-# --- against differences -------------------------------------------------------------------------
-def at_loads(solver: rigid.RigidSolver, loads: Sequence[float]) -> Equilibrium:
-    """The last equilibrium of a path through ``loads`` (N), which begins without load."""
-    point = solver.start()
-    for load in loads[1:]:
-        point = solver.solve(load, point.unknowns, point.state)
-    return point
+def effect_of(found: Sensitivity, name: str) -> Effect:
+    (effect,) = (each for each in found.effects if each.name == name)
+    return effect
 
 
-def first_failure(assembly: Assembly, loads: Loads, parts: Floats, guess: float) -> float:
-    """The load (N) at which a node fails, on a path through ``parts`` of it: secant method."""
-    solver = rigid.RigidSolver(assembly, loads)
-
-    def excess(load: float) -> float:
-        point = at_loads(solver, (parts * load).tolist())
-        return float(utilisation(solver.contact_law, point.state, point.force).max()) - 1.0
-
-    one, other = guess, guess * (1.0 - 1e-6)
-    over, over_other = excess(one), excess(other)
-    for _ in range(6):
-        if over == over_other or abs(over) < 1e-14:
-            break
-        one, other = one - over * (one - other) / (over - over_other), one
-        over, over_other = excess(one), over
-    return one
-
-
-def by_differences(
-    joint: Joint, loading: Loading, found: Sensitivity, effect: Effect, side: float
-) -> Iterator[float]:
-    """Changes of the first failure in % for 1 % of a parameter, by differences of several steps."""
-    assembly, loads = posed(joint, loading, joint.least_side)
-    path, _ = path_to_first_failure(assembly, loads)
-    parts = np.array([*(point.load / found.load for point in path[:-1]), 1.0])
-    (field,) = (each for each in fields_of(joint) if each.name == effect.name)
-
-    def at(change: float) -> float:
-        other = field.put(joint, effect.value * (1.0 + side * change))
-        again = reassemble(other, assembly)
-        return first_failure(again, lateral_load(other, again, loading), parts, found.load)
-
-    start = first_failure(assembly, loads, parts, found.load)
-    assert start == pytest.approx(found.load, rel=1e-11)
-    for step in (1e-4, 1e-5, 1e-6):
-        one, two, three = (at(k * step) for k in (1, 2, 3))
-        yield (-11.0 * start + 18.0 * one - 9.0 * two + 2.0 * three) / (6.0 * step * start)
+# --- what the columns say ------------------------------------------------------------------------
+MESH = 0.0131  # m: no size of the joints below changes its number of cells by 1 %
+TORSION = Direction(math.inf)
+CHANGED: dict[str, Callable[[Joint, float], Joint]] = {
+    "a": lambda joint, part: replace(joint, a=part * joint.a),
+    "b": lambda joint, part: replace(joint, b=part * joint.b),
+    "h": lambda joint, part: replace(joint, h=part * joint.h),
+    "cohesion": lambda joint, part: replace(
+        joint, inner=replace(joint.inner, cohesion=part * joint.inner.cohesion)
+    ),
+    "friction": lambda joint, part: replace(
+        joint, dry=replace(joint.dry, friction=part * joint.dry.friction)
+    ),
+}
+ONE_PIECE = Joint(5, upper_body=UpperBody.MONOLITHIC, hold_down=HoldDown.pressure(2e4))
 
 
-@CASES
-def test_effects_are_those_of_differences(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    joint, loading, found = solved(name)
-    monkeypatch.setattr(rigid, "RESIDUAL", 1e-12)
-    for effect in found.effects:
-        for side, mine in ((1.0, effect.more), (-1.0, effect.less)):
-            if effect.value:
-                assert mine is not None
-                theirs = by_differences(joint, loading, found, effect, side)
-                # A larger step may let a contact open or slide; rounding spoils a smaller one.
-                assert any(abs(each - mine) < 1e-6 for each in theirs), (effect, side)
+def carried(joint: Joint, direction: Direction) -> float:
+    """V in N, in torsion M in N m, at the first failure of a joint that is assembled anew."""
+    load = static_first_failure(*posed(joint, Loading(direction), MESH)).point.load
+    return load * (direction.torque * joint.a if direction is TORSION else direction.shear)
 
 
-# --- by scaling ----------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", CHANGED)
+@pytest.mark.parametrize("direction", [Direction(0.3), TORSION], ids=["eccentric", "torsion"])
+@pytest.mark.parametrize("joint", [Joint(5), ONE_PIECE], ids=["columns", "one piece"])
+def test_effects_are_those_of_the_joint_with_1_per_cent_more_or_less(
+    joint: Joint, direction: Direction, name: str
+) -> None:
+    effect = effect_of(sensitivity(joint, Loading(direction), MESH), name)
+    base = carried(joint, direction)
+    for part, mine in ((1.01, effect.more), (0.99, effect.less)):
+        theirs = 100.0 * (carried(CHANGED[name](joint, part), direction) / base - 1.0)
+        assert mine == pytest.approx(theirs, abs=2e-3)
+
+
+def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative() -> None:
+    """The slope of the load promises 0.77 % for 1 % less height, and 0.21 % are carried."""
+    found = sensitivity(ONE_PIECE, Loading(TORSION), 0.24975 * ONE_PIECE.least_side)
+    height = effect_of(found, "h")
+    assert height.less == pytest.approx(0.212, abs=2e-3)
+    assert height.more == pytest.approx(-0.759, abs=2e-3)
+    assert (height.derivative, height.note) == (None, "less and more differ")
+
+
+def test_the_derivative_is_of_v() -> None:
+    joint, step = Joint(5), 1e-4
+    found = sensitivity(joint, Loading(Direction(0.3)), 0.24975 * joint.least_side)
+    wider, narrower = (replace(joint, b=joint.b * (1.0 + change)) for change in (step, -step))
+    by_law = law(wider, Direction(0.3)).shear - law(narrower, Direction(0.3)).shear
+    by_law /= 2.0 * step * joint.b
+    assert (found.unit, found.amount) == ("N", found.shear)
+    assert effect_of(found, "b").derivative == pytest.approx(by_law, rel=2e-3)
+
+
+def test_in_torsion_effects_are_of_the_torque() -> None:
+    joint = Joint(5)
+    found = sensitivity(joint, Loading(TORSION), MESH)
+    assert (found.unit, found.shear) == ("N m", 0.0)
+    assert found.amount == found.torque == pytest.approx(carried(joint, TORSION))
+    slope = effect_of(found, "cohesion").derivative
+    assert slope == pytest.approx(found.torque / joint.inner.cohesion, rel=1e-2)
+
+
+def test_progress_names_each_parameter() -> None:
+    lines: list[str] = []
+    sensitivity(Joint(3), Loading(Direction(0.3)), 0.05, progress=lines.append)
+    assert lines[0] == f"1 of {len(FIELDS)}: a"
+    assert len(lines) == len(FIELDS)
+
+
+# --- by scaling, to second order -----------------------------------------------------------------
 STRENGTHS = ("cohesion", "tensile_strength")
 STIFFNESSES = (
     "normal_stiffness",
@@ -147,7 +157,7 @@ STIFFNESSES = (
     "dry_normal_stiffness",
     "dry_shear_stiffness",
 )
-KINKS = 1e-5  # per cent: by which effects for more and less differ where contacts only touch
+SECOND_ORDER = 0.02  # per cent
 
 
 SCALED = pytest.mark.parametrize(
@@ -157,115 +167,35 @@ SCALED = pytest.mark.parametrize(
 
 @SCALED
 def test_strengths_and_loads_that_all_rise_raise_the_failure_as_much(name: str) -> None:
-    _, _, found = solved(name)
+    found = solved(name)
     together = per_cent(found, *STRENGTHS, "density", "pressure", "force")
-    assert together == pytest.approx(1.0, abs=1e-9)
+    assert together == pytest.approx(1.0, abs=SECOND_ORDER)
 
 
 @CASES
 def test_stiffnesses_that_all_rise_change_nothing(name: str) -> None:
-    _, _, found = solved(name)
-    assert per_cent(found, *STIFFNESSES) == pytest.approx(0.0, abs=KINKS)
+    assert per_cent(solved(name), *STIFFNESSES) == pytest.approx(0.0, abs=SECOND_ORDER)
 
 
 @SCALED
 def test_a_larger_joint_of_a_lighter_material_carries_the_same_stresses(name: str) -> None:
-    _, _, found = solved(name)
+    found = solved(name)
     lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
-    assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=1e-8)
+    power = 3.0 if found.unit == "N m" else 2.0
+    scaled = lengths - per_cent(found, "density") + 2.0 * force
+    assert scaled == pytest.approx(power, abs=SECOND_ORDER)
 
 
-RANDOM = st.builds(
-    Joint,
-    st.integers(2, 5),
-    a=st.floats(0.04, 0.1),
-    b=st.floats(0.03, 0.07),
-    h=st.floats(0.005, 0.02),
-    H=st.floats(0.02, 0.06),
-    density=st.floats(0.0, 3e3),
-    inner=st.builds(
-        FaceMaterial,
-        st.floats(5e9, 2e10),
-        st.floats(5e9, 2e10),
-        st.just(0.0),
-        st.floats(4e4, 2e5),
-        st.floats(2e5, 6e5),
-        bond_friction=st.sampled_from([0.0, 0.3]),
-    ),
-    dry=st.builds(
-        FaceMaterial,
-        st.floats(5e9, 2e10),
-        st.floats(5e9, 2e10),
-        st.one_of(st.just(0.0), st.floats(0.1, 0.6)),
-        st.just(0.0),
-        st.just(0.0),
-    ),
-    upper_body=st.sampled_from([UpperBody.COLUMNS, UpperBody.MONOLITHIC]),
-    first=st.sampled_from(Block),
-    hold_down=st.one_of(
-        st.just(HoldDown.plate()),
-        st.floats(1e3, 1e5).map(HoldDown.pressure),
-        st.floats(10.0, 300.0).map(HoldDown.force),
-    ),
-)
-RATIOS = st.sampled_from([0.0, 0.1, 0.3, 1.0, math.inf])
-
-
-@given(joint=RANDOM, ratio=RATIOS, push=st.sampled_from(Push))
-@settings(max_examples=8)
-def test_any_joint_scales_as_it_must(joint: Joint, ratio: float, push: Push) -> None:
-    try:
-        found = sensitivity(joint, Loading(Direction(ratio), push=push), joint.least_side)
-    except CapacityError as error:
-        assert "slide or rock" in str(error)
-        return
-    loads = per_cent(found, *STRENGTHS, "density", "pressure", "force")
-    assert loads == pytest.approx(1.0, abs=KINKS)
-    assert per_cent(found, *STIFFNESSES) == pytest.approx(0.0, abs=KINKS)
-    lengths, force = per_cent(found, "a", "b", "h", "H"), per_cent(found, "force")
-    assert lengths - per_cent(found, "density") + 2.0 * force == pytest.approx(2.0, abs=KINKS)
-
-
-# --- kinks, and what has no derivative -----------------------------------------------------------
-def test_nodes_that_fail_together_and_stay_together_have_one_derivative() -> None:
-    joint = Joint(5)
-    found = sensitivity(joint, Loading(Direction(0.0)), joint.least_side)
-    assert found.faces == ("inner-lower-lock2",)  # all nine nodes of which carry the same shear
-    by_name = {each.name: each for each in found.effects}
-    assert by_name["a"].more == pytest.approx(1.0, abs=1e-9)
-    assert by_name["a"].less == pytest.approx(-1.0, abs=1e-9)
-
-
-def test_friction_of_bonds_from_0_is_that_of_the_node_with_least_compression() -> None:
-    joint = Joint(4, **ODD)
-    loading = Loading(Direction(0.0))
-    smooth = sensitivity(joint, loading, joint.least_side)
-    (effect,) = (each for each in smooth.effects if each.name == "bond_friction")
-    assert effect.derivative is not None and effect.more is None
-    little = 1e-5
-    rough = replace(joint, inner=replace(joint.inner, bond_friction=little))
-    after = sensitivity(rough, loading, joint.least_side)
-    assert (after.load - smooth.load) / little == pytest.approx(effect.derivative, rel=1e-3)
-
-
-def test_where_faces_only_touch_less_and_more_may_differ() -> None:
-    """Under their weight the sides of published locks touch without a force."""
-    joint = Joint(5)
-    found = sensitivity(joint, Loading(Direction(0.3)), joint.least_side)
-    kinked = [each.name for each in found.effects if each.derivative is None]
-    assert kinked == ["normal_stiffness", "dry_normal_stiffness"]
-    for each in found.effects:
-        if each.name in kinked:
-            assert each.more is not None and each.less is not None
-            assert 1e-7 < abs(each.more + each.less) < 1e-4
-
-
-def test_friction_from_0_has_no_effect_that_the_smooth_joint_knows() -> None:
-    """Nothing holds a smooth joint along its locks, so a little friction decides how it moves."""
-    joint = Joint(5, dry=SMOOTH)
-    found = sensitivity(joint, Loading(Direction(0.3)), joint.least_side)
-    (effect,) = (each for each in found.effects if each.name == "friction")
-    assert (effect.derivative, effect.more, effect.less) == (None, None, None)
+# --- values of 0, and what is refused ------------------------------------------------------------
+@pytest.mark.parametrize("name", ["bond_friction", "friction"])
+def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
+    joint, loading = Joint(5, dry=SMOOTH), Loading(Direction(0.3))
+    effect = effect_of(sensitivity(joint, loading, MESH), name)
+    assert (effect.more, effect.less, effect.note) == (None, None, "for more")
+    part = "inner" if name == "bond_friction" else "dry"
+    rougher = replace(joint, **{part: replace(getattr(joint, part), **{name: 0.01})})
+    rise = (carried(rougher, Direction(0.3)) - carried(joint, Direction(0.3))) / 0.01
+    assert effect.derivative == pytest.approx(rise, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -274,12 +204,27 @@ def test_friction_from_0_has_no_effect_that_the_smooth_joint_knows() -> None:
         (Joint(1, hold_down=HoldDown.weight()), "slide or rock before a bond fails"),
         (Joint(3, elastic=Elastic(1e10)), "rigid pieces only"),
         (Joint(3, inner=WEAK), "before the load is raised"),
-        (Joint(3, inner=WEAK, hold_down=HoldDown.pressure(5e4)), "without strength"),
     ],
 )
 def test_what_has_no_first_failure_of_a_bond_is_refused(joint: Joint, words: str) -> None:
     with pytest.raises(CapacityError, match=words):
         sensitivity(joint, Loading(Direction(0.3)), joint.least_side)
+
+
+def test_a_changed_joint_without_equilibrium_has_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where what holds a joint down is just enough."""
+    joint, calls = Joint(3), []
+
+    def first_failure(*problem: object) -> object:
+        calls.append(problem)
+        if len(calls) == 2:
+            raise CapacityError("no equilibrium at 0 N")
+        return static_first_failure(*problem)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("sidmacib.joint.effects.static_first_failure", first_failure)
+    found = sensitivity(joint, Loading(Direction(0.0)), 0.05, fields=FIELDS[:1])
+    assert found.effects[0].note == "unknown: the changed joint has no equilibrium"
+    assert found.effects[0].more is None and found.effects[0].derivative is None
 
 
 def test_a_joint_with_the_nodes_of_another_has_each_at_the_same_part_of_its_face() -> None:

@@ -1,7 +1,7 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
 import json
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -301,13 +301,14 @@ def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> Non
         InterfaceRow(
             **dict.fromkeys(zero, 0.0)
             | law
-            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 0.0, "fails_at": None}
-            | {"normal_N": normal, "utilisation": used}
+            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 1.0, "fails_at": None}
+            | {"normal_N": normal, "utilisation": used, "eccentricity": None}
         )
         for name, normal, used in (("pressed", 100.0, 0.4), ("idle", 1e-3, 0.99))
     ]
     assert most_used(rows) == "pressed"
     assert most_used([]) is None
+    assert most_used([replace(row, bonded_share=0.0) for row in rows]) is None  # all are dry
 
 
 @pytest.mark.engine

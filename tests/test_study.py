@@ -163,9 +163,9 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(eccentricities=["twist"]),
-            r"eccentricities.0: 'twist' is not allowed; it must be .* \(e / a\), or torsion",
+            r"eccentricities.1: 'twist' is not allowed; it must be .* \(e / a\), or torsion",
         ),
-        (merged(eccentricities=[-0.1]), r"eccentricities.0: -0.1 is not allowed; .*"),
+        (merged(eccentricities=[-0.1]), r"eccentricities.1: -0.1 is not allowed; .*"),
         (
             {"samples": {"n4": {"locks": 4}}},
             r"samples.n4.locks: 4 is not allowed while sidmacib.reductions has half \(.*\)",
@@ -260,7 +260,7 @@ def differing(locks: dict[Any, Any]) -> dict[str, Any]:
         ),
         (
             merged(sidmacib={"reductions": ["quarter"]}),
-            "sidmacib.reductions.0: 'quarter' is not allowed; it must be one of none, .*",
+            "sidmacib.reductions.1: 'quarter' is not allowed; it must be one of none, .*",
         ),
         (
             merged(variants={"v": {"failur": "ductile"}}),

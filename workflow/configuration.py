@@ -1,7 +1,7 @@
 """Read a study's configuration from a mapping or a YAML file; one line reports each error."""
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -196,34 +196,51 @@ _EXPECTED = {
 
 
 def _one_line(fault: Any) -> str:
-    place = [str(part) for part in fault["loc"]]
+    place = list(fault["loc"])
     if place[-1:] == ["[key]"]:
         place = place[:-2]
     kind, message = fault["type"], f"{shown(fault['input'])} is not allowed"
     if kind == "value_error":  # raised by this project's readers
         message = str(fault["ctx"]["error"])
     elif kind == "extra_forbidden":
-        message = f"unknown key; allowed keys: {', '.join(_keys(place[:-1]))}"
+        keys = _sections(place[:-1])[-1].get("properties", ())
+        message = f"unknown key; allowed keys: {', '.join(keys)}"
     elif kind == "missing":
         message = "missing; this key is required"
     elif kind == "enum":
         message += f"; it must be {fault['ctx']['expected'].replace(chr(39), '')}"
     else:
         message += f"; {_EXPECTED.get(kind, fault['msg'])}"
-    return f"{'.'.join(map(shown_key, place)) or 'study'}: {message}"
+    return f"{'.'.join(map(shown_key, _counted(place))) or 'study'}: {message}"
 
 
 _schema = cache(Study.model_json_schema)
 
 
-def _keys(place: list[str]) -> list[str]:
-    """Keys of the section at ``place``."""
-    schema = node = _schema()
+def _sections(place: Sequence[Any]) -> list[dict[str, Any]]:
+    """The schema of the study and of each part of ``place``, from the outside in."""
+    found = [_schema()]
     for part in place:
+        node = found[-1]
         of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
-        below = node.get("properties", {}).get(part) or next(iter(of_any_name.values())) or {}
-        node = schema["$defs"][below["$ref"].rsplit("/", 1)[1]] if "$ref" in below else below
-    return list(node.get("properties", {}))
+        below = node.get("properties", {}).get(part) or node.get("items")
+        found.append(_plain(below or next(iter(of_any_name.values())) or {}))
+    return found
+
+
+def _plain(node: dict[str, Any]) -> dict[str, Any]:
+    """A schema that a reference stands for, or the first of several, as of a section or null."""
+    node = node.get("anyOf", [node])[0]
+    return _schema()["$defs"][node["$ref"].rsplit("/", 1)[1]] if "$ref" in node else node
+
+
+def _counted(place: Sequence[Any]) -> list[str]:
+    """``place`` with the entries of lists counted from 1; keys stay as they are."""
+    around = _sections(place)
+    return [
+        str(part + 1) if isinstance(part, int) and node.get("type") == "array" else str(part)
+        for part, node in zip(place, around, strict=False)
+    ]
 
 
 def _named(path: Path) -> str:

@@ -102,10 +102,14 @@ function blockTraces({ shape, moves, factor }, share) {
   ];
 }
 
+// A dry interface that turns about its edge; nodes lie on it to a thousandth.
+const isHinge = (row) => row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
+
 function toldOf(name, row) {
   if (!row) return name;
   const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  return `${name}${used}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
+  const hinge = isHinge(row) ? "<br>hinge: the resultant acts at the edge" : "";
+  return `${name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
 function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
@@ -128,18 +132,19 @@ function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, shar
 }
 
 function forceTraces({ forces, moves, factor }, share) {
-  const lines = newLines(), acting = newLines(), elsewhere = newLines();
+  const lines = newLines(), acting = newLines(), hinges = newLines(), elsewhere = newLines();
   if (at("structure-forces").checked) {
     for (const { each, row, size, acts, point, half } of forces) {
       const here = placeBetween(point, each.between, moves, share * factor);
       addLine(lines, [plus(here, half, -1), plus(here, half)]);
       const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside, drawn at the middle"}`;
-      addLine(acts ? acting : elsewhere, [here], text);
+      addLine(!acts ? elsewhere : isHinge(row) ? hinges : acting, [here], text);
     }
   }
   return [
     lineTrace(lines, { color: FORCE, width: 5 }),
     lineTrace(acting, {}, { mode: "markers", marker: { size: 2, color: FORCE }, hoverinfo: "text" }),
+    lineTrace(hinges, {}, { mode: "markers", name: "hinges", marker: { size: 7, color: FORCE }, hoverinfo: "text" }),
     lineTrace(elsewhere, {}, { mode: "markers", marker: { size: 4, color: FORCE, symbol: "circle-open" }, hoverinfo: "text" }),
   ];
 }

@@ -8,7 +8,7 @@ from typing import Any
 from analysis.drawing.boxes import boxes
 from analysis.drawing.labels import label_of
 from analysis.explore.state import Settings
-from sidmacib.drawing import BLUE, GREY
+from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.load_path import load_path
@@ -18,7 +18,6 @@ from sidmacib.mechanics.static.peak_spread import static_capacity
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 
-RATIOS = (0.0, 0.1, 0.3, 1.0, math.inf)  # of the curve, e / a
 COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
 SYMBOLS = {"law": "x", "safe": "star"}
 
@@ -134,7 +133,7 @@ def answers(state: Settings) -> Answers:
 
 def ratios(state: Settings) -> tuple[float, ...]:
     """The directions of the curve, e / a: the chosen one among them."""
-    return tuple(sorted({*RATIOS, state.eccentricity}))
+    return tuple(sorted({*VM_RATIOS, state.eccentricity}))
 
 
 def pictures(state: Settings, results: Answers) -> dict[str, Any]:

@@ -46,6 +46,7 @@ def models(material: Material) -> Figure:
     _weights(weights, material.models, first, study.samples[material.sample].locks)
     weights.set_title(f"weights at {place}", loc="left", fontsize=10)
     _displacements(moved, material.models, first)
+    moved.set_ylabel("√(V² + (M / a)²) (N)" if ratio else "load (N)")
     behind = _path(moved, material)
     moved.set_xlim(left=0)
     moved.set_ylim(bottom=0)
@@ -105,7 +106,6 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
             if model != REFERENCE_MODEL:
                 axes.plot(places, loads, **line, label=name)
     axes.set_xlabel("displacement (µm)")
-    axes.set_ylabel("load (N)")
 
 
 def _path(axes: Axes, material: Material) -> str:

@@ -112,7 +112,7 @@ function drawConvergence() {
     const rows = own.filter((r) => r.mesh_m === mesh && finest.has(direction(r))), colour = COLOURS[k % COLOURS.length];
     const share = (r, part) => (100 * part) / finest.get(direction(r)), beside = 0.12 * (k - (meshes.length - 1) / 2);
     const bars = { type: "data", array: rows.map((r) => share(r, (r.mesh_error || 0) * r.load_N)), thickness: 1.5, width: 5, color: colour };
-    return { x: rows.map((r) => directions.indexOf(direction(r)) + beside), y: rows.map((r) => share(r, r.load_N)), name: `mesh ${short(1000 * mesh)} mm`, mode: "markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 9, color: colour }, text: rows.map((r) => `e/a ${direction(r)}: ${short(r.load_N)} N`), hovertemplate: "%{text}<br>%{y:.2f} %" };
+    return { x: rows.map((r) => directions.indexOf(direction(r)) + beside), y: rows.map((r) => share(r, r.load_N)), name: `mesh ${short(1000 * mesh)} mm`, mode: "markers", error_y: bars, marker: { symbol: MARKS[k % MARKS.length], size: 9, color: colour }, text: rows.map((r) => `e/a ${direction(r)}: ${direction(r) === "torsion" ? `${short(r.torque_Nm)} N m` : `${short(r.shear_N)} N`}`), hovertemplate: "%{text}<br>%{y:.2f} %" };
   });
   const ticks = { tickvals: directions.map((_, place) => place), ticktext: directions, zeroline: false };
   chart("mesh-plot", meshes.length > 1 ? traces : [], { xaxis: axis("e / a", ticks), yaxis: axis("load / finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });

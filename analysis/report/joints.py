@@ -142,8 +142,8 @@ def _ends(cases: pd.DataFrame) -> dict[str, str]:
     selected = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
     far = selected[selected["peak_spread"] > SPREAD_LIMIT]
     return {
-        row.case: f"The capacity is the first failure, {row.first_failure_load_N:.4g} N: peaks "
-        f"spread by {100 * float(row.peak_spread):.0f} % or more. End of this path"
+        row.case: "The capacity is the first failure: peaks spread by "
+        f"{100 * float(row.peak_spread):.0f} % or more. End of this path"
         for row in far.itertuples()
     }
 

@@ -6,24 +6,32 @@ const chosenStep = (path) => path.steps[Math.min(Number(at("path-step").value), 
 const WIDE_BAR = { orientation: "h", x: 0.5, y: 1, yanchor: "bottom", len: 0.8, thickness: 12, title: { text: "shear / cohesion", side: "top" } };
 const BEHIND = "#d55e00", V_COLOUR = "#d55e00";
 
+// What a load along a path's direction amounts to: V in N, in pure torsion M in N m.
+function amountOf(path) {
+  const torsion = path.eccentricity === "torsion";
+  const factor = torsion ? JOINTS.sizes.find((row) => row.sample === path.sample).a_m : 1 / Math.hypot(1, Number(path.eccentricity));
+  const unit = torsion ? "N m" : "N";
+  return { of: (load) => factor * load, said: (load) => `${short(factor * load)} ${unit}`, title: torsion ? "torque M (N m)" : "shear V (N)" };
+}
+
 function drawDisplacement(path, step) {
-  const micro = ([u]) => 1e6 * u, peak = path.curve.at(-1);
-  const line = (points, name, more) => ({ x: points.map(micro), y: points.map(([, load]) => load), name, ...more });
+  const micro = ([u]) => 1e6 * u, peak = path.curve.at(-1), amount = amountOf(path);
+  const line = (points, name, more) => ({ x: points.map(micro), y: points.map(([, load]) => amount.of(load)), name, ...more });
   const traces = [line(path.curve, "static model, load raised", { mode: "lines", line: { color: labelOf("static").colour, width: 2.5 } })];
   const first = path.curve.find(([, load]) => load >= path.first * (1 - 1e-5));
   if (first) traces.push(line([first], "first failure", { mode: "markers", marker: { symbol: "diamond-open", size: 11, color: "#8a6d00", line: { width: 2 } } }));
   traces.push(line([peak], "peak", { mode: "markers", marker: { symbol: "star", size: 13, color: labelOf("static").colour } }));
   if (path.behind && path.behind.length) traces.push(line([peak, ...path.behind], "behind the peak", { mode: "lines+markers", line: { color: BEHIND, dash: "dot", width: 1.5 }, marker: { symbol: "circle-open", size: 6, color: BEHIND } }));
   traces.push(line([path.curve.reduce((one, other) => (Math.abs(other[1] - step.load) < Math.abs(one[1] - step.load) ? other : one))], "shown below", { mode: "markers", marker: { symbol: "circle", size: 9, color: "#000000" } }));
-  chart("move-plot", traces, { xaxis: axis("displacement along the load (µm)", { rangemode: "tozero" }), yaxis: axis("load (N)", { rangemode: "tozero" }) });
-  at("move-text").textContent = `First failure ${short(path.first)} N, ${path.end.toLowerCase()} ${short(peak[1])} N at ${short(1e6 * peak[0])} µm. ${behindWords(path)}`;
+  chart("move-plot", traces, { xaxis: axis("displacement along the load (µm)", { rangemode: "tozero" }), yaxis: axis(amount.title, { rangemode: "tozero" }) });
+  at("move-text").textContent = `First failure ${amount.said(path.first)}, ${path.end.toLowerCase()} ${amount.said(peak[1])} at ${short(1e6 * peak[0])} µm. ${behindWords(path, amount)}`;
 }
 
-function behindWords({ behind, curve }) {
+function behindWords({ behind, curve }, amount) {
   if (behind === null) return "Behind the peak is not followed on this mesh: choose a coarser one, or pure shear.";
   if (!behind.length) return "Behind the peak no equilibrium is left: the joint fails as a whole, at once.";
   const most = Math.max(...behind.map(([, load]) => load));
-  return `Behind the peak, if the load is let down as bonds fail, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${short(most)} N (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
+  return `Behind the peak, if the load is let down as bonds fail, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${amount.said(most)} (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
 }
 
 // Edges of the cells around the places of nodes, from one edge of a face to the other.
@@ -51,13 +59,13 @@ function drawStress(path, step) {
 }
 
 function drawOrder(path, step) {
-  const loads = path.steps.map((s) => s.load);
+  const amount = amountOf(path), loads = path.steps.map((s) => amount.of(s.load));
   const traces = path.faces.map((face, k) => ({ x: loads, y: path.steps.map((s) => Math.max(...s.shear[k].map((v, i) => (s.bonded[k][i] ? v : 0)))), name: `lock ${face.lock}`, mode: "lines+markers", marker: { symbol: MARKS[k % MARKS.length] }, line: { color: COLOURS[k % COLOURS.length], dash: DASHES[k % DASHES.length] } }));
-  const here = { type: "line", x0: step.load, x1: step.load, y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
-  chart("order-plot", traces, { shapes: [here], xaxis: axis("load (N)"), yaxis: axis("largest shear / cohesion", { rangemode: "tozero" }) });
+  const here = { type: "line", x0: amount.of(step.load), x1: amount.of(step.load), y0: 0, y1: 1, line: { color: "#555555", dash: "dot" } };
+  chart("order-plot", traces, { shapes: [here], xaxis: axis(amount.title), yaxis: axis("largest shear / cohesion", { rangemode: "tozero" }) });
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${short(face.fails_from)} N)`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${short(last.load)} N.`;
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${amount.said(face.fails_from)})`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${amount.said(last.load)}.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {
@@ -74,9 +82,9 @@ function boxMesh(piece, moved, scale, colour, opacity) {
 
 // Shear V (N) and torque M (N m) at a step: V at its eccentricity, M about the middle.
 function loadOf(path, step) {
-  const a = JOINTS.sizes.find((row) => row.sample === path.sample).a_m;
-  if (path.eccentricity === "torsion") return { a, V: 0, M: step.load * a, e: null };
-  const ratio = Number(path.eccentricity), V = step.load / Math.hypot(1, ratio);
+  const a = JOINTS.sizes.find((row) => row.sample === path.sample).a_m, amount = amountOf(path).of(step.load);
+  if (path.eccentricity === "torsion") return { a, V: 0, M: amount, e: null };
+  const ratio = Number(path.eccentricity), V = amount;
   return { a, V, M: V * ratio * a, e: ratio * a };
 }
 
@@ -179,7 +187,7 @@ function drawPath() {
   if (!path) return;
   at("path-step").max = path.steps.length - 1;
   const step = chosenStep(path);
-  at("path-load").textContent = `${short(step.load)} N`;
+  at("path-load").textContent = amountOf(path).said(step.load);
   drawDisplacement(path, step);
   drawStress(path, step);
   drawOrder(path, step);

@@ -18,16 +18,20 @@ WITHOUT_WEIGHTS = ("none", "half")  # reductions that need nothing but the numbe
 
 def describe_record(record: CaseRecord) -> str:
     """Capacity and lock weights of a case, or the reason why it has none."""
-    if record.error is not None:
+    if record.load_N is None or record.shear_N is None or record.torque_Nm is None:
         return f"{record.name} ({record.model}): no result: {record.error}"
-    first = record.first_failure_load_N
     lines = [
         f"{record.name} ({record.model}): "
         f"V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
-        f"  load along the path: {record.load_N:.2f} N is carried, "
-        f"{record.failed_load_N:.2f} N is not"
-        + ("" if first is None else f"; first failure at {first:.2f} N"),
     ]
+    name, unit, digits = ("V", "N", 2) if record.shear_N else ("M", "N m", 4)
+    for words, load in (
+        ("not carried any more", record.failed_load_N),
+        ("first failure", record.first_failure_load_N),
+    ):
+        if load is not None:
+            amount = load / record.load_N * (record.shear_N or record.torque_Nm)
+            lines.append(f"  {words}: {name} = {amount:.{digits}f} {unit}")
     if record.peak_spread is not None:
         lines.append(
             f"  spread of the peak: {100 * record.peak_spread:.2f} %"
@@ -55,7 +59,6 @@ def describe_rule(study: Study, name: str, place: Place) -> str:
 def _law(study: Study, name: str, place: Place) -> Iterator[str]:
     point = law_capacity(study, name, place.sample, place.ratio, place.variant)
     yield f"{label_of(name).name}: V = {point.shear:.2f} N, M = {point.torque:.4f} N m"
-    yield f"  load along the path: {point.load:.2f} N"
 
 
 def _sidmacib(study: Study, name: str, place: Place) -> Iterator[str]:

@@ -55,10 +55,14 @@ def _row(record: StructureRecord, static: StructureRecord | None) -> dict[str, A
 
 
 def most_used(interfaces: Iterable[InterfaceRow]) -> str | None:
-    """The interface with the largest utilisation among those that carry a force, or None.
+    """The interface with the largest utilisation among those that carry a force.
 
-    What carries next to nothing may be at its limit without a meaning.
+    What carries next to nothing may be at its limit without a meaning. None where all are dry: at
+    their peak several slide or turn.
     """
+    interfaces = tuple(interfaces)
+    if not any(each.bonded_share for each in interfaces):
+        return None
     carried = {each: math.hypot(each.normal_N, each.shear_N) for each in interfaces}
     least = NEXT_TO_NOTHING * max(carried.values(), default=0.0)
     used = {
@@ -108,7 +112,16 @@ def _typed(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 NUMBERS = (
     *("load_over_weight", "peak_spread", "unbalanced_share", "difference_to_static"),
     *("mesh_error", "first_failure_mesh_error"),
-    *("utilisation", "bonded_share", "fails_at", "friction", "nodes", "blocks", "interfaces"),
+    *(
+        "eccentricity",
+        "utilisation",
+        "bonded_share",
+        "fails_at",
+        "friction",
+        "nodes",
+        "blocks",
+        "interfaces",
+    ),
     *MOTION,
 )
 

@@ -20,7 +20,6 @@ Row = dict[str, Any]
 # Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
 # Elastic pieces take much longer.
 RIGID, ELASTIC = (0.4995, 0.24975), (0.999, 0.4995)
-LEAST_EFFECT = 1e-9  # in % for 1 %: what is less is rounding error
 
 
 @dataclass(frozen=True)
@@ -199,38 +198,36 @@ def _without_noise(force: float, joint: Joint) -> float:
     return force if abs(force) > 1e-9 * max(joint.strengths) else 0.0
 
 
-def effect_rows(joint: Joint, ratio: float, push: Push) -> tuple[str, list[Row]]:
+def effect_rows(
+    joint: Joint, ratio: float, push: Push, progress: Callable[[str], object] = str
+) -> tuple[str, list[Row]]:
     """The first failure in words, and how it depends on each parameter, largest effects first.
 
+    Effects are of V, in pure torsion of M. ``progress`` is told what is computed next.
     `CapacityError` if the static model has no such failure.
     """
     from sidmacib.joint.effects import sensitivity
 
-    direction = Direction(ratio)
-    found = sensitivity(joint, Loading(direction, push=push), _meshes(joint)[1])
-    shear, torque = found.load * direction.shear, found.load * direction.torque * joint.a
-    words = f"First failure at V = {shear:.4g} N, M = {torque:.4g} N m: {', '.join(found.faces)}."
+    loading = Loading(Direction(ratio), push=push)
+    found = sensitivity(joint, loading, _meshes(joint)[1], progress=progress)
+    words = (
+        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: "
+        f"{', '.join(found.faces)}."
+    )
     rows = [
         {
             "parameter": each.name,
             "value": each.value,
             "unit": each.unit,
-            "1 % more (%)": _effect(each.more),
-            "1 % less (%)": _effect(each.less),
-            "derivative (N per unit)": None
-            if each.derivative is None
-            else each.derivative * (_effect(each.more) != 0.0),
-            "first failure (N)": found.load,
+            "1 % more (%)": each.more,
+            "1 % less (%)": each.less,
+            f"derivative ({found.unit} per unit)": each.derivative,
+            f"first failure ({found.unit})": found.amount,
             "note": each.note,
         }
         for each in found.effects
     ]
     return words, sorted(rows, key=lambda row: -abs(row["1 % more (%)"] or 0.0))
-
-
-def _effect(value: float | None) -> float | None:
-    """The effect, or 0 for one that is rounding error."""
-    return 0.0 if value is not None and abs(value) < LEAST_EFFECT else value
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:

@@ -16,6 +16,7 @@ from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
 
 DEFAULT = Joint(5)
+SLENDER = 100  # largest size over the shorter side of a lock: the models' cells are about as long
 LOCKS = Number(at_least=1, at_most=300, whole=True)  # the static model of more takes minutes
 
 
@@ -122,7 +123,19 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
         raise click.UsageError(str(error)) from None
     for doubt in unit_warnings(joint):
         click.echo(f"Note: {doubt}", err=True)
+    _require_stout(joint)
     return joint
+
+
+def _require_stout(joint: Joint) -> None:
+    """`click.UsageError` for a joint of more cells than a command line should wait for."""
+    for name in ("a", "b", "h", "H"):
+        size, most = getattr(joint, name), SLENDER * joint.least_side
+        if size > most:
+            raise click.UsageError(
+                f"-{name}: {size:g} m is not allowed; it must be at most {most:g} m, {SLENDER} "
+                "times the shorter side of a lock (a or b)"
+            )
 
 
 def _from_file(path: Path) -> dict[str, Any]:

@@ -11,9 +11,9 @@ import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
+from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.loading import Push
 
-DIRECTIONS = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, float("inf"))
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
 
@@ -111,7 +111,7 @@ def capacity(
     with status_line() as progress:
         rows = capacity_rows(joint, directions, asked, Push(push), progress)
     if picture is not None:
-        draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
+        draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
     _show(rows, form)
 
 
@@ -152,7 +152,7 @@ def envelope(
     joint = joint_of(flags)
     asked = list(dict.fromkeys(models or ("safe", "law")))
     with status_line() as progress:
-        rows = capacity_rows(joint, DIRECTIONS, asked, Push(push), progress)
+        rows = capacity_rows(joint, VM_RATIOS, asked, Push(push), progress)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint)), picture)
     _show(rows, form)
@@ -186,18 +186,20 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """How the first failure depends on each size and property (static model).
 
-    Each row has the change of the first failure, in %, for 1 % more and for 1 % less of one
-    parameter at the same e / a, and the derivative of the load. Largest effects come first. A note
-    says why a parameter has no derivative.
+    Each row has the change of V, in %, for 1 % more and for 1 % less of one parameter at the same
+    e / a, and the derivative of V from both; in pure torsion those of M. Largest effects come
+    first. A note says why a parameter has no derivative.
     """
     from sidmacib.command.answers import effect_rows
 
     joint = joint_of(flags)
-    with _refused_in_one_line():
-        words, rows = effect_rows(joint, ratio, Push(push))
+    with _refused_in_one_line(), status_line() as progress:
+        words, rows = effect_rows(joint, ratio, Push(push), progress)
     if form == "table":
         click.echo(f"{words}\n")
-        rows = [{key: row[key] for key in row if key != "first failure (N)"} for row in rows]
+        rows = [
+            {key: row[key] for key in row if not key.startswith("first failure")} for row in rows
+        ]
     click.echo(text_of(rows, form))
 
 

@@ -116,8 +116,11 @@ def bars(rows: "Sequence[Row]", title: str) -> "Figure":
     return figure
 
 
-def curves(rows: "Sequence[Row]", title: str, note: str = "") -> "Figure":
-    """V-M curves of the models in ``rows``, with a ``note`` below them."""
+def curves(rows: "Sequence[Row]", title: str, note: str = "", *, joined: bool = True) -> "Figure":
+    """V-M curves of the models in ``rows``, with a ``note`` below them.
+
+    Points alone unless ``joined``: a line between few directions may lie above what is carried.
+    """
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.0, 4.5), layout="constrained")
@@ -127,6 +130,7 @@ def curves(rows: "Sequence[Row]", title: str, note: str = "") -> "Figure":
         points.sort(key=lambda row: math.inf if row["e/a"] == "torsion" else row["e/a"])
         shear, torque = [row["V (N)"] for row in points], [row["M (N m)"] for row in points]
         line = {"marker": "o", "markersize": 3, "color": COLOURS[model]}
+        line |= {} if joined else {"linestyle": "none", "markersize": 6}
         vm_curve(axes, shear, torque, model, **line)
     vm_axes(axes, title)
     axes.grid(color="#dddddd", linewidth=0.6)
@@ -139,9 +143,6 @@ def curves(rows: "Sequence[Row]", title: str, note: str = "") -> "Figure":
 
 
 def note_of(joint: "Joint") -> str:
-    """Sizes of a joint whose curves are drawn, and why these bend."""
+    """Sizes of a joint whose capacities are drawn, and which of the picture is computed."""
     sizes = ", ".join(f"{name} = {1e3 * getattr(joint, name):g}" for name in ("a", "b", "h", "H"))
-    return (
-        f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e. Where a curve bends, dry faces\n"
-        "open or others come to bear, or another lock becomes the first to fail."
-    )
+    return f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e.\nOnly the points are computed."

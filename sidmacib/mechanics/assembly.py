@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
+from itertools import product
 from typing import Protocol
 
 import numpy as np
@@ -169,6 +170,10 @@ class Face(Protocol):
     def area(self) -> float:
         """In m2."""
 
+    @property
+    def corners(self) -> Floats:
+        """Corners of its outer boundary, in m, (K, 3)."""
+
 
 @dataclass(frozen=True)
 class Cuboid:
@@ -244,6 +249,12 @@ class Rectangle:
         """Area in m2."""
         sides = [high - low for low, high in zip(self.low, self.high, strict=True)]
         return math.prod(side for side in sides if side > 0.0)
+
+    @property
+    def corners(self) -> Floats:
+        """In m, (4, 3)."""
+        ends = [sorted({low, high}) for low, high in zip(self.low, self.high, strict=True)]
+        return np.array(list(product(*ends)))
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ CELL_RULES = {
 }
 
 
+MOST_CELLS = 1_000_000  # of an assembly's faces: as many take some gigabytes
 STRETCH = 1e-6  # by which a cell may exceed the mesh, so that rounding of a size adds no cell
 
 
@@ -67,12 +68,20 @@ def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[F
 
 
 def contact_nodes(faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout) -> Nodes:
-    """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
+    """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m).
+
+    ValueError for more cells than `MOST_CELLS`.
+    """
     low, high = corners(faces)
-    cells = cells_along(high - low, mesh).tolist()
+    cells = cells_along(high - low, mesh)
+    if (count := cells.prod(axis=1, dtype=float).sum()) > MOST_CELLS:
+        raise ValueError(
+            f"mesh: {mesh:g} m is not allowed; it must be longer, so that all faces have at most "
+            f"{MOST_CELLS} cells (they would have {count:.3g})"
+        )
     units = [
         unit_face(layout, tuple(counts), face.axis)
-        for face, counts in zip(faces, cells, strict=True)
+        for face, counts in zip(faces, cells.tolist(), strict=True)
     ]
     index = np.repeat(np.arange(len(faces)), [len(share) for _, share in units])
     place, share = (np.concatenate(parts) for parts in zip(*units, strict=True))

@@ -15,6 +15,7 @@ from sidmacib.structure.crossing import bodies, crossing
 from sidmacib.validation import LARGE, require_positive
 
 FLAT = 1e-6  # over a block's size: how far a face's vertices may be from its plane
+MOST_FACES = 5_000  # of a block: checking one of as many takes seconds
 THROUGH = 0.01  # over it: how far faces may cross, as small folds of modelled blocks weigh little
 
 
@@ -38,6 +39,7 @@ class Block:
     def __post_init__(self) -> None:
         require_positive(**{f"{self.name}, density (kg/m3)": self.density})
         require_near(self.name, self.places)
+        require_few_faces(self.name, len(self.faces))
         self._require_outlines()
         self._require_closed()
         for number, corners in enumerate(self.outlines):
@@ -200,6 +202,12 @@ class Compound:
         """Diagonal of the box around it, in m."""
         places = np.concatenate([solid.places for solid in self.solids])
         return float(np.linalg.norm(np.ptp(places, axis=0)))
+
+
+def require_few_faces(name: str, count: int) -> None:
+    """ValueError, which begins with ``name``, for more faces than `MOST_FACES`."""
+    if count > MOST_FACES:
+        raise ValueError(f"{name}: has {count} plane faces; at most {MOST_FACES} are allowed")
 
 
 def require_near(name: str, places: Floats) -> None:

@@ -29,7 +29,7 @@ from sidmacib.structure.analysis.tilt import (
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
 from studies.structures.pyramid import pyramid_tilt
-from studies.structures.samples import AXES, SAMPLES, Sample, fetched, sample_structure
+from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
 from workflow.engines import ENGINES
 from workflow.engines.guide import guide_for
@@ -127,9 +127,9 @@ def change_rows(samples: Path, tilts: list[dict[str, Any]]) -> Iterator[dict[str
 
 
 def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
-    """Whether each sample stands, and where it ceases to when gravity turns about y."""
-    tilt = Tilt(AXES["y"])
+    """Whether each sample stands, and where it ceases to when gravity turns about its axis."""
     for sample in SAMPLES:
+        tilt = Tilt(ABOUT[sample.about])
         model = sample_structure(samples, sample)
         limit = _limit(model, tilt)
         static = _static(model, tilt) if sample.small else math.nan
@@ -144,6 +144,7 @@ def verdict_rows(samples: Path) -> Iterator[dict[str, Any]]:
             "pyramid": UNSTABLE if pyramid is None else "" if math.isnan(pyramid) else STABLE,
             "limit": UNSTABLE if math.isnan(limit) else STABLE,
             "static": STABLE if _stands(model, tilt) else UNSTABLE,
+            "about": sample.about,
             "limit_degrees": limit,
             "static_degrees": static,
         }

@@ -145,8 +145,9 @@ def verdicts(results: Path) -> str:
             "pyramid": lambda row: words(row.pyramid),
             "limit": lambda row: words(row.limit),
             "static": lambda row: words(row.static),
-            "limit, tilt about y": lambda row: _degrees(row.limit_degrees),
-            "static, tilt about y": lambda row: _degrees(row.static_degrees),
+            "tilt about": lambda row: row.about.replace("-", "−"),
+            "limit, tilt": lambda row: _degrees(row.limit_degrees),
+            "static, tilt": lambda row: _degrees(row.static_degrees),
         },
     )
 

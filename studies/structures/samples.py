@@ -23,6 +23,7 @@ INSIDE = "compas_cra/data/samples/"
 DENSITY = 2400.0  # kg/m3; of dry blocks it changes no angle
 STIFFNESS = 1e10  # Pa/m
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "xy30": (math.sqrt(3.0), 1.0, 0.0)}
+ABOUT = {"y": AXES["y"], "-y": (0.0, -1.0, 0.0)}
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,8 @@ class Sample:
     """A sample, as the examples of compas_cra (docs/examples of its repository) use it.
 
     ``fixed``: its nodes that cannot move; None: as the file says. ``friction``: coefficient.
-    ``own_interfaces``: whether those of the file are used; others are found. ``heavy``: nodes with
+    ``own_interfaces``: whether those of the file are used; others are found. ``about``: the axis
+    that it is tilted about, in its published test where it has one. ``heavy``: nodes with
     3.51 times the density. ``small``: whether a linear programme with pyramids and the static
     model's whole path take seconds.
     """
@@ -41,13 +43,14 @@ class Sample:
     own_interfaces: bool = False
     heavy: tuple[int, ...] = ()
     small: bool = True
+    about: str = "y"
 
 
 SAMPLES = (
     Sample("H", (0, 1), 0.84),
     Sample("A", (0, 1), 0.84),
-    Sample("concave-short", (0,), 0.84, True),
-    Sample("concave-long", (0,), 0.84, True),
+    Sample("concave-short", (0,), 0.84, True, about="-y"),
+    Sample("concave-long", (0,), 0.84, True, about="-y"),
     Sample("cube-curve-short", (0,), 0.84, True),
     Sample("cube-curve-tall", (0,), 0.84, True),
     Sample("curve-3-blocks", (0,), 0.84, True),

@@ -134,7 +134,8 @@ MEANINGS: Mapping[str, str] = {
     "failed_tilt_degrees": "smallest angle known not to be carried",
     "first_failure_tilt_degrees": "angle at which the first node reaches its strength",
     "first_interface": "interface whose bond fails first",
-    "most_used_interface": "interface with the largest `utilisation` at the load",
+    "most_used_interface": "interface with the largest `utilisation` at the load; empty where all "
+    "are dry",
     "refused": "reason why the model refuses the structure; empty if it does not",
     "interface": "name of the interface: those of its two blocks",
     "kind": "kind of the interface: `inner` is bonded, `dry` is not, `locked` has condensed locks",
@@ -144,8 +145,10 @@ MEANINGS: Mapping[str, str] = {
     "normal_N": "compression that the interface carries; negative in tension",
     "torsion_Nm": "moment about the normal of the interface, at its centroid",
     "bending_Nm": "size of the moment in the plane of the interface, at its centroid",
-    "utilisation": "use of the node that is used most, 1 at failure: of its strength where it is "
-    "bonded, of its friction where it is not",
+    "eccentricity": "distance of the resultant from the interface's centroid over that of the edge "
+    "that way: 1 in a hinge; empty where no resultant acts",
+    "utilisation": "1 at failure; bonded: strength used at the node that is used most; dry: the "
+    "larger of `eccentricity` and of shear and torsion over what friction allows",
     "bonded_share": "part of the interface's area that is bonded",
     "fails_at": "part of the peak load at which the interface's first bond fails",
     "force_x_N": "x component of the resultant on the second block of the interface's name",

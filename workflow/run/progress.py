@@ -7,6 +7,7 @@ failed job once, with the reason and the path of its log.
 import importlib
 import json
 import re
+import shutil
 import sys
 import time
 from collections.abc import Callable
@@ -29,6 +30,8 @@ SPARSE = 10  # lines of a run in a file, about,
 SELDOM = 120.0  # and seconds after which there is another
 SHOWN = 2  # jobs that are running, by name
 MINUTE = 60.0
+MESSAGE = 4096  # bytes that are left on a disk where a log has room for a message
+FULL = "no space left on the disk"
 COMPLETE = "Check that every case has a result"  # a job that fails because of others
 WORDLESS = (STOPPED, "KeyboardInterrupt", "")  # last lines of jobs that may not have failed
 DIED = re.compile(r"died with <Signals\.(\w+): \d+>")
@@ -145,6 +148,8 @@ class Run:
             self.killed.remove(killed)
             reason = _by_signal(killed)
             _append(logs[0], reason)
+        elif not reason and any(_is_full(Path(log).parent) for log in logs):
+            reason = FULL
         shown = f"Failed: {name}: {reason or 'no message'}; log: {', '.join(logs)}"
         if reason in WORDLESS:  # asked to end, or never started, as in a group that failed
             if reason or any(Path(log).exists() for log in logs):
@@ -153,6 +158,14 @@ class Run:
         self.failed.append(name)
         self.lines[name] = shown
         return [shown]
+
+
+def _is_full(folder: Path) -> bool:
+    """Whether a message would not fit onto the disk of ``folder``."""
+    try:
+        return shutil.disk_usage(folder).free < MESSAGE
+    except OSError:
+        return False
 
 
 def _by_signal(text: str) -> str:

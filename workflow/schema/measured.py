@@ -5,11 +5,10 @@ from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator, model_validator
 
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import FORMULA, Number, shown
 from workflow.schema.values import Eccentricity, Name, Section, Several
 
 LONGEST = 500  # letters of a source
-FORMULA = ("=", "+", "-", "@")  # what formulas begin with
 
 
 def words(value: Any) -> str:

@@ -29,11 +29,11 @@ class InterfaceRow:
     """An interface: its law, and the resultants (N, N m about its centroid) that it carries.
 
     ``normal_N``: compression positive. ``torsion_Nm``: about its normal; ``bending_Nm``: size of
-    the moment in its plane. ``utilisation``: of the node that is used most; None where it has no
-    strength to compare with. ``bonded_share``: the part of its area that is bonded.
-    ``fails_at``: part of the peak load at which its first bond fails; None if none does.
-    ``force_x_N`` …: the resultant on the block above; ``at_x_m`` …: the point of the interface's
-    plane through which it acts; None where none does.
+    the moment in its plane. ``eccentricity`` and ``utilisation``: see `InterfaceForce`; None where
+    there is no point of action, or no strength to compare with. ``bonded_share``: the part of its
+    area that is bonded. ``fails_at``: part of the peak load at which its first bond fails; None if
+    none does. ``force_x_N`` …: the resultant on the block above; ``at_x_m`` …: the point of the
+    interface's plane through which it acts; None where none does.
     """
 
     interface: str
@@ -46,6 +46,7 @@ class InterfaceRow:
     shear_N: float
     torsion_Nm: float
     bending_Nm: float
+    eccentricity: float | None
     utilisation: float | None
     bonded_share: float
     fails_at: float | None
@@ -209,6 +210,7 @@ def interface_rows(
                 shear_N=_clean(each.shear, size),
                 torsion_Nm=_clean(float(moment[0]), size * assembly.length),
                 bending_Nm=_clean(float(np.hypot(*moment[1:])), size * assembly.length),
+                eccentricity=None if each.eccentricity is None else _clean(each.eccentricity, 1.0),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
                 fails_at=_share(broken_at.get(number), peak.load),

@@ -1,10 +1,12 @@
 """What each interface of a structure carries: resultants and utilisation, from forces at nodes."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+import shapely
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Vector
+from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
 from sidmacib.mechanics.utilisation import utilisation
 
@@ -17,16 +19,20 @@ class InterfaceForce:
     """What an interface carries.
 
     ``normal``: compression in N, negative in tension; ``shear``: size of the resultant along the
-    interface, N. ``utilisation``: of the node that is used most, 1 at failure: shear or tension
-    over strength where it is bonded, shear over friction where it is not. ``bonded``: the part of
-    its area that is bonded. ``resultant``: of the forces on the block above, N, along x, y and z.
-    ``at``: the point (m) of the interface's plane through which it acts, torsion apart; None where
-    compression and tension leave next to none of either.
+    interface, N. ``eccentricity``: of the resultant from the centroid, over the distance to the
+    edge that way: 1 where it acts at the edge, as in a hinge; None where it acts nowhere.
+    ``utilisation``, 1 at failure: where any of it is bonded, shear or tension over strength at the
+    bonded node that is used most; of a dry interface the larger of the eccentricity and of shear
+    and torsion over what friction allows. Forces at dry nodes are not unique, resultants are.
+    ``bonded``: the part of its area that is bonded. ``resultant``: of the forces on the block
+    above, N, along x, y and z. ``at``: the point (m) of the interface's plane through which it
+    acts, torsion apart; None where compression and tension leave next to none of either.
     """
 
     name: str
     normal: float
     shear: float
+    eccentricity: float | None
     utilisation: float
     bonded: float
     resultant: Vector
@@ -42,25 +48,67 @@ def interface_forces(
     """
     law, area = ContactLaw.of(assembly), assembly.nodes.area
     state = state or NodeState.initial(law)
-    used = np.where(state.bonded, utilisation(law, state, force), _slipping(law, force))
+    used = np.where(state.bonded, utilisation(law, state, force), 0.0)
+    nothing = ROUNDING * float(np.abs(force).max(initial=0.0))
     found = []
     for number, face in enumerate(assembly.faces):
         nodes = assembly.nodes.face == number
         whole = force[nodes].sum(axis=0)
         normal, *shear = whole.tolist()
         bonded = float(area[nodes & state.bonded].sum() / area[nodes].sum())
+        places = assembly.nodes.position[nodes]
+        at = _centre(places, force[nodes, 0])
+        off = None if at is None else _eccentricity(face, np.array(at))
+        most = float(used[nodes].max())
+        if not bonded and at is not None and normal > nothing:
+            rubbing = _rubbing(face, places - np.array(at), force[nodes], nothing)
+            most = max(off or 0.0, rubbing)
         found.append(
             InterfaceForce(
                 face.name,
                 normal,
                 float(np.hypot(*shear)),
-                float(used[nodes].max()),
+                off,
+                most,
                 bonded,
                 _vector(whole @ face.axes),
-                _centre(assembly.nodes.position[nodes], force[nodes, 0]),
+                at,
             )
         )
     return tuple(found)
+
+
+def _eccentricity(face: Face, at: Floats) -> float:
+    """Distance of the point ``at`` (m) from the middle of a face, over that of the edge beyond."""
+    middle = np.array(face.middle)
+    flat = (face.corners - middle) @ face.axes[1:].T
+    x, y = shapely.get_coordinates(shapely.MultiPoint(flat).convex_hull.exterior).T
+    along = np.column_stack([np.diff(y), -np.diff(x)])  # normals of the edges, not of unit length
+    reach = along[:, 0] * x[:-1] + along[:, 1] * y[:-1]
+    return float((along @ (face.axes[1:] @ (at - middle)) / reach).max())
+
+
+def _rubbing(face: Face, arms: Floats, force: Floats, nothing: float) -> float:
+    """Shear, and torsion about the point of action, over what friction allows.
+
+    Both together on an ellipse, which is near what a face that slides and turns carries.
+    ``arms``: of the nodes from there, m, (K, 3); ``force``: of the nodes, N, (K, 3).
+    """
+    flat = arms @ face.axes[1:].T
+    pressed = face.material.friction * force[:, 0]
+    torsion = abs(float((flat[:, 0] * force[:, 2] - flat[:, 1] * force[:, 1]).sum()))
+    lever = np.hypot(*flat.T)
+    reach = float(lever.max())
+    pairs = (
+        (float(np.hypot(*force[:, 1:].sum(axis=0))), float(pressed.sum()), nothing),
+        (torsion, float((pressed * lever).sum()), nothing * reach),
+    )
+    return math.hypot(
+        *(
+            (demand / limit if limit > 0.0 else math.inf) if demand > least else 0.0
+            for demand, limit, least in pairs
+        )
+    )
 
 
 def _centre(places: Floats, normal: Floats) -> Vector | None:
@@ -74,13 +122,3 @@ def _centre(places: Floats, normal: Floats) -> Vector | None:
 def _vector(values: Floats) -> Vector:
     x, y, z = values.tolist()
     return x, y, z
-
-
-def _slipping(law: ContactLaw, force: Floats) -> Floats:
-    """Shear over what friction allows at each node that is pressed, 0 at others, (N,)."""
-    pressed = force[:, 0] > ROUNDING * float(np.abs(force).max(initial=0.0))
-    allowed = law.friction * force[:, 0]
-    shear = np.hypot(force[:, 1], force[:, 2])
-    ratio = np.where(shear > 0.0, np.inf, 0.0)
-    np.divide(shear, allowed, out=ratio, where=allowed > 0.0)
-    return np.where(pressed, ratio, 0.0)

@@ -5,7 +5,7 @@ from typing import Any
 
 from sidmacib.fields import kinds_of, number_of
 from sidmacib.mechanics.assembly import FaceMaterial, Vector
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import FORMULA, Number, shown
 from sidmacib.validation import LARGE
 
 MATERIAL = {  # of interfaces, where a file leaves a number out
@@ -61,12 +61,17 @@ def listed(key: str, value: Any) -> list[Any]:
 
 
 def named(key: str, value: Any) -> dict[str, Any]:
-    """A mapping with printable names, not empty; ValueError."""
+    """A mapping by printable names that are no formulas, not empty; ValueError."""
     if not isinstance(value, dict) or not value:
         raise ValueError(f"{key}: {shown(value)} is not allowed; it must be a mapping by name")
     for name in value:
         if not str(name).strip() or not str(name).isprintable():
             raise ValueError(f"{key}: {shown(name)} is not allowed; names must be printable")
+        if str(name).strip().startswith(FORMULA):  # they stand in tables
+            raise ValueError(
+                f"{key}: {shown(name)} is not allowed; names must not begin with "
+                f"{' '.join(FORMULA)}, as a spreadsheet would take them for formulas"
+            )
     return {str(name): each for name, each in value.items()}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import trimesh
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.structure.blocks import FLAT, Block, off_plane, require_near
+from sidmacib.structure.blocks import FLAT, Block, off_plane, require_few_faces, require_near
 from sidmacib.structure.groups import grouped
 from sidmacib.validation import refused
 
@@ -28,13 +28,16 @@ def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str
     if path.suffix.lower() not in SUFFIXES:
         raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:
-        loaded = trimesh.load_scene(path, process=False, split_objects=True, group_material=False)
+        loaded = trimesh.load_scene(
+            path, process=False, split_objects=True, group_material=False, skip_materials=True
+        )
     except (OSError, ValueError, IndexError, KeyError, TypeError):
         raise ValueError(f"file: {path.name}: is no mesh that can be read") from None
     objects = {
         name: mesh for name, mesh in loaded.geometry.items() if isinstance(mesh, trimesh.Trimesh)
     }
     for mesh in objects.values():
+        _require_corners(f"file: {path.name}", np.asarray(mesh.faces), len(mesh.vertices))
         require_near(f"file: {path.name}", np.asarray(mesh.vertices))
     if path.suffix.lower() != ".obj" or len(objects) == 1:
         bodies = [body for mesh in objects.values() for body in _bodies(mesh)]
@@ -51,6 +54,13 @@ def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str
                 f"file: {path.name}: {error}{hint * (not mesh.is_watertight)}"
             ) from None
     return found
+
+
+def _require_corners(what: str, triangles: Integers, vertices: int) -> None:
+    """ValueError, which begins with ``what``, for a corner that is none of the ``vertices``."""
+    wrong = triangles[(triangles < 0) | (triangles >= vertices)]
+    if len(wrong):
+        raise ValueError(f"{what}: has a face with vertex {wrong[0]}; it has 0 to {vertices - 1}")
 
 
 def _bodies(mesh: trimesh.Trimesh) -> Iterator[trimesh.Trimesh]:
@@ -83,6 +93,7 @@ def _block(name: str, mesh: trimesh.Trimesh, density: float, scale: float) -> Bl
         if mesh.volume < 0.0:
             mesh.invert()
     labels = grouped(len(mesh.faces), mesh.face_adjacency[mesh.face_adjacency_angles < SAME_PLANE])
+    require_few_faces(name, int(labels.max(initial=-1)) + 1)
     faces = [
         face
         for label in range(labels.max(initial=-1) + 1)
