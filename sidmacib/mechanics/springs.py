@@ -12,12 +12,12 @@ an explicit computation: its time step, its loading rate, and the displacement b
 assembly can only have failed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_axes, free_rows
 
@@ -135,8 +135,32 @@ def natural_frequencies(assembly: Assembly) -> Floats:
     return np.sqrt(np.linalg.eigvalsh(stiffness))
 
 
+def no_stiffer_than_bonds(assembly: Assembly) -> Assembly:
+    """``assembly`` with no face stiffer than its softest inner face, or as it is without any.
+
+    The reference for displacements: where all nodes are bonded, dry faces carry loads past the
+    inner ones, and the stiffer they are the less moves. Once they slip, the inner faces decide.
+    """
+    bonds = [face.material for face in assembly.faces if face.kind is Kind.INNER]
+    normal = min((law.normal_stiffness for law in bonds), default=np.inf)
+    shear = min((law.shear_stiffness for law in bonds), default=np.inf)
+
+    def softened(law: FaceMaterial) -> FaceMaterial:
+        return replace(
+            law,
+            normal_stiffness=min(law.normal_stiffness, normal),
+            shear_stiffness=min(law.shear_stiffness, shear),
+        )
+
+    faces = tuple(replace(face, material=softened(face.material)) for face in assembly.faces)
+    return replace(assembly, faces=faces)
+
+
 def compliance(assembly: Assembly, loads: Loads) -> float:
-    """Displacement along the variable load, per newton of load, in m/N, with every node closed."""
-    springs = Springs.of(assembly)
+    """Displacement along the variable load, per newton of load, in m/N, with every node closed.
+
+    Of `no_stiffer_than_bonds`.
+    """
+    springs = Springs.of(no_stiffer_than_bonds(assembly))
     force = loads.variable.ravel()[free_rows(assembly)] / springs.units
     return float(np.sum(force * np.linalg.solve(springs.elastic_stiffness(), force)))
