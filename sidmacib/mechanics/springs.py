@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats, Integers, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_axes, free_rows
 
@@ -135,32 +135,32 @@ def natural_frequencies(assembly: Assembly) -> Floats:
     return np.sqrt(np.linalg.eigvalsh(stiffness))
 
 
-def no_stiffer_than_bonds(assembly: Assembly) -> Assembly:
-    """``assembly`` with no face stiffer than its softest inner face, or as it is without any.
+def soft_springs(assembly: Assembly) -> Springs:
+    """The springs of ``assembly`` with no face stiffer than the softest inner one, if there is any.
 
     The reference for displacements: where all nodes are bonded, dry faces carry loads past the
     inner ones, and the stiffer they are the less moves. Once they slip, the inner faces decide.
     """
-    bonds = [face.material for face in assembly.faces if face.kind is Kind.INNER]
-    normal = min((law.normal_stiffness for law in bonds), default=np.inf)
-    shear = min((law.shear_stiffness for law in bonds), default=np.inf)
-
-    def softened(law: FaceMaterial) -> FaceMaterial:
-        return replace(
-            law,
-            normal_stiffness=min(law.normal_stiffness, normal),
-            shear_stiffness=min(law.shear_stiffness, shear),
-        )
-
-    faces = tuple(replace(face, material=softened(face.material)) for face in assembly.faces)
-    return replace(assembly, faces=faces)
+    springs = Springs.of(assembly)
+    laws = [face.material for face in assembly.faces]
+    stiffness = np.array([(law.normal_stiffness, law.shear_stiffness) for law in laws])
+    inner = np.array([face.kind is Kind.INNER for face in assembly.faces])
+    most = stiffness[inner].min(axis=0, initial=np.inf)
+    normal, shear = np.minimum(1.0, most / stiffness)[assembly.nodes.face].T
+    law = springs.contact_law
+    soft = replace(
+        law,
+        normal_stiffness=law.normal_stiffness * normal,
+        shear_stiffness=law.shear_stiffness * shear,
+    )
+    return replace(springs, contact_law=soft)
 
 
 def compliance(assembly: Assembly, loads: Loads) -> float:
     """Displacement along the variable load, per newton of load, in m/N, with every node closed.
 
-    Of `no_stiffer_than_bonds`.
+    Of `soft_springs`.
     """
-    springs = Springs.of(no_stiffer_than_bonds(assembly))
+    springs = soft_springs(assembly)
     force = loads.variable.ravel()[free_rows(assembly)] / springs.units
     return float(np.sum(force * np.linalg.solve(springs.elastic_stiffness(), force)))

@@ -20,7 +20,7 @@ from sidmacib.mechanics.newton.nodes import new_point, put_slip
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
-from sidmacib.mechanics.springs import Springs, no_stiffer_than_bonds
+from sidmacib.mechanics.springs import Springs, soft_springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
 # Of a face's stiffness, see `sidmacib.mechanics.newton.faces.tangent_stiffness`; and of the
@@ -43,7 +43,7 @@ class RigidSolver:
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        springs, soft = Springs.of(assembly), Springs.of(no_stiffer_than_bonds(assembly))
+        springs, soft = Springs.of(assembly), soft_springs(assembly)
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
         self.here = new_point(order.inner + order.outer, springs.start)
