@@ -34,7 +34,8 @@ from sidmacib.mechanics.assembly import (
     shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
-from sidmacib.mechanics.newton.faces import Structure, unbalanced
+from sidmacib.mechanics.newton.equilibrium import put_at
+from sidmacib.mechanics.newton.faces import Structure
 from sidmacib.mechanics.newton.nodes import Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
@@ -90,8 +91,7 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
 def point_at(structure: Structure, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
     """What ``unknowns`` of a compiled ``structure`` make of its nodes, without other forces."""
     here = new_point(len(unknowns), structure.start)
-    here.unknowns[:] = unknowns
-    unbalanced(structure, slip, whole, np.zeros_like(unknowns), here)
+    put_at(structure, slip, whole, np.zeros_like(unknowns), here, unknowns)
     return here
 
 

@@ -29,7 +29,14 @@ from workflow.results.files import (
     stress_to_force,
     write_record,
 )
-from workflow.results.record import CaseRecord, ResultError, check_bracket, failed_record, record_of
+from workflow.results.record import (
+    CaseRecord,
+    ResultError,
+    check_bracket,
+    check_first_failure,
+    failed_record,
+    record_of,
+)
 from workflow.solvers import limit, static
 from workflow.steps.solve import solved
 
@@ -250,6 +257,15 @@ def test_the_load_that_failed_is_held_against_the_tolerance(
     found = Outcome((State(peak),), failed)
     with pytest.raises(ResultError, match="the tolerance, above") if refused else nullcontext():
         check_bracket(found, 0.001, 20.0)
+
+
+@pytest.mark.parametrize(("peak", "refused"), [(79.0, True), (81.0, False), (300.0, False)])
+def test_a_peak_far_below_the_first_failure_of_the_static_model_is_no_result(
+    peak: float, refused: bool
+) -> None:
+    found = Outcome((State(peak),), peak)
+    with pytest.raises(ResultError, match="nothing fails up to") if refused else nullcontext():
+        check_first_failure(found, 100.0)
 
 
 def test_what_is_nested_deeply_is_refused(tmp_path: Path) -> None:

@@ -12,12 +12,12 @@ an explicit computation: its time step, its loading rate, and the displacement b
 assembly can only have failed.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Kind, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_axes, free_rows
 
@@ -135,8 +135,32 @@ def natural_frequencies(assembly: Assembly) -> Floats:
     return np.sqrt(np.linalg.eigvalsh(stiffness))
 
 
-def compliance(assembly: Assembly, loads: Loads) -> float:
-    """Displacement along the variable load, per newton of load, in m/N, with every node closed."""
+def soft_springs(assembly: Assembly) -> Springs:
+    """The springs of ``assembly`` with no face stiffer than the softest inner one, if there is any.
+
+    The reference for displacements: where all nodes are bonded, dry faces carry loads past the
+    inner ones, and the stiffer they are the less moves. Once they slip, the inner faces decide.
+    """
     springs = Springs.of(assembly)
+    laws = [face.material for face in assembly.faces]
+    stiffness = np.array([(law.normal_stiffness, law.shear_stiffness) for law in laws])
+    inner = np.array([face.kind is Kind.INNER for face in assembly.faces])
+    most = stiffness[inner].min(axis=0, initial=np.inf)
+    normal, shear = np.minimum(1.0, most / stiffness)[assembly.nodes.face].T
+    law = springs.contact_law
+    soft = replace(
+        law,
+        normal_stiffness=law.normal_stiffness * normal,
+        shear_stiffness=law.shear_stiffness * shear,
+    )
+    return replace(springs, contact_law=soft)
+
+
+def compliance(assembly: Assembly, loads: Loads) -> float:
+    """Displacement along the variable load, per newton of load, in m/N, with every node closed.
+
+    Of `soft_springs`.
+    """
+    springs = soft_springs(assembly)
     force = loads.variable.ravel()[free_rows(assembly)] / springs.units
     return float(np.sum(force * np.linalg.solve(springs.elastic_stiffness(), force)))

@@ -24,6 +24,7 @@ from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
+LEAST_OF_FIRST_FAILURE = 0.8  # peak of an engine over the first failure of the static model
 SLACK = 1e-6  # of a tolerance: rounding
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 
@@ -160,6 +161,20 @@ def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
         raise ResultError(
             f"failed load {failed:g} N is not allowed; it must be at most {allowed:g} N, the "
             f"tolerance, above the peak of {peak:g} N"
+        )
+
+
+def check_first_failure(outcome: Outcome, expected: float) -> None:
+    """Raise `ResultError` where the peak is far below the load at which a node should fail first.
+
+    ``expected``: that load in the static model, in N. First failures agree within 1 % where both
+    models see the same, so an engine that gives way at much less has seen something else.
+    """
+    peak = outcome.path[-1].load
+    if peak < LEAST_OF_FIRST_FAILURE * expected:
+        raise ResultError(
+            f"peak of {peak:g} N contradicts the static model, in which nothing fails up to "
+            f"{expected:g} N; it must be at least {LEAST_OF_FIRST_FAILURE:g} of that"
         )
 
 

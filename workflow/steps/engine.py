@@ -16,7 +16,13 @@ from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
 from workflow.results.files import CASE, read_outcome, write_record
-from workflow.results.record import ResultError, check_bracket, failed_record, record_of
+from workflow.results.record import (
+    ResultError,
+    check_bracket,
+    check_first_failure,
+    failed_record,
+    record_of,
+)
 from workflow.run.attempts import KilledError, Settled, last_try
 
 
@@ -39,6 +45,8 @@ def run(
         outcome = read_outcome(folder, problem.assembly)
         least = case.numerics.first_increment * problem.loads.scale
         check_bracket(outcome, case.numerics.tolerance, least)
+        if guide:
+            check_first_failure(outcome, guide.first_event_N)
         versions = {engine.name: engine.version()}
         write_record(record_of(case, problem, outcome, versions), record)
     except (EngineError, ResultError, CapacityError) as error:

@@ -6,7 +6,7 @@ import numpy as np
 
 from sidmacib.mechanics.newton.compilation import compiled
 from sidmacib.mechanics.newton.elimination import solve_linear
-from sidmacib.mechanics.newton.faces import norm, tangent_stiffness, unbalanced
+from sidmacib.mechanics.newton.faces import move_nodes, norm, tangent_stiffness, unbalanced
 
 STEPS = 60  # of Newton's method, at most
 STALLED = 30  # steps in which the unbalanced forces must halve
@@ -34,10 +34,31 @@ def elastic(structure, matrix, here, target, floor):
 
 @compiled
 def stepped(structure, slip, whole, target, here, start, step, share):
-    """Put ``here`` a fraction of ``step`` after ``start``; see `unbalanced`."""
-    for i in range(len(start)):
-        here.unknowns[i] = start[i] + share * step[i]
+    """Put ``here`` a fraction of ``step`` after ``start``, which are places; see `unbalanced`."""
+    for i in range(len(start) if structure.stiff else len(here.unknowns)):
+        here.place[i] = start[i] + share * step[i]
+    if not structure.stiff:
+        move_nodes(structure, here.place)
     return unbalanced(structure, slip, whole, target, here)
+
+
+@compiled
+def put_at(structure, slip, whole, target, here, unknowns):
+    """Put ``here`` at ``unknowns`` (m); see `unbalanced`."""
+    here.unknowns[:] = unknowns
+    move_nodes(structure, here.place)
+    return unbalanced(structure, slip, whole, target, here)
+
+
+@compiled
+def newton_step(structure, matrix, here, step):
+    """Fill in the ``step`` to the next place by the tangent ``matrix``; whether there is one."""
+    move = step[: len(here.residual)]
+    move[:] = here.residual
+    solved = solve_linear(structure, matrix, move)
+    if structure.stiff:
+        move_nodes(structure, step)
+    return solved
 
 
 @compiled
@@ -51,8 +72,8 @@ def newton(structure, matrix, here, target, guess, slip, whole, limits, patience
     may return. Returns whether equilibrium was found.
     """
     (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
-    here.unknowns[:], start = guess, np.empty_like(guess)
-    size = unbalanced(structure, slip, whole, target, here)
+    start, step = np.empty_like(here.place), np.empty_like(here.place)
+    size = put_at(structure, slip, whole, target, here, guess)
     best, stalled = size, 0
     for _ in range(STEPS):
         if size <= allowed:
@@ -63,14 +84,13 @@ def newton(structure, matrix, here, target, guess, slip, whole, limits, patience
             break
         stalled += 1
         tangent_stiffness(structure, slip, whole, here, floor, matrix)
-        step = here.residual.copy()
-        if not solve_linear(structure, matrix, step):
+        if not newton_step(structure, matrix, here, step):
             break
-        far += not norm(step) <= largest_step  # true for NaN as well
+        far += not norm(step[: len(guess)]) <= largest_step  # true for NaN as well
         if far > most_far:
             break
         before, share = size, 2.0
-        start[:] = here.unknowns
+        start[:] = here.place
         while share == 2.0 or (size > before and share > least_share):
             share /= 2.0
             size = stepped(structure, slip, whole, target, here, start, step, share)
@@ -121,23 +141,22 @@ def least_energy(structure, matrix, here, target, guess, slip, whole, limits):
     push pieces away, it is some way off.
     """
     stiffness, floor, allowed, far = limits
-    here.unknowns[:], start = guess, np.empty_like(guess)
-    size = unbalanced(structure, slip, whole, target, here)
+    start, step = np.empty_like(here.place), np.empty_like(here.place)
+    size, move = put_at(structure, slip, whole, target, here, guess), step[: len(guess)]
     for _ in range(STEPS):
         if not farthest(here.unknowns, guess) <= far:  # true for NaN as well
             break
         if size <= allowed_at(here.unknowns, stiffness, allowed):
             return True
         tangent_stiffness(structure, slip, whole, here, floor, matrix)
-        step = here.residual.copy()
-        if not solve_linear(structure, matrix, step):
+        if not newton_step(structure, matrix, here, step):
             break
-        steepest, part, tried = product(here.residual, step), 1.0, 0
+        steepest, part, tried = product(here.residual, move), 1.0, 0
         low, low_slope, high, high_slope = 0.0, steepest, np.inf, 0.0
-        start[:] = here.unknowns
+        start[:] = here.place
         while True:
             size = stepped(structure, slip, whole, target, here, start, step, part)
-            slope, tried = product(here.residual, step), tried + 1
+            slope, tried = product(here.residual, move), tried + 1
             if abs(slope) <= ENOUGH * steepest or tried == TRIALS or not np.isfinite(slope):
                 break
             if slope > 0.0 and not farthest(here.unknowns, guess) <= far:

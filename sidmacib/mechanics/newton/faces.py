@@ -13,7 +13,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.newton.compilation import compiled
-from sidmacib.mechanics.newton.nodes import P, Q, put_forces, put_slip, put_tangents
+from sidmacib.mechanics.newton.nodes import P, Q, put_displacements, put_forces, put_tangents
 
 
 class Structure(NamedTuple):
@@ -26,6 +26,8 @@ class Structure(NamedTuple):
     face, -1 for a fixed one, (F, 2).
     ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
     whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
+    ``stiff``: whether nodes add up their own steps to equilibrium. If they follow from the pieces'
+    displacements, a stiff face between pieces that move far carries the rounding of a difference.
     The ``inner`` unknowns come first; those coupled by the stiffness are at most ``band`` apart.
     The ``outer`` unknowns follow and may be coupled to all others.
     """
@@ -36,6 +38,7 @@ class Structure(NamedTuple):
     levers: Floats
     begin: Integers
     bonded: Floats
+    stiff: bool
     inner: int
     outer: int
     band: int
@@ -111,30 +114,29 @@ def together(axes, a, b, c):
 
 
 @compiled
-def unbalanced(structure, slip, whole, target, here):
-    """Fill in forces and residual of ``here`` at its unknowns, for ``target`` (N) on the pieces.
-
-    Returns the norm of the residual (N).
-    """
-    w, on_face = np.empty(6), np.empty(6)
-    for i, value in enumerate(target):
-        here.residual[i] = value
+def move_nodes(structure, place):
+    """Fill in the displacements of the nodes, which follow the unknowns in ``place`` (m)."""
+    w, size = np.empty(6), structure.inner + structure.outer
+    moved = place[size:].reshape((3, structure.nodes.shape[1]))
     for face in range(len(structure.begin)):
-        face_motion(structure, face, here.unknowns, w)
-        put_forces(structure, face, w, slip, whole, here.force)
-        resultant(structure, face, here.force, on_face)
-        subtract_force(structure, face, on_face, here.residual)
-    return norm(here.residual)
+        face_motion(structure, face, place, w)
+        put_displacements(structure, face, w, moved)
 
 
 @compiled
-def slip_after(structure, slip, whole, here):
-    """Slip (m) of the nodes after the equilibrium ``here``, from the ``slip`` before, (2, N)."""
-    w, after = np.empty(6), np.empty_like(slip)
+def unbalanced(structure, slip, whole, target, here):
+    """Fill in forces and residual of ``here`` at its place, for ``target`` (N) on the pieces.
+
+    Returns the norm of the residual (N).
+    """
+    on_face = np.empty(6)
+    for i, value in enumerate(target):
+        here.residual[i] = value
+    put_forces(structure, slip, whole, here.moved, here.force)
     for face in range(len(structure.begin)):
-        face_motion(structure, face, here.unknowns, w)
-        put_slip(structure, face, w, slip, whole, here.force, after)
-    return after
+        resultant(structure, face, here.force, on_face)
+        subtract_force(structure, face, on_face, here.residual)
+    return norm(here.residual)
 
 
 @compiled
@@ -215,10 +217,10 @@ def put(row, a, b, c, d, e, f):
 def tangent_stiffness(structure, slip, whole, here, floor, matrix):
     """Put the derivative of the nodes' forces on the pieces into ``matrix``.
 
-    ``here``: where, by its unknowns. ``floor`` (N/m) is added to the diagonal: it keeps pieces that
+    ``here``: where, by its place. ``floor`` (N/m) is added to the diagonal: it keeps pieces that
     nothing holds during an iteration from flying off, and changes no equilibrium.
     """
-    w, k, blocks = np.empty(6), np.empty((6, 6)), np.empty((2, 2, 6, 6))
+    k, blocks = np.empty((6, 6)), np.empty((2, 2, 6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
     matrix.band[:, structure.band] = floor
     for i in range(structure.outer):
@@ -227,8 +229,7 @@ def tangent_stiffness(structure, slip, whole, here, floor, matrix):
         if is_whole(structure, face, whole):
             add_face(structure, matrix, face, structure.bonded[face])
             continue
-        face_motion(structure, face, here.unknowns, w)
-        put_tangents(structure, face, w, slip, whole, here.tangent)
+        put_tangents(structure, face, slip, whole, here.moved, here.tangent)
         if face_stiffness(structure, face, here.tangent, k):
             by_pieces(structure, face, k, blocks)
             add_face(structure, matrix, face, blocks)
@@ -249,10 +250,11 @@ def whole_faces(structure, here):
 
     ``here``: a point, which is overwritten.
     """
-    count, w, k = structure.nodes.shape[1], np.zeros(6), np.empty((6, 6))
+    count, k = structure.nodes.shape[1], np.empty((6, 6))
     slip, whole = np.zeros((2, count)), np.ones(count)
+    here.place[:] = 0.0
     for face in range(len(structure.begin)):
-        put_tangents(structure, face, w, slip, whole, here.tangent)
+        put_tangents(structure, face, slip, whole, here.moved, here.tangent)
         face_stiffness(structure, face, here.tangent, k)
         by_pieces(structure, face, k, structure.bonded[face])
 

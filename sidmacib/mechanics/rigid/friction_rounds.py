@@ -24,11 +24,12 @@ from sidmacib.mechanics.newton.equilibrium import (
     least_energy,
     newton,
     product,
+    put_at,
 )
-from sidmacib.mechanics.newton.faces import Structure, unbalanced
+from sidmacib.mechanics.newton.faces import Structure
 from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN, Point
 
-ROUNDS = 30  # of friction limits, at most
+ROUNDS = 300  # of friction limits, at most
 SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
 IN_A_ROW = 6  # rounds without equilibrium that end the search
 
@@ -95,8 +96,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
     if not problem.with_given_limits(guess, problem.never_reached()):
         return False
     stuck, from_stuck = here.unknowns.copy(), problem.limits
-    here.unknowns[:] = guess
-    unbalanced(problem.structure, problem.slip, problem.whole, problem.target, here)
+    put_at(problem.structure, problem.slip, problem.whole, problem.target, here, guess)
     return (
         _rounds(problem, guess, problem.limits)
         or problem.equilibrium_from(stuck)

@@ -9,22 +9,27 @@ from copy import copy
 
 import numpy as np
 
-from sidmacib.errors import NoEquilibriumError
+from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState, components
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium
-from sidmacib.mechanics.newton.faces import Structure, slip_after, whole_faces
-from sidmacib.mechanics.newton.nodes import new_point
+from sidmacib.mechanics.newton.faces import Structure, whole_faces
+from sidmacib.mechanics.newton.nodes import new_point, put_slip
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
 from sidmacib.mechanics.solution import Equilibrium, lifted_part
-from sidmacib.mechanics.springs import Springs
+from sidmacib.mechanics.springs import Springs, soft_springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
-FLOOR = 1e-10  # of a face's stiffness, see `sidmacib.mechanics.newton.faces.tangent_stiffness`
+# Of a face's stiffness, see `sidmacib.mechanics.newton.faces.tangent_stiffness`; and of the
+# stiffest face, at least: less is lost in rounding.
+FLOOR, LEAST_FLOOR = 1e-10, 1e-14
 DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than holds them
+# Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
+# the second, it decides. Faces far below the second are as good as rigid.
+STIFF, MOST_STIFF = 1e4, 1e8
 LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -33,24 +38,35 @@ class RigidSolver:
 
     Callers see the displacements of the free pieces, in m and rad. Internally, displacements and
     forces have the units of `sidmacib.mechanics.springs` and the order of
-    `sidmacib.mechanics.rigid.ordering`.
+    `sidmacib.mechanics.rigid.ordering`. `CapacityError` if faces differ in stiffness by more than
+    `MOST_STIFF`.
     """
 
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
-        springs = Springs.of(assembly)
+        springs, soft = Springs.of(assembly), soft_springs(assembly)
         order, rows = ordering(springs), free_rows(assembly)
         self.contact_law = springs.contact_law
-        self.structure, self.matrix = _structure(springs, order), _matrix(order)
         self.here = new_point(order.inner + order.outer, springs.start)
-        whole_faces(self.structure, self.here)
+        ratio = _stiffness_ratio(assembly)
+        if ratio > MOST_STIFF * (1.0 + 1e-9):  # rounding of their quotient
+            raise CapacityError(
+                f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
+                f"{MOST_STIFF:g} times rounding errors decide"
+            )
+        self.structure, self.soft = (
+            _structure(each, order, ratio > STIFF) for each in (springs, soft)
+        )
+        self.matrix = _matrix(order)
+        for each in (self.structure, self.soft):
+            whole_faces(each, self.here)
         size = np.diff(springs.unknowns)
         self.place = np.arange(springs.unknowns[-1])
         self.place += np.repeat(order.begin - springs.unknowns[:-1], size)
         self.units = springs.units
         self.rows = rows
-        per_face = np.add.reduceat(self.contact_law.normal_stiffness, springs.start[:-1])
-        self.stiffness = float(per_face.max())
-        self.floor, self.drag = FLOOR * self.stiffness, DRAG * self.stiffness
+        self.stiffness, softer = _stiffest(springs), _stiffest(soft)
+        self.floor = max(FLOOR * softer, LEAST_FLOOR * self.stiffness)
+        self.drag = DRAG * softer
         self._carry(loads)
 
     def under(self, loads: Loads) -> "RigidSolver":
@@ -63,8 +79,12 @@ class RigidSolver:
         loads.require_proportional()
         self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
-        self.rest, reach = self._elastic(self.weight), self._elastic(loads.scale * self.load)
-        self.largest_step = LARGEST_STEP * float(np.abs(self.rest).max() + np.abs(reach).max())
+        self.rest = self._elastic(self.structure, self.weight)
+        reach = (
+            np.abs(self._elastic(self.soft, force)).max()
+            for force in (self.weight, loads.scale * self.load)
+        )
+        self.largest_step = LARGEST_STEP * float(sum(reach))
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
@@ -92,7 +112,8 @@ class RigidSolver:
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         here = self.here
-        slip = slip_after(self.structure, before, state.whole, here)
+        slip = np.empty_like(before)
+        put_slip(self.structure, before, state.whole, here, slip)
         displacement = float(self.load @ here.unknowns)
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
@@ -117,9 +138,9 @@ class RigidSolver:
         equilibrium(self.structure, self.matrix, self.here, *nodes, limits)
         return np.asarray(self.here.unknowns - begin)
 
-    def _elastic(self, target: Floats) -> Floats:
-        """Unknowns under ``target`` (N) with every node closed and bonded."""
-        return np.asarray(elastic(self.structure, self.matrix, self.here, target, self.floor))
+    def _elastic(self, structure: Structure, target: Floats) -> Floats:
+        """Unknowns of ``structure`` under ``target`` (N) with every node closed and bonded."""
+        return np.asarray(elastic(structure, self.matrix, self.here, target, self.floor))
 
     def _inside(self, values: Floats) -> Floats:
         inside = np.empty_like(values)
@@ -130,7 +151,20 @@ class RigidSolver:
         return np.asarray(unknowns[self.place] / self.units)
 
 
-def _structure(springs: Springs, order: Ordering) -> Structure:
+def _stiffest(springs: Springs) -> float:
+    """Normal stiffness (N/m) of the stiffest face."""
+    per_face = np.add.reduceat(springs.contact_law.normal_stiffness, springs.start[:-1])
+    return float(per_face.max())
+
+
+def _stiffness_ratio(assembly: Assembly) -> float:
+    """The largest stiffness of a face (Pa/m) over the smallest."""
+    laws = {face.material for face in assembly.faces}
+    both = [k for law in laws for k in (law.normal_stiffness, law.shear_stiffness)]
+    return max(both) / min(both)
+
+
+def _structure(springs: Springs, order: Ordering, stiff: bool) -> Structure:
     contact_law = springs.contact_law
     return Structure(
         np.array(
@@ -147,6 +181,7 @@ def _structure(springs: Springs, order: Ordering) -> Structure:
         springs.levers,
         np.where(springs.piece < 0, -1, order.begin[springs.piece]),
         np.zeros((len(springs.piece), 2, 2, 6, 6)),
+        stiff,
         order.inner,
         order.outer,
         order.band,

@@ -11,6 +11,7 @@ from itertools import count
 from pathlib import Path
 
 from ..scripts.children import ENDS_WITH_PARENT, in_private_network
+from ..scripts.records import NoAnswerError
 
 LIGGGHTS = ("liggghts", "-log", "none")
 # Ranks talk through shared memory: without these, every rank listens on ports of all interfaces.
@@ -76,6 +77,11 @@ class LiggghtsProcess:
             file=sys.stderr,
         )
         killed = -self.process.wait() == signal.SIGKILL
+        if any("Lost atoms" in line for line in lines):
+            raise NoAnswerError(
+                "no peak: the pieces moved further than contact spheres can follow; LIGGGHTS lost "
+                "some"
+            )
         sys.exit(128 + signal.SIGKILL if killed else 1)
 
     def run(self, steps: int) -> None:

@@ -1,0 +1,87 @@
+"""Dry faces that are far stiffer than the inner ones."""
+
+import math
+from pathlib import Path
+
+import pytest
+from conftest import DISTINCT, run_guided
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import FIXED_PLATE, Direction, Joint
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
+from sidmacib.mechanics.springs import compliance
+from sidmacib.mechanics.static.model import Mode, static_first_failure, static_peak
+from sidmacib.problem import Problem
+from workflow.engines.numerics import Numerics
+from workflow.results.files import read_outcome
+
+SOFT = 1e8  # Pa/m, of inner faces
+
+
+def problem(
+    ratio: float,
+    e_over_a: float,
+    locks: int = 9,
+    friction: float = 0.3,
+    hold_down: HoldDown = FIXED_PLATE,
+) -> Problem:
+    """A joint whose dry faces are ``ratio`` times as stiff as the inner ones."""
+    inner = FaceMaterial(SOFT, SOFT, 0.0, 8e4, 3.7e5)
+    dry = FaceMaterial(ratio * SOFT, ratio * SOFT, friction, 0.0, 0.0)
+    joint = Joint(locks, inner=inner, dry=dry, hold_down=hold_down)
+    return posed(joint, Loading(Direction(e_over_a)), 0.025)
+
+
+@pytest.mark.parametrize("ratio", [1e5, 1e6, 1e7, 1e8])
+def test_beyond_some_stiffness_dry_faces_are_rigid(ratio: float) -> None:
+    found = static_peak(*problem(ratio, 0.0))
+    assert found.mode is Mode.BONDS
+    assert found.peak.load == pytest.approx(394.24, rel=1e-4)
+
+
+@pytest.mark.parametrize("e_over_a", [0.3, math.inf])
+@pytest.mark.parametrize("locks", [3, 9])
+def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over_a: float) -> None:
+    loads = [
+        static_first_failure(*problem(ratio, e_over_a, locks)).point.load for ratio in (1e6, 3e7)
+    ]
+    assert loads[1] == pytest.approx(loads[0], rel=1e-3)
+
+
+@pytest.mark.parametrize("hold_down", [HoldDown.weight(), HoldDown.force(300.0)])
+@pytest.mark.parametrize("friction", [0.0, 0.6])
+def test_stiff_dry_faces_move_no_further_than_rigid_ones(
+    hold_down: HoldDown, friction: float
+) -> None:
+    found = [static_peak(*problem(ratio, 1.0, 4, friction, hold_down)) for ratio in (1e5, 1e7)]
+    assert found[1].mode is found[0].mode
+    assert found[1].first_failure_load == pytest.approx(found[0].first_failure_load, rel=1e-2)
+
+
+def test_a_stiffness_that_rounding_would_decide_on_is_refused() -> None:
+    with pytest.raises(
+        CapacityError, match="1e\\+09 times as stiff as the softest; with more than"
+    ):
+        static_peak(*problem(1e9, 0.0))
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e5])
+def test_the_reference_displacement_does_not_shrink_with_stiff_dry_faces(ratio: float) -> None:
+    assert compliance(*problem(ratio, math.inf)) == compliance(*problem(1.0, math.inf))
+
+
+def test_soft_dry_faces_count_in_the_reference_displacement() -> None:
+    assert compliance(*problem(0.1, 0.0)) > 1.5 * compliance(*problem(1.0, 0.0))
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("name", DISTINCT)
+@pytest.mark.parametrize("e_over_a", [0.0, math.inf])
+def test_stiff_dry_faces_are_no_collapse(name: str, e_over_a: float, tmp_path: Path) -> None:
+    dry = FaceMaterial(1e12, 1e12, 0.3, 0.0, 0.0)
+    given = posed(Joint(3, dry=dry), Loading(Direction(e_over_a)), 0.02, NodeLayout.VERTICES)
+    run_guided(name, given, Numerics(), tmp_path, 300.0)
+    found = read_outcome(tmp_path, given.assembly)
+    assert found.path[-1].load == pytest.approx(static_peak(*given).peak.load, rel=0.01)
