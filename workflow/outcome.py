@@ -23,13 +23,13 @@ class State:
 
 @dataclass(frozen=True)
 class Outcome:
-    """States on the way, the last of them the peak, and loads in N.
+    """States on the way, the last of them the capacity, and loads in N.
 
     ``failed_load``: the smallest load known not to be carried. ``first_failure_load``: where the
-    first node fails; None in a model
-    without failure. ``mode``: how the joint gives way; None if the model does not say.
-    ``peak_spread``: of the peak, see `sidmacib.mechanics.static.peak_spread`; where that is
-    above its limit, the last state is the first failure.
+    first node fails; None in a model without failure. ``mode``: how the joint gives way; None if
+    the model does not say. ``peak_spread``: of the peak, see
+    `sidmacib.mechanics.static.peak_spread`; in a joint, where that is above its limit, the last
+    state is the first failure. ``peak_load``: of the peak; None in a model without one.
     """
 
     path: tuple[State, ...]
@@ -37,3 +37,4 @@ class Outcome:
     first_failure_load: float | None = None
     mode: str | None = None
     peak_spread: float | None = None
+    peak_load: float | None = None

@@ -207,4 +207,4 @@ def _outcome(
     stress = values[:, 4:8] / values[:, 3:4]
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
     state = State(loads[0], None, force, np.ones(len(force), dtype=bool))
-    return assembly, Outcome((state,), loads[1])
+    return assembly, Outcome((state,), loads[1], peak_load=state.load)

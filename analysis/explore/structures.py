@@ -11,20 +11,13 @@ from analysis.drawing.labels import label_of
 from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
-from analysis.summary.structures import first_failure, peak_is_unsettled
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
-from sidmacib.errors import DOES_NOT_STAND, CapacityError
+from sidmacib.answers.structure import FIRST_FAILURE, PEAK, Counts
+from sidmacib.errors import CapacityError
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.mesh_error import (
-    UNSETTLED,
-    Failures,
-    structure_mesh_errors,
-)
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.structure.structure import refined
 from workflow.results.record import ResultError
-from workflow.solvers import structure_limit
-from workflow.solvers.structure_static import failures_of, solve_on_these_cells
+from workflow.solvers import structure_limit, structure_static
 from workflow.structures.case import StructureCase
 from workflow.structures.found import Found
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
@@ -37,41 +30,16 @@ ASSUMES = "bonds yield, and sliding opens joints: may be too high"
 @lru_cache(maxsize=KEPT)
 def limit(chosen: Chosen) -> StructureRecord:
     """Limit analysis on the cells of the file."""
-
-    def solve(problem: Problem) -> tuple[Problem, Found]:
-        return problem, structure_limit.solve(problem)
-
-    return _record("limit", chosen, solve)
-
-
-@lru_cache(maxsize=KEPT)
-def coarse(chosen: Chosen) -> Failures | str:
-    """First failure and peak of the static model on the cells of the file, or why there is none."""
-    try:
-        return failures_of(*structure_of(chosen.description))
-    except FAULTS as error:
-        return _reason(error)
+    return _record("limit", chosen, structure_limit.solve)
 
 
 @lru_cache(maxsize=KEPT)
 def static(chosen: Chosen) -> StructureRecord:
-    """The static model on cells of half the size, as `multilock assembly` has it."""
-
-    def solve(problem: Problem) -> tuple[Problem, Found]:
-        before = coarse(chosen)
-        if isinstance(before, str):
-            raise CapacityError(before)
-        fine = Problem(refined(problem.assembly), problem.loads)
-        found, failures = solve_on_these_cells(fine, spread=False)
-        if not failures.peak > 0.0:
-            raise CapacityError(DOES_NOT_STAND)
-        errors = structure_mesh_errors(problem.assembly, before, failures, of_fine=True)
-        return fine, replace(found, mesh_errors=errors)
-
-    return _record("static", chosen, solve)
+    """The static model, as `multilock assembly` and a study have it."""
+    return _record("static", chosen, structure_static.solve)
 
 
-STAGES = (limit, coarse, static)  # what an answer needs, in this order
+STAGES = (limit, static)  # what an answer needs, in this order
 
 
 def structure_answer(chosen: Chosen) -> dict[str, Any]:
@@ -83,7 +51,7 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
     return {
         "words": _words(chosen, rows),
         "unit": "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)",
-        "lines": _lines(rows, _end(chosen)),
+        "lines": _lines(rows),
         "row": rows[chosen.model],
         "shape": _shape(chosen.example, dict(chosen.values).get("locks")),
         "blocks": _plain(blocks_table([drawn])),
@@ -97,34 +65,36 @@ def same(chosen: Chosen) -> Chosen:
     return replace(chosen, model=MODELS[0])
 
 
-def _end(chosen: Chosen) -> str:
-    """What the static model's largest load or tilt is called, as the command calls it."""
-    return "last equilibrium" if EXAMPLES[chosen.example].tilts else "peak"
-
-
-def _lines(rows: dict[str, dict[str, Any]], end: str) -> list[list[Any]]:
+def _lines(rows: dict[str, dict[str, Any]]) -> list[list[Any]]:
     """What, load or tilt, load over weight, mesh error (%), remark: a line for each result."""
     limit_row, static_row = rows["limit"], rows["static"]
     name = label_of("static").name
     if static_row["error"]:
         failures = [[name, None, None, None, _why(static_row)]]
     else:
-        bond = static_row["first_interface"]
-        first = f"bond of {bond}" if bond else f"no bond fails before the {end}"
-        failures = [
-            _line(f"{name}, first failure", static_row, "first_failure_", first),
-            _line(f"{name}, {end}", static_row, "", f"ends by: {static_row['mode']}"),
-        ]
+        counts, bond = _counts(static_row), static_row["first_interface"]
+        failures = [_line(name, static_row, "", f"{counts}; ends by: {static_row['mode']}")]
+        if static_row["counts"] == FIRST_FAILURE:
+            failures.append(_line(f"{name}, peak", static_row, "peak_", "does not count"))
+        elif bond:
+            first = f"bond of {bond}"
+            failures.append(_line(f"{name}, first failure", static_row, "first_failure_", first))
     remark = _why(limit_row) if limit_row["error"] else ASSUMES
     return [_line(label_of("limit").name, limit_row, "", remark), *failures]
 
 
+def _counts(row: dict[str, Any]) -> str:
+    return str(Counts(row["counts"] == PEAK, row["because"]))
+
+
 def _line(what: str, row: dict[str, Any], part: str, remark: str) -> list[Any]:
-    load, tilt, error = (row[f"{part}{name}"] for name in ("load_N", "tilt_degrees", "mesh_error"))
-    share = row["load_over_weight"]
+    """A line of the load, or of a ``part`` of the row's columns: another load of the model."""
+    load = row["peak_N" if part == "peak_" else f"{part}load_N"]
+    tilt, share = row[f"{part}tilt_degrees"], row["load_over_weight"]
     if part and share is not None and load is not None:
         share *= load / row["load_N"]
-    percent = None if error is None else 100.0 * error
+    error = row["first_failure_mesh_error"] if part == "first_failure_" else row["mesh_error"]
+    percent = None if error is None or part == "peak_" else 100.0 * error
     return [what, load if tilt is None else tilt, json_value(share), json_value(percent), remark]
 
 
@@ -136,29 +106,29 @@ def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
     if row["error"]:
         return f"{title}: no answer of the {label_of('static').name}: {_why(row)}."
     load, weight = row["load_N"], row["load_over_weight"]
-    if peak_is_unsettled(row):
-        return f"{title}: first bond at {first_failure(row)}; {UNSETTLED}."
     at = (
         f"{row['tilt_degrees']:.4g}°"
         if load is None
         else f"{load:.4g} N, {weight:.3g} of the weight"
     )
-    return f"{title}: {_end(chosen)} at {at}; ends by: {row['mode']}."
+    if row["counts"] == FIRST_FAILURE:
+        return f"{title}: first bond at {at}; {_counts(row)}."
+    end = "last equilibrium" if EXAMPLES[chosen.example].tilts else "peak"
+    return f"{title}: {end} at {at}; ends by: {row['mode']}."
 
 
 def _why(row: dict[str, Any]) -> str:
     return str(row["error"]).removeprefix(f"{row['model']}: ")
 
 
-def _record(
-    model: str, chosen: Chosen, solve: Callable[[Problem], tuple[Problem, Found]]
-) -> StructureRecord:
-    """The record of ``chosen`` by ``solve``, which may choose cells; its error if there is one."""
+def _record(model: str, chosen: Chosen, solve: Callable[[Problem], Found]) -> StructureRecord:
+    """The record of ``chosen`` by ``solve``; its error if there is one."""
     case = StructureCase(
         chosen.example, model, chosen.example, "load", "", chosen.description, None
     )
     try:
-        return structure_record(case, *solve(structure_of(chosen.description)), {})
+        problem = structure_of(chosen.description)
+        return structure_record(case, problem, solve(problem), {})
     except FAULTS as error:
         return record_without_result(case, error=f"{model}: {_reason(error)}")
 

@@ -30,10 +30,10 @@ function prepared(row) {
 const percent = (share) => (share === null ? null : Number((100 * share).toFixed(2)));
 const COLUMNS = [
   ["model", (row) => labelOf(row.model).name], ["load (N)", (row) => row.load_N], ["load / weight", (row) => row.load_over_weight],
-  ["tilt (°)", (row) => row.tilt_degrees],
+  ["tilt (°)", (row) => row.tilt_degrees], ["counts", (row) => row.counts], ["peak (N)", (row) => row.peak_N], ["peak (°)", (row) => row.peak_tilt_degrees],
   ["to static (%)", (row) => percent(row.difference_to_static)], ["mesh error (%)", (row) => percent(row.mesh_error)],
-  ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
-  ["used most", (row) => row.most_used_interface], ["refused", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
+  ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["fails at", (row) => (row.first_interface === null ? null : firstFailure(row))],
+  ["why it counts", (row) => row.because], ["used most", (row) => row.most_used_interface], ["refused", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
 ];
 
 function tellModels() {

@@ -9,9 +9,9 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.solids import points_of, shape_of
-from analysis.summary.structures import first_failure, peak_is_unsettled
+from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
-from sidmacib.structure.analysis.mesh_error import UNSETTLED
+from sidmacib.answers.structure import FIRST_FAILURE
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL
@@ -93,17 +93,15 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
 
 
 def _of_model(row: Mapping[str, Any]) -> str:
-    """The answer of a model with its mesh error: the first failure where the peak is unsettled."""
-    model = label_of(row["model"]).name
-
-    def about(error: float) -> str:
-        return "" if pd.isna(error) else f", mesh error {round(100 * error, 1):g} %"
-
-    peak = f"{_answer(row)} ({model}{about(row['mesh_error'])})"
-    if not peak_is_unsettled(row):
-        return peak
-    error = about(row["first_failure_mesh_error"])
-    return f"first bond at {first_failure(row)} ({model}{error}); {UNSETTLED}, {peak}"
+    """The load of a model that counts with its mesh error, and the other one that it found."""
+    notes, error = [label_of(row["model"]).name], row["mesh_error"]
+    if pd.notna(error):
+        notes.append(f"mesh error {round(100 * error, 1):g} %")
+    if row["counts"] == FIRST_FAILURE:
+        notes.append(f"first failure, as the peak of {peak(row)} does not count")
+    elif pd.notna(row["first_interface"]):
+        notes.append(f"first bond at {first_failure(row)}")
+    return f"{_answer(row)} ({', '.join(notes)})"
 
 
 def _answer(row: Mapping[str, Any]) -> str | None:

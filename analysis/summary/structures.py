@@ -6,8 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.mechanics.solution import SPREAD_LIMIT
-from sidmacib.structure.analysis.mesh_error import UNSETTLED, is_unsettled
+from sidmacib.answers.structure import FIRST_FAILURE
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 
@@ -49,6 +48,10 @@ def _line(row: Mapping[str, Any]) -> str:
 
 
 def _notes(row: Mapping[str, Any]) -> Iterator[str]:
+    if pd.notna(row["counts"]):
+        yield f"the {row['counts']} counts: {row['because']}"
+    if row["counts"] == FIRST_FAILURE:
+        yield f"peak: {peak(row)}"
     if pd.notna(row["mode"]):
         yield f"ends by: {row['mode']}"
     if pd.notna(row["first_interface"]):
@@ -59,22 +62,22 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
         yield f"most used: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
         yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
-    if peak_is_unsettled(row):
-        yield UNSETTLED
-    if pd.notna(row["peak_spread"]) and row["peak_spread"] > SPREAD_LIMIT:
-        yield "peaks spread too far: the load is that of the first failure"
-
-
-def peak_is_unsettled(row: Mapping[str, Any]) -> bool:
-    """See `is_unsettled`, of a row of the table of structures."""
-    return is_unsettled(row["mesh_error"], bond_fails=pd.notna(row["first_interface"]))
 
 
 def first_failure(row: Mapping[str, Any]) -> str:
     """The load or the tilt at which the first bond fails, with its unit."""
+    return _with_unit(row, "first_failure_load_N", "first_failure_tilt_degrees")
+
+
+def peak(row: Mapping[str, Any]) -> str:
+    """The largest load or tilt, with its unit."""
+    return _with_unit(row, "peak_N", "peak_tilt_degrees")
+
+
+def _with_unit(row: Mapping[str, Any], load: str, tilt: str) -> str:
     if pd.notna(row["tilt_degrees"]):
-        return f"{row['first_failure_tilt_degrees']:.5g} degrees"
-    return f"{row['first_failure_load_N']:.5g} N"
+        return f"{row[tilt]:.5g} degrees"
+    return f"{row[load]:.5g} N"
 
 
 def run(

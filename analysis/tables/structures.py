@@ -2,12 +2,20 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from sidmacib.answers.structure import (
+    FIRST_FAILURE,
+    PEAK,
+    Counts,
+    counting,
+    without_other_meshes,
+)
+from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
@@ -17,31 +25,69 @@ from workflow.structures.record import (
     read_structure_records,
 )
 
-LOADS = ("load_N", "failed_load_N", "first_failure_load_N")
+TILTS = {
+    "load_N": "tilt_degrees",
+    "peak_N": "peak_tilt_degrees",
+    "first_failure_load_N": "first_failure_tilt_degrees",
+    "failed_load_N": "failed_tilt_degrees",
+    "static_load_N": "static_tilt_degrees",
+}
 NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in the report
 IDENTITY = ("structure", "load", "variant", "model")
 MOTION = ("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z")
 
 
 def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
-    """One row for each case; differences are to the static model of the same structure and load."""
+    """One row for each case; differences are to the static model of the same structure and load.
+
+    On the same cells: of what counts, which the static model decides for engines.
+    """
     static = {each.physics: each for each in records if each.model == REFERENCE_MODEL}
-    rows = [_row(record, static.get(record.physics)) for record in records]
+    rows = [_row(counted(record, static.get(record.physics)), static) for record in records]
     return _typed(STRUCTURES, rows)
 
 
-def _row(record: StructureRecord, static: StructureRecord | None) -> dict[str, Any]:
+def counted(record: StructureRecord, static: StructureRecord | None) -> StructureRecord:
+    """The ``record`` of an engine with the load that counts by the ``static`` model.
+
+    An engine has one mesh, which shows nothing of how far its peak depends on it.
+    """
+    if record.peak_N is None or record.counts is not None:
+        return record
+    failures = Failures(record.first_failure_load_N or record.peak_N, record.peak_N)
+    if static is not None and static.counts is not None:
+        counts = Counts(static.counts == PEAK, static.because or "")
+        errors = static.mesh_error, static.first_failure_mesh_error
+    else:
+        counts = without_other_meshes(failures)
+        errors = None, None
+    return replace(
+        record,
+        load_N=counting(failures, counts),
+        counts=counts.name,
+        because=counts.why,
+        mesh_error=errors[0],
+        first_failure_mesh_error=errors[1],
+    )
+
+
+def _compared(record: StructureRecord, static: StructureRecord | None) -> float | None:
+    """The load (N) of the static model that a record's is compared with."""
+    if record.model == REFERENCE_MODEL or static is None:
+        return None
+    if first_failure_only(record.model) or static.counts == FIRST_FAILURE:
+        return static.given_first_failure_N
+    return static.given_peak_N
+
+
+def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[str, Any]:
     row = {name: getattr(record, name) for name in STRUCTURES.columns if hasattr(record, name)}
     load, weight = record.load_N, record.weight_N
-    compared = None if record.model == REFERENCE_MODEL or static is None else static.load_N
-    if static is not None and first_failure_only(record.model):
-        compared = static.first_failure_load_N
+    row["static_load_N"] = compared = _compared(record, known.get(record.physics))
     if record.tilts and weight:
         row |= {
-            name.replace("load_N", "tilt_degrees"): row.get(name)
-            and tilt_of_load(row[name], weight)
-            for name in LOADS
-        } | dict.fromkeys(LOADS)
+            tilt: row[name] and tilt_of_load(row[name], weight) for name, tilt in TILTS.items()
+        } | dict.fromkeys(TILTS)
     return {
         **row,
         "load_over_weight": None if load is None or record.tilts or not weight else load / weight,

@@ -8,7 +8,6 @@ import numpy as np
 from sidmacib.command.answers import Row
 from sidmacib.design.designed import Design
 from sidmacib.design.layouts import Layout
-from sidmacib.design.safe_rule import safe_share
 from sidmacib.mechanics.polygons import Polygon
 
 
@@ -73,13 +72,6 @@ def _lock_row(design: Design, number: int, row: Layout) -> Row:
     assert isinstance(face, Polygon)
     use = [abs(float(each.across[number])) / row.strength for each in design.needed]
     worst = design.needed[int(np.argmax(use))]
-    rule, reason = safe_share(
-        structure.assembly,
-        face,
-        row,
-        float(worst.across[number]),
-        float(worst.torque[number]),
-    )
     return {
         "interface": face.name,
         "locks": len(row.widths),
@@ -92,8 +84,6 @@ def _lock_row(design: Design, number: int, row: Layout) -> Row:
         "factor by 1 % more": max(
             float(state.by_strength[number]) * row.strength / 100.0 for state in design.states
         ),
-        "safe rule": rule,
-        "note": reason,
     }
 
 

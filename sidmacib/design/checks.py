@@ -7,19 +7,19 @@ roots and the history of friction.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure_limit import limit_state
 from sidmacib.design.file import Task, designed
 from sidmacib.design.sizing import Choice, carried
 from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.analysis.mesh_error import Failures, structure_mesh_errors
+from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import assembly_of
-from sidmacib.structure.structure import refined
 
 DESIGN, LIMIT, SLIDING = "design", "limit", "limit, no dilation"
 FIRST, PEAK = "static, first failure", "static, peak"
@@ -77,46 +77,43 @@ def _of_case(
         load, words = _answer(lambda: _sliding(assembly, loads))
         yield SLIDING, load, words, load is not None
     try:
-        found = _static(assembly, loads, task.first_failure, amount * task.factor)
+        yield from _static(Problem(assembly, loads), task.first_failure, amount * task.factor)
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
         yield FIRST, unlimited, _line(error), task.first_failure
         yield PEAK, unlimited, _line(error), not task.first_failure
-        return
-    for model, load, words in found:
-        yield model, load, words, task.first_failure == (model == FIRST)
 
 
 def _static(
-    assembly: Assembly, loads: Loads, first_failure: bool, needed: float
-) -> Iterable[tuple[str, float, str]]:
-    """Model, load (N) and note of the first failure and the peak.
+    problem: Problem, first_failure: bool, needed: float
+) -> Iterator[tuple[str, float, str, bool]]:
+    """Model, load (N), note, whether it decides: of the first failure and of the peak.
 
-    If that which decides is as large as ``needed`` (N), both are found again on cells of half the
-    size, less their mesh errors.
+    That decides which counts, see `static_answer`, or the ``first_failure`` where that is asked
+    for. Both are less their mesh errors. Where already the peak on the cells of the file is below
+    what is ``needed`` (N), there are no other meshes.
     """
-    coarse = static_peak(assembly, loads)
-    loads_found = Failures(coarse.first_failure_load, coarse.peak.load)
-    notes = "of a bond, or the peak", f"ends by: {coarse.mode}"
-    if (loads_found.first if first_failure else loads_found.peak) < needed:
-        return zip((FIRST, PEAK), loads_found, notes, strict=True)
-    fine = static_peak(refined(assembly), loads)
-    loads_found, before = Failures(fine.first_failure_load, fine.peak.load), loads_found
-    errors = structure_mesh_errors(assembly, before, loads_found, of_fine=True)
-    notes = notes[0], f"ends by: {fine.mode}"
-    return [
-        (
-            model,
-            load * (1.0 - (error or 0.0)),
-            f"{words}; less its mesh error of {error or 0.0:.2g}",
-        )
-        for model, load, error, words in zip((FIRST, PEAK), loads_found, errors, notes, strict=True)
-    ]
+    coarse = static_peak(*problem)
+    if coarse.peak.load < needed:
+        ends = f"ends by: {coarse.mode}"
+        yield FIRST, coarse.first_failure_load, "of a bond, or the peak", first_failure
+        yield PEAK, coarse.peak.load, ends, not first_failure
+        return
+    answer = static_answer(problem)
+    first, peak = (
+        load * (1.0 - (error or 0.0))
+        for load, error in zip(answer.failures, answer.mesh_errors, strict=True)
+    )
+    decides = first_failure or not answer.counts.peak
+    about = [f"less its mesh error of {error or 0.0:.2g}" for error in answer.mesh_errors]
+    yield FIRST, first, f"{about[0]}; of a bond, or the peak", decides
+    # A peak is never below the first failure, whatever the estimates of their errors.
+    ends = f"{about[1]}; {answer.counts}; ends by: {answer.mode}"
+    yield PEAK, max(peak, first), ends, not decides
 
 
 def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:
-    require_standing(assembly, loads, friction=True)
-    return limit_load(assembly, loads, friction=True).load, "locks cut out; bonds yield"
+    return limit_state(assembly, loads).load, "locks cut out; bonds yield"
 
 
 def _sliding(assembly: Assembly, loads: Loads) -> tuple[float, str]:

@@ -3,13 +3,14 @@
 Directions and numbers are searched so that the design's model carries what is demanded. Layouts
 that cannot be built are barred, and the search goes on. Where a case fails a check, more of it is
 demanded in proportion and all is done again: the design's model promises too much, as its locks
-share their load evenly and its friction is associated.
+share their load evenly and its friction is associated. Where the design's model cannot carry that
+whatever its locks, as friction or weight decides in it, each row gets one lock more.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
-from sidmacib.design.blocking import Order, conflict, order_of
+from sidmacib.design.blocking import Choice, Order, conflict, order_of
 from sidmacib.design.checks import Check, checks_of
 from sidmacib.design.direction import Directions, Found, Search, choice_of
 from sidmacib.design.file import Task, with_demand
@@ -71,10 +72,14 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
         try:
             found = _once(task, demand, last, raised, note)
         except InfeasibleError as error:
-            if best is None:
+            if best is None or last is None:
                 raise
             note(f"no locks do where {_words(demand)}: {error}")
-            break
+            stronger = _stronger(task.structure, last.choice)
+            if stronger is None:
+                break
+            note("each row gets the next stronger one")
+            found = _with(task, last, stronger, raised, note)
         except SolverError as error:  # of this demand; the next one may be solved
             if best is None and raised == task.raised:
                 raise
@@ -103,6 +108,34 @@ def _raised(design: Design) -> dict[str, float]:
         missing = design.task.factor / max(min(factors), design.task.factor / MOST_RISE)
         demand[case] *= max(LEAST_RISE, missing)
     return demand
+
+
+def _stronger(structure: Structure, choice: Choice) -> Choice | None:
+    """The next stronger row in place of each row, along the same direction; None if none is."""
+    found = list(choice)
+    for number, (site, row) in enumerate(zip(structure.sites, choice, strict=True)):
+        if row is not None:
+            along = [each for each in site.layouts if each.direction == row.direction]
+            stronger = [each for each in along if each.strength > row.strength]
+            found[number] = min(stronger, key=lambda each: each.strength, default=row)
+    return None if found == list(choice) else tuple(found)
+
+
+def _with(
+    task: Task, last: Design, choice: Choice, raised: int, note: Callable[[str], None]
+) -> Design:
+    """The ``last`` design with the rows of another ``choice``."""
+    structure = task.structure
+    return replace(
+        last,
+        choice=tuple(choice),
+        cost=float(structure.costs @ structure.chosen(choice)),
+        states=carried(structure, choice),
+        needed=needed(structure, choice, task.factor),
+        order=order_of(structure.assembly, structure.sites, choice),
+        checks=checks_of(task, choice, note),
+        raised=raised,
+    )
 
 
 def _reason(design: Design) -> str:

@@ -118,11 +118,14 @@ def _require_room(found: Sequence[Interface], mesh: float) -> None:
         raise refused("mesh", mesh, f"at least {least:.2g} m: more than {MOST_CELLS:,} cells")
 
 
-def refined(assembly: Assembly) -> Assembly:
-    """The structure on cells of half the size, for an estimate of its mesh errors."""
+def refined(assembly: Assembly, divided: int = 2) -> Assembly:
+    """The structure on cells of half the size, or ``divided`` otherwise: for its mesh errors.
+
+    Of the structure of a file, not of a refined one: without a mesh, its cells are the interfaces.
+    """
     faces = tuple(face for face in assembly.faces if isinstance(face, Polygon))
-    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided=2)
-    return replace(assembly, nodes=nodes, mesh=assembly.mesh / 2)
+    nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided)
+    return replace(assembly, nodes=nodes, mesh=assembly.mesh / divided)
 
 
 def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> Row:

@@ -29,6 +29,10 @@ MEANINGS: Mapping[str, str] = {
     # loads
     "load_N": "largest load carried, along the path: √(V² + (M / a)²); the first failure where "
     "`peak_spread` is above 0.02",
+    "peak_N": "largest load carried, whether it counts or not; empty for models without a peak",
+    "counts": "which load `load_N` is: the `peak` or the `first failure`; empty if the model does "
+    "not say",
+    "because": "why the peak counts, or the first failure",
     "shear_N": "shear force V at `load_N`",
     "torque_Nm": "torque M at `load_N`",
     "failed_load_N": "smallest load known not to be carried",
@@ -129,8 +133,10 @@ MEANINGS: Mapping[str, str] = {
     "interfaces": "number of interfaces",
     "weight_N": "weight of the blocks that can move",
     "load_over_weight": "`load_N` over `weight_N`",
-    "tilt_degrees": "angle by which gravity has turned at the last equilibrium; loads in N are "
-    "empty where it turns",
+    "tilt_degrees": "angle by which gravity has turned at the load that counts; "
+    "loads in N are empty where it turns",
+    "peak_tilt_degrees": "angle at the last equilibrium, whether it counts or not",
+    "static_tilt_degrees": "as `static_load_N`, of angles",
     "failed_tilt_degrees": "smallest angle known not to be carried",
     "first_failure_tilt_degrees": "angle at which the first node reaches its strength",
     "first_interface": "interface whose bond fails first",
@@ -161,7 +167,7 @@ MEANINGS: Mapping[str, str] = {
     "x_m": "x of the block's centroid",
     "y_m": "y of the block's centroid",
     "z_m": "z of the block's centroid",
-    "motion": "motion of the block: `at the peak`, or in the `mechanism`, for 1 m along the load; "
+    "motion": "motion of the block: `at the load`, or in the `mechanism`, for 1 m along the load; "
     "empty if the model does not compute it",
     "move_x_m": "displacement of the block along x",
     "move_y_m": "displacement of the block along y",
@@ -197,12 +203,15 @@ EXCEPTIONS: Mapping[str, Mapping[str, str]] = {
         **_MOVED,
         **_NAMED,
         "nodes": "number of contact nodes",
-        "load_N": "largest load carried",
+        "load_N": "load that counts, see `counts`",
+        "static_load_N": "load of the static model on the cells of the file, on which engines are; "
+        "its first failure where that counts",
         "mesh_error": "upper estimate of the difference between the load or angle and its limit "
         "for ever smaller cells, over itself",
         "unbalanced_share": "largest force left on a block, or moment over the blocks' mean size, "
         "over the load",
-        "difference_to_static": "relative difference of the load or angle to the static model's",
+        "difference_to_static": "relative difference of the load or angle to the static model's on "
+        "the same cells",
     },
     tables.INTERFACES.name: {
         **_MOVED,

@@ -40,7 +40,7 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
     _check_history(path, peak, assembly)
     at_peak = State(peak, path[-1].displacement if path else None, *nodes)
     before = [state for state in path if state.load < peak * (1.0 - 1e-12)]
-    return Outcome((*before, at_peak), failed, first, mode)
+    return Outcome((*before, at_peak), failed, first, mode, peak_load=peak)
 
 
 def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:

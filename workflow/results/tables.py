@@ -55,8 +55,8 @@ CASES = Table(
     "cases",
     (
         *("name", *_CASE, "nodes", "eccentricity_over_a", "shear_N", "torque_Nm", "load_N"),
-        *("failed_load_N", "first_failure_load_N", "mode", "peak_spread", "unbalanced_share"),
-        *("static_load_N", "difference_to_static", "mesh_error"),
+        *("peak_N", "failed_load_N", "first_failure_load_N", "mode", "peak_spread"),
+        *("unbalanced_share", "static_load_N", "difference_to_static", "mesh_error"),
         *("first_failure_mesh_error", "error", "versions", "case"),
     ),
     ("model", "variant", "case"),
@@ -75,8 +75,8 @@ CAPACITY = Table(
     "capacity",
     (
         *("model", "variant", "locks", "mesh_m", "eccentricity_m", "shear_N", "torque_Nm"),
-        *("sample", "eccentricity_over_a", "load_N", "failed_load_N", "first_failure_load_N"),
-        "unbalanced_share",
+        *("sample", "eccentricity_over_a", "load_N", "peak_N", "failed_load_N"),
+        *("first_failure_load_N", "unbalanced_share"),
         *("option", "friction", "reduction", "weights_from", "case", "mode"),
         *("peak_spread", "difference_to_static", "mesh_error", "first_failure_mesh_error", "error"),
     ),
@@ -148,10 +148,12 @@ STRUCTURES = Table(
     "structures",
     (
         *(*_STRUCTURE, "blocks", "interfaces", "nodes", "load_N", "load_over_weight", "weight_N"),
-        *("failed_load_N", "first_failure_load_N", "tilt_degrees", "failed_tilt_degrees"),
-        *("first_failure_tilt_degrees", "first_interface", "most_used_interface"),
-        *("mode", "peak_spread", "mesh_error", "first_failure_mesh_error", "unbalanced_share"),
-        *("difference_to_static", "refused", "error", "versions", "case"),
+        *("counts", "because", "peak_N", "first_failure_load_N", "failed_load_N"),
+        *("tilt_degrees", "peak_tilt_degrees", "first_failure_tilt_degrees", "failed_tilt_degrees"),
+        *("first_interface", "most_used_interface", "mode", "peak_spread"),
+        *("mesh_error", "first_failure_mesh_error", "unbalanced_share"),
+        *("static_load_N", "static_tilt_degrees", "difference_to_static"),
+        *("refused", "error", "versions", "case"),
     ),
     _STRUCTURE,
 )

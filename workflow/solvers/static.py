@@ -12,26 +12,14 @@ def solve(problem: Problem) -> Outcome:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
-    return solve_with_path(problem)[0]
-
-
-def solve_with_path(
-    problem: Problem, *, spread: bool = True
-) -> tuple[Outcome, tuple[Equilibrium, ...]]:
-    """The outcome of `solve`, or of `solve_once` without ``spread``, and the equilibria.
-
-    Raises the same errors.
-    """
-    if not spread:
-        once = static_peak(*problem)
-        return _outcome(once, once.path, None), once.path
     found = static_capacity(*problem)
-    return _outcome(found.solution, found.path, found.spread), found.path
+    return _outcome(found.solution, found.path, found.spread)
 
 
 def solve_once(problem: Problem) -> Outcome:
     """The equilibria on the way to the peak, whose spread is not asked; raises as `solve` does."""
-    return solve_with_path(problem, spread=False)[0]
+    once = static_peak(*problem)
+    return _outcome(once, once.path, None)
 
 
 def _outcome(
@@ -39,5 +27,10 @@ def _outcome(
 ) -> Outcome:
     states = tuple(State(float(p.load), p.displacement, p.force, p.state.bonded) for p in path)
     return Outcome(
-        states, solution.failed_load, solution.first_failure_load, str(solution.mode), spread
+        states,
+        solution.failed_load,
+        solution.first_failure_load,
+        str(solution.mode),
+        spread,
+        float(solution.peak.load),
     )

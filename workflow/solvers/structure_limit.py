@@ -1,7 +1,7 @@
 """Limit analysis of a structure, with associated friction."""
 
+from sidmacib.answers.structure_limit import limit_state
 from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
@@ -20,8 +20,7 @@ def solve(problem: Problem) -> Found:
         outcome = Outcome((State(load),), failed_load=load)
         errors = MeshErrors(None, limit_mesh_error(problem, tilt.angle))
         return Found(outcome, tilt.mechanism, MECHANISM, mesh_errors=errors)
-    require_standing(*problem, friction=True)
-    found = limit_load(*problem, friction=True)
+    found = limit_state(*problem)
     state = State(found.load, force=found.force, bonded=ContactLaw.of(assembly).cohesive)
     outcome = Outcome((state,), failed_load=found.load)
     errors = MeshErrors(None, limit_mesh_error(problem, found.load))

@@ -80,10 +80,13 @@ class StructureRecord:
     """The result of a case; loads as in `workflow.results.record.CaseRecord`.
 
     ``tilts``: whether gravity turns; loads are then the angle in radians times the weight.
-    ``mesh_error``: of the load, over it, and ``first_failure_mesh_error``; None where no other mesh
-    was solved. ``first_interface``: whose bond fails first. ``refused``: why the model cannot do
-    the structure, or that it never falls, ``error``: why there is no result; all numbers are None
-    in both.
+    ``load_N`` is the load that ``counts``, the peak or the first failure, and ``because`` says why;
+    both are None where the model does not say, and its last load stands there.
+    ``given_peak_N`` and ``given_first_failure_N``: on the cells of the file, where the rest is from
+    smaller ones. ``mesh_error``: of the load, over it, and ``first_failure_mesh_error``; None where
+    no other mesh was solved. ``first_interface``: whose bond fails first. ``refused``: why the
+    model cannot do the structure, or that it never falls, ``error``: why there is no result; all
+    numbers are None in both.
     """
 
     model: str
@@ -95,9 +98,14 @@ class StructureRecord:
     physics: str
     tilts: bool = False
     load_N: float | None = None
+    peak_N: float | None = None
+    counts: str | None = None
+    because: str | None = None
     weight_N: float | None = None
     failed_load_N: float | None = None
     first_failure_load_N: float | None = None
+    given_peak_N: float | None = None
+    given_first_failure_N: float | None = None
     first_interface: str | None = None
     mode: str | None = None
     peak_spread: float | None = None
@@ -146,50 +154,54 @@ def structure_record(
     case: StructureCase, problem: Problem, found: Found, versions: dict[str, str]
 ) -> StructureRecord:
     """The record of what was ``found``; `ResultError` where that cannot be a result of ``case``."""
-    assembly, loads = problem
-    outcome, peak = found.outcome, found.outcome.path[-1]
+    assembly, loads = found.cells or problem.assembly, problem.loads
+    outcome, state, counts = found.outcome, found.state, found.counts
     check_loads(outcome)
     balance = None
     interfaces: tuple[InterfaceRow, ...] = ()
-    if peak.force is not None:
-        if not np.isfinite(peak.force).all():
+    if state.force is not None:
+        if not np.isfinite(state.force).all():
             raise ResultError("a stress is not a finite number")
-        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
-        check_balance(balance, peak.load, loads)
-        interfaces = interface_rows(assembly, peak, peak.force, found.broken_at)
-    first = outcome.first_failure_load
+        balance = unbalanced_share(assembly, loads, state.load, state.force)
+        check_balance(balance, state.load, loads)
+        failing = {face: load / outcome.path[-1].load for face, load in found.broken_at.items()}
+        interfaces = interface_rows(assembly, state, state.force, failing)
+    given = found.given
+    errors = found.mesh_errors
     return StructureRecord(
         **_identity(case),
         tilts=loads.axis is not None,
-        load_N=rounded(peak.load),
+        load_N=rounded(state.load),
+        peak_N=_rounded(outcome.peak_load),
+        counts=None if counts is None else counts.name,
+        because=None if counts is None else counts.why,
         weight_N=rounded(free_weight(assembly)),
         failed_load_N=rounded(outcome.failed_load),
-        first_failure_load_N=None if first is None else rounded(first),
+        first_failure_load_N=_rounded(outcome.first_failure_load),
+        given_peak_N=given and _rounded(given.peak),
+        given_first_failure_N=given and _rounded(given.first),
         first_interface=_name(assembly, next(iter(found.broken_at), None)),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
-        mesh_error=found.mesh_errors.peak,
-        first_failure_mesh_error=found.mesh_errors.first,
+        mesh_error=errors.peak if counts is None or counts.peak else errors.first,
+        first_failure_mesh_error=errors.first,
         unbalanced_share=None if balance is None else float(f"{balance:.1e}"),
         nodes=len(assembly.nodes.area),
         interfaces=interfaces,
         blocks=block_rows(assembly, found),
-        path=tuple(
-            (rounded(s.load), None if s.displacement is None else rounded(s.displacement))
-            for s in outcome.path
-        ),
+        path=tuple((rounded(each.load), _rounded(each.displacement)) for each in outcome.path),
         versions=versions,
     )
 
 
 def interface_rows(
-    assembly: Assembly, peak: State, force: Floats, broken_at: Mapping[int, float]
+    assembly: Assembly, at: State, force: Floats, failing: Mapping[int, float]
 ) -> tuple[InterfaceRow, ...]:
     """Resultants on each interface from node forces, (N, 3) in N in the frame of its face.
 
-    ``broken_at``: loads (N), see `workflow.structures.found`.
+    ``failing``: the part of the peak at which the first bond of a face fails, by its index.
     """
-    state = None if peak.bonded is None else _state(peak.bonded)
+    state = None if at.bonded is None else _state(at.bonded)
     size = float(np.abs(force).max(initial=0.0))
     rows = []
     for number, each in enumerate(interface_forces(assembly, force, state)):
@@ -213,7 +225,7 @@ def interface_rows(
                 eccentricity=None if each.eccentricity is None else _clean(each.eccentricity, 1.0),
                 utilisation=None if used is None else _clean(used, 1.0),
                 bonded_share=_clean(each.bonded, 1.0),
-                fails_at=_share(broken_at.get(number), peak.load),
+                fails_at=_share(failing.get(number)),
                 force_x_N=_clean(each.resultant[0], size),
                 force_y_N=_clean(each.resultant[1], size),
                 force_z_N=_clean(each.resultant[2], size),
@@ -264,8 +276,12 @@ def _state(bonded: Flags) -> NodeState:
     return NodeState(np.zeros((len(bonded), 2)), bonded.astype(float))
 
 
-def _share(load: float | None, peak: float) -> float | None:
-    return None if load is None or load > peak else rounded(load / peak)
+def _share(of_peak: float | None) -> float | None:
+    return None if of_peak is None or of_peak > 1.0 else rounded(of_peak)
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else rounded(value)
 
 
 def _name(assembly: Assembly, face: int | None) -> str | None:

@@ -1,15 +1,18 @@
-"""Mesh errors of the static model of a structure: the same on cells of half the size."""
+"""Mesh errors of the static model of a structure: the same on smaller cells.
+
+The peak of a structure whose bonds fail one after the other need not come closer to its limit from
+one mesh to the next, as it does in a joint: the change is no measure of what is left. All meshes
+have to agree then, and the range of their peaks, beside what no mesh shows, is the error of each.
+"""
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
-
-SETTLED = 0.2  # mesh error of a peak, over it: above it the first failure counts
-UNSETTLED = "the peak depends too much on the mesh: the first failure counts"
+from sidmacib.mesh_error import BOUNDS, DIGITS, LoadKind, kind_of, mesh_errors
 
 
 class Failures(NamedTuple):
@@ -20,7 +23,7 @@ class Failures(NamedTuple):
 
 
 class MeshErrors(NamedTuple):
-    """Of the first failure and the peak, each over itself; None of one that is 0."""
+    """Of the first failure and the peak, each over itself; None of one that is not known."""
 
     first: float | None
     peak: float | None
@@ -29,29 +32,25 @@ class MeshErrors(NamedTuple):
 UNKNOWN = MeshErrors(None, None)
 
 
-def is_unsettled(peak_error: float | None, *, bond_fails: bool) -> bool:
-    """Whether the first failure counts, not the peak, of which ``peak_error`` is the mesh error.
+def structure_mesh_errors(assembly: Assembly, found: Mapping[int, Failures]) -> MeshErrors:
+    """The errors of the failures on the smallest cells; of a late peak, on any of them.
 
-    ``bond_fails``: whether a bond does before the peak; if not, there is no first failure.
+    ``found``: by the number of cells, along a side, that one of ``assembly`` is divided into.
     """
-    return bond_fails and peak_error is not None and peak_error > SETTLED
-
-
-def structure_mesh_errors(
-    assembly: Assembly, coarse: Failures, fine: Failures, *, of_fine: bool = False
-) -> MeshErrors:
-    """The errors of ``coarse``, on the cells of ``assembly``, or ``of_fine``, on smaller ones."""
     sides = [math.sqrt(face.area) for face in assembly.faces]
     cells = max(1.0, float(np.mean(sides)) / assembly.mesh)
-    late = kind_of([(coarse.peak, coarse.first), (fine.peak, fine.first)])
+    first = {cells * divided: each.first for divided, each in found.items()}
+    peak = {cells * divided: each.peak for divided, each in found.items()}
+    kind = kind_of((each.peak, each.first) for each in found.values())
 
-    def error(one: float, other: float, kind: LoadKind) -> float | None:
-        if not (one > 0.0 and other > 0.0):
+    def error(loads: Mapping[float, float], kind: LoadKind) -> float | None:
+        if not all(load > 0.0 for load in loads.values()):
             return None
-        found = mesh_errors({cells: one, 2 * cells: other}, assembly.layout, kind)
-        return found[2 * cells if of_fine else cells]
+        finest = max(loads)
+        if kind is not LoadKind.LATE_PEAK:
+            return mesh_errors(loads, assembly.layout, kind).get(finest)
+        factor, floor = BOUNDS[assembly.layout][kind]
+        apart = (max(loads.values()) - min(loads.values())) / loads[finest]
+        return round(factor * apart + floor / finest, DIGITS)
 
-    return MeshErrors(
-        error(coarse.first, fine.first, LoadKind.FIRST_FAILURE),
-        error(coarse.peak, fine.peak, late),
-    )
+    return MeshErrors(error(first, LoadKind.FIRST_FAILURE), error(peak, kind))

@@ -1,0 +1,200 @@
+"""What the static model answers for a structure, and which of its loads counts.
+
+It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
+peak, the peak counts. Where one does, how far the peak moves from one mesh to another says little
+of how far it still will: it counts only if three meshes agree on it, the third with cells of a
+quarter of the size, and if it does not spread. Otherwise the first failure counts, which hardly
+depends on the mesh.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.solution import (
+    LEAST_INCREMENT,
+    SPREAD_LIMIT,
+    Equilibrium,
+    StaticSolution,
+)
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.peak_spread import peak_spread
+from sidmacib.problem import Problem
+from sidmacib.structure.analysis.mesh_error import Failures, MeshErrors, structure_mesh_errors
+from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.structure import refined
+
+HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
+MOST_NODES = 6000  # on cells of a quarter: more take too much time and memory
+SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
+PEAK, FIRST_FAILURE = "peak", "first failure"
+NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
+
+
+@dataclass(frozen=True)
+class Counts:
+    """Whether the peak counts, or the first failure, and ``why``."""
+
+    peak: bool
+    why: str
+
+    @property
+    def name(self) -> str:
+        """Which of the two counts."""
+        return PEAK if self.peak else FIRST_FAILURE
+
+    def __str__(self) -> str:
+        return f"the {self.name} counts: {self.why}"
+
+
+@dataclass(frozen=True)
+class StaticAnswer:
+    """What the static model answers for a structure; N, or degrees where gravity turns.
+
+    ``assembly``: on the cells that all of it belongs to, but ``given``, the failures on the cells
+    of the file. ``path``: equilibria to the peak. ``mode``: how it ends; ``mechanism``: how the
+    blocks then move where gravity turns, see `StaticTilt`. ``spread``: of the peak; None where it
+    was not asked.
+    """
+
+    assembly: Assembly
+    failures: Failures
+    given: Failures
+    mesh_errors: MeshErrors
+    counts: Counts
+    path: tuple[Equilibrium, ...]
+    mode: str
+    mechanism: Floats | None = None
+    spread: float | None = None
+
+    @property
+    def load(self) -> float:
+        """The load or the angle that counts."""
+        return counting(self.failures, self.counts)
+
+    @property
+    def mesh_error(self) -> float | None:
+        """The mesh error of that load, over it; None where it is not known."""
+        return self.mesh_errors.peak if self.counts.peak else self.mesh_errors.first
+
+    @property
+    def state(self) -> Equilibrium:
+        """The equilibrium at that load."""
+        return next(point for point in self.path if point.load >= self.load)
+
+
+def counting(failures: Failures, counts: Counts) -> float:
+    """Which of the ``failures`` counts."""
+    return failures.peak if counts.peak else failures.first
+
+
+def without_other_meshes(failures: Failures) -> Counts:
+    """What counts of ``failures`` that no other mesh confirms."""
+    if bond_fails(failures):
+        return Counts(peak=False, why="nothing shows how far the peak depends on the mesh")
+    return Counts(peak=True, why=NO_BOND)
+
+
+def bond_fails(failures: Failures) -> bool:
+    """Whether a bond fails before the peak."""
+    return failures.peak > failures.first * (1.0 + 2.0 * LEAST_INCREMENT)
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A path to the peak on some cells; ``solution``: where it is loads that are raised."""
+
+    assembly: Assembly
+    failures: Failures
+    path: tuple[Equilibrium, ...]
+    mode: str
+    mechanism: Floats | None = None
+    solution: StaticSolution | None = None
+
+    def spread(self, loads: Loads) -> float | None:
+        """The spread of the peak under ``loads``; None where gravity turns."""
+        return None if self.solution is None else peak_spread(self.assembly, loads, self.solution)
+
+
+def static_answer(problem: Problem) -> StaticAnswer:
+    """The answer of the static model for a structure, as a `Problem` on the cells of its file.
+
+    `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
+    """
+    found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
+    if not found[HALF].failures.peak > 0.0:
+        raise NoEquilibriumError(DOES_NOT_STAND)
+    if not bond_fails(found[HALF].failures):
+        return _answer(found, Counts(peak=True, why=NO_BOND))
+    why, spread = _doubt(problem, found)
+    if why and not found[max(found)].failures.first > 0.0:
+        raise CapacityError(f"bonds fail under its own weight alone, and {why}")
+    return _answer(found, Counts(peak=not why, why=why or AGREE), spread)
+
+
+def _doubt(problem: Problem, found: dict[int, _Followed]) -> tuple[str, float | None]:
+    """Why the peak does not count though a bond fails before it, or nothing; and its spread.
+
+    A path on a third mesh is added to those that are ``found`` if it may decide.
+    """
+    if unsettled := _unsettled(found):
+        return unsettled, None
+    third = refined(problem.assembly, QUARTER)
+    if len(third.nodes.area) > MOST_NODES:
+        return "a third mesh, which shows whether the peak depends on it, is too large", None
+    try:
+        found[QUARTER] = _followed(third, problem.loads)
+    except CapacityError as error:
+        return f"there is no peak on a third mesh: {error}", None
+    if unsettled := _unsettled(found):
+        return unsettled, None
+    spread = found[QUARTER].spread(problem.loads)
+    if spread is not None and spread > SPREAD_LIMIT:
+        return f"peaks spread by {100.0 * spread:.0f} % or more", spread
+    return "", spread
+
+
+def _unsettled(found: Mapping[int, _Followed]) -> str:
+    """That the peak depends too much on the mesh, or nothing."""
+    error = _mesh_errors(found).peak
+    if error is None:
+        return "the peak is 0 on one of the meshes"
+    if error > SETTLED:
+        return f"the peak depends too much on the mesh (mesh error {100.0 * error:.0f} %)"
+    return ""
+
+
+def _followed(assembly: Assembly, loads: Loads) -> _Followed:
+    try:
+        if loads.axis is not None:
+            tilt = static_tilt(assembly, Tilt(loads.axis))
+            failures = Failures(float(tilt.first_failure), float(tilt.angle))
+            return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
+        found = static_peak(assembly, loads)
+    except NoEquilibriumError:
+        raise NoEquilibriumError(DOES_NOT_STAND) from None
+    failures = Failures(float(found.first_failure_load), float(found.peak.load))
+    return _Followed(assembly, failures, found.path, str(found.mode), solution=found)
+
+
+def _mesh_errors(found: Mapping[int, _Followed]) -> MeshErrors:
+    failures = {divided: each.failures for divided, each in found.items()}
+    return structure_mesh_errors(found[1].assembly, failures)
+
+
+def _answer(
+    found: Mapping[int, _Followed], counts: Counts, spread: float | None = None
+) -> StaticAnswer:
+    finest = found[max(found)]
+    return StaticAnswer(
+        finest.assembly,
+        finest.failures,
+        found[1].failures,
+        _mesh_errors(found),
+        counts,
+        finest.path,
+        finest.mode,
+        finest.mechanism,
+        spread,
+    )
