@@ -66,10 +66,15 @@ def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[F
     return place.reshape(-1, 3), (x[:, None, None] * y[:, None] * z).ravel()
 
 
-def contact_nodes(faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout) -> Nodes:
-    """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m)."""
+def contact_nodes(
+    faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout, least: int = 1
+) -> Nodes:
+    """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m).
+
+    ``least``: cells along every side, however short it is.
+    """
     low, high = corners(faces)
-    cells = cells_along(high - low, mesh).tolist()
+    cells = np.maximum(least, cells_along(high - low, mesh)).tolist()
     units = [
         unit_face(layout, tuple(counts), face.axis)
         for face, counts in zip(faces, cells, strict=True)
