@@ -24,12 +24,15 @@ LOWER, PLATE, BODY = "lower", "plate", "body"  # names of pieces
 JOINED = 1e3  # stiffness between joined columns over that of inner faces: almost rigid
 
 
-def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) -> Assembly:
+def assemble(
+    joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO, *, least: int = 1
+) -> Assembly:
     """Cut ``joint`` into pieces and put ``nodes`` on cells of their faces no longer than ``mesh``.
 
-    ``mesh``: the longest side of a cell, m. ValueError unless it is above 0 and at most the shorter
-    side of the locks' horizontal faces; less than that side except for Lobatto points, as one row
-    of other nodes would be a hinge.
+    ``mesh``: the longest side of a cell, m. ``least``: cells along every side of a face, however
+    short: one cell along the height of a lock may hide where it bears. ValueError unless the mesh
+    is above 0 and at most the shorter side of the locks' horizontal faces; less than that side
+    except for Lobatto points, as one row of other nodes would be a hinge.
     """
     most, nodes = joint.least_side, NodeLayout(nodes)
     one_cell = nodes is NodeLayout.LOBATTO
@@ -41,7 +44,7 @@ def assemble(joint: Joint, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO) 
     pieces = cut_pieces(joint)
     faces = tuple(_faces(joint, pieces))
     return Assembly(
-        pieces, faces, contact_nodes(faces, mesh, nodes), joint.a, joint.failure, mesh, nodes
+        pieces, faces, contact_nodes(faces, mesh, nodes, least), joint.a, joint.failure, mesh, nodes
     )
 
 

@@ -67,13 +67,15 @@ def unit_face(layout: NodeLayout, counts: tuple[int, ...], axis: int) -> tuple[F
     return place.reshape(-1, 3), (x[:, None, None] * y[:, None] * z).ravel()
 
 
-def contact_nodes(faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout) -> Nodes:
+def contact_nodes(
+    faces: tuple[Rectangle, ...], mesh: float, layout: NodeLayout, least: int = 1
+) -> Nodes:
     """Nodes of ``layout`` on equal cells of ``faces``, no cell longer than ``mesh`` (m).
 
-    ValueError for more cells than `MOST_CELLS`.
+    ``least``: cells along every side, however short. ValueError for more cells than `MOST_CELLS`.
     """
     low, high = corners(faces)
-    cells = cells_along(high - low, mesh)
+    cells = np.maximum(least, cells_along(high - low, mesh))
     if (count := cells.prod(axis=1, dtype=float).sum()) > MOST_CELLS:
         raise ValueError(
             f"mesh: {mesh:g} m is not allowed; it must be longer, so that all faces have at most "

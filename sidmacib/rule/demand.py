@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
-from sidmacib.rule.law import SAFETY, SAFETY_ELASTIC, law, safe
+from sidmacib.rule.law import at_most, safe
 from sidmacib.validation import refused, require_not_negative
 
 
@@ -101,7 +101,7 @@ class Candidate:
 
     ``direction``: of the demand's load, ``needed`` (N). ``load``: the safe one along it (N); None
     where the safe rule refuses the joint, for ``reason``. ``exact``: False if the load is only an
-    upper bound of the safe one, from the law, which is below what is needed already.
+    upper bound of the safe one, which is below what is needed already.
     """
 
     joint: Joint
@@ -140,14 +140,13 @@ def candidate(
 ) -> Candidate:
     """``joint`` beside ``demand``: what the safe rule says of it.
 
-    ``exact``: whether the safe load is wanted even where the law, of which it is a fraction,
-    already says that the joint is too weak; that takes several times as long.
+    ``exact``: whether the safe load is wanted even where an upper bound of it already says that the
+    joint is too weak; that takes several times as long.
     """
     needed, direction = demand.load(joint), demand.direction(joint)
     try:
         if not exact:
-            margin = SAFETY if joint.elastic is None else SAFETY_ELASTIC
-            most = law(joint, direction, push).load / margin
+            most = at_most(joint, direction, push)
             if most < needed:
                 return Candidate(joint, direction, needed, most, exact=False)
         return Candidate(joint, direction, needed, safe(joint, direction, push).load)

@@ -5,7 +5,7 @@ stresses of a rigid lock: Lobatto points, which integrate linear stresses exactl
 it makes no difference how bonds fail.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -18,38 +18,30 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, self_weig
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.rigid.solver import RigidSolver
-from sidmacib.mechanics.solution import Equilibrium, Solver
+from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
 from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.rule.pairs import bearing_pairs
 
-
-@dataclass(frozen=True)
-class Fineness:
-    """``cells`` along the shorter side of a lock; largest ``increment`` of the load over T0."""
-
-    cells: int
-    increment: float
-
-
-# Two cells, so that dry faces may open in part. FINE, with smaller increments that follow friction
-# more closely, shows how far a load depends on both. Elastic blocks cost more, and three nodes a
-# side represent their bending.
-COARSE, FINE = Fineness(2, 0.1), Fineness(4, 0.05)
-ELASTIC, FINE_ELASTIC = Fineness(1, 0.1), Fineness(2, 0.1)
-FINEST = Fineness(6, 0.05)  # for dry faces so stiff that four cells may not be enough
+# Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far
+# a load depends on them. Elastic blocks cost more, and three nodes a side represent their bending.
+COARSE, FINE = 2, 4
+FINEST = 6  # for dry faces so stiff that four cells may not be enough
+ELASTIC, FINE_ELASTIC = 1, 2
 
 
 @dataclass(frozen=True)
 class JointFailure:
     """The state of a joint at its first failure, lock by lock.
 
-    ``load``: along the direction of loading, N. ``force_x``, ``force_y`` in N and ``torque`` in
+    ``load``: along the direction of loading, N. ``mode``: whether a bond fails there, or the joint
+    slides or rocks before one does. ``force_x``, ``force_y`` in N and ``torque`` in
     N m, across each root on the piece above it, shape (n,). ``utilisation``: largest stress over
     strength at each root, shape (n,). ``cut_utilisation``: the same at the cuts between columns.
     """
 
     load: float
+    mode: Mode
     force_x: Floats
     force_y: Floats
     torque: Floats
@@ -63,39 +55,48 @@ class JointFailure:
 
 
 @lru_cache(maxsize=256)  # law, safe rule and explorer need the same results
-def first_failure(joint: Joint, loading: Loading, fineness: Fineness | None = None) -> JointFailure:
-    """The state in which the first face of ``joint`` reaches its strength.
+def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> JointFailure:
+    """The state in which the first face of ``joint`` reaches its strength, or the joint moves away.
 
-    ``fineness``: None for the coarsest that suffices. ValueError for joints that the law does not
-    cover: fewer than two locks, locks that differ, joined columns, bonds with friction or without
-    strength. `CapacityError` if no pair of locks bears, if permanent loads alone make the joint
-    fail, or if it slides or rocks before a bond fails.
+    ``cells``: along the shorter side of a lock; None for the least that suffice. ValueError for
+    joints that the law does not cover: fewer than two locks, locks that differ, joined columns,
+    bonds with friction or without strength. `CapacityError` if no pair of locks bears, or if
+    permanent loads alone make the joint fail.
     """
     _require_row(joint)
     if not bearing_pairs(joint, loading.push):
         raise CapacityError(f"law: no pair of {joint.locks} locks bears in this direction")
-    fineness = fineness or (COARSE if joint.elastic is None else ELASTIC)
-    assembly = _cut(joint, fineness.cells)
+    cells = cells or (COARSE if joint.elastic is None else ELASTIC)
+    assembly = _cut(joint, cells)
     loads = lateral_load(joint, assembly, loading)
     if joint.elastic is None:
-        solver: Solver = _rigid(joint, fineness.cells).under(loads)
+        solver: Solver = _rigid(joint, cells).under(loads)
     else:
         solver = solver_of(assembly, loads)
-    failure = first_failure_of(solver, loads.scale, fineness.increment)
+    failure = first_failure_of(solver, loads.scale)
     if not failure.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
-    if not failure.failing.any():
-        raise CapacityError(
-            f"law: {joint.locks} locks move away ({failure.mode}) at {failure.point.load:.4g} N, "
-            "before a bond fails; use the static model"
-        )
-    return _state(joint, assembly, solver.contact_law, failure.point)
+    return _state(joint, assembly, solver.contact_law, failure)
+
+
+def weakened(joint: Joint, margin: float) -> Joint:
+    """``joint`` with all its strengths divided by ``margin``."""
+    inner = joint.inner
+    weak = replace(
+        inner,
+        cohesion=inner.cohesion / margin,
+        tensile_strength=inner.tensile_strength / margin,
+    )
+    return replace(joint, inner=weak)
 
 
 @lru_cache(maxsize=8)  # a curve asks for many directions of one joint
 def _cut(joint: Joint, cells: int) -> Assembly:
-    """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock."""
-    return assemble(joint, joint.least_side / cells)
+    """The pieces of ``joint`` with that many ``cells`` along the shorter side of a lock.
+
+    And half of them, at least, along its height, on which first failures may hang as well.
+    """
+    return assemble(joint, joint.least_side / cells, least=max(1, cells // 2))
 
 
 @lru_cache(maxsize=8)
@@ -107,10 +108,10 @@ def _rigid(joint: Joint, cells: int) -> RigidSolver:
 
 
 def _state(
-    joint: Joint, assembly: Assembly, contact_law: ContactLaw, point: Equilibrium
+    joint: Joint, assembly: Assembly, contact_law: ContactLaw, failure: FirstFailure
 ) -> JointFailure:
-    """Forces and utilisation of the roots of ``joint`` at ``point``."""
-    nodes, roots = assembly.nodes, lock_faces(joint)
+    """Forces and utilisation of the roots of ``joint`` at its ``failure``."""
+    point, nodes, roots = failure.point, assembly.nodes, lock_faces(joint)
     of_nodes = utilisation(contact_law, point.state, point.force)
     start = np.searchsorted(nodes.face, np.arange(len(assembly.faces)))
     of_faces = np.maximum.reduceat(of_nodes, start)
@@ -128,6 +129,7 @@ def _state(
     ]
     return JointFailure(
         float(point.load),
+        failure.mode,
         x[order],
         y[order],
         turned[order],

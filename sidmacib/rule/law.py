@@ -13,16 +13,19 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import GRAVITY
+from sidmacib.mechanics.solution import Mode
 from sidmacib.rule.first_failure import (
+    COARSE,
+    ELASTIC,
     FINE,
     FINE_ELASTIC,
     FINEST,
-    Fineness,
     first_failure,
+    weakened,
 )
 from sidmacib.validation import refused, require_positive
 
-SAFETY, SAFETY_ELASTIC = 1.06, 1.12
+SAFETY, SAFETY_ELASTIC = 1.06, 1.12  # on strengths, and on a load at which a joint slides or rocks
 STIFF = "stiffness of a dry face over a root, Kd h / (Ks b)"
 STIFFER = 10.0  # than this: the safe rule looks at a third mesh
 SPANS = {
@@ -43,6 +46,7 @@ SPANS = {
     "Poisson's ratio": (0.0, 0.4),
 }
 STRETCH = 1e-9  # by which a span may be exceeded, for rounding
+
 # Friction and e / a: a rigid monolithic body above both may snap from one equilibrium to another
 # before a bond fails, at less than half the first failure.
 ROUGHEST, TORSION = 0.5, 1.0
@@ -51,11 +55,15 @@ MOST_ECCENTRIC_PAIR = 0.5  # e / a of two locks: beyond it the force leaves thei
 
 @dataclass(frozen=True)
 class LawCapacity:
-    """A load along its direction (N), its shear V (N) and its torque M (N m)."""
+    """A load along its direction (N), its shear V (N) and its torque M (N m).
+
+    ``mode``: whether bonds fail first, or the joint slides or rocks before they do.
+    """
 
     load: float
     shear: float
     torque: float
+    mode: Mode = Mode.BONDS
 
 
 def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
@@ -64,40 +72,61 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure.first_failure`.
     """
     require_covered(joint, direction)
-    load = first_failure(joint, Loading(direction, push=push)).load
-    return _capacity(joint, direction, load)
+    return _capacity(joint, direction, *_failure(joint, direction, push))
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
     """A load that ``joint`` carries, for design.
 
-    The first failure is computed on two meshes, of rigid pieces with two load increments, and on a
-    third mesh where dry faces of these are more than `STIFFER` times as stiff as roots. The
-    difference between the highest and the lowest is subtracted from the lowest: joints that are
-    about to rock depend on the mesh, and rough ones on the increments, by more than `SAFETY` and
-    `SAFETY_ELASTIC` cover.
+    The first failure of the joint with all strengths divided by `SAFETY` or `SAFETY_ELASTIC`. The
+    margin is on strengths, as where weight or a force holds a joint down a small loss of strength
+    may cost much of the load. Where the joint slides or rocks first, the load is divided too.
 
-    Errors of `law`. `CapacityError` too if only friction between the locks keeps the joint from
-    overturning, and for one rigid piece in torsion with a friction above `ROUGHEST`.
+    It is computed on two meshes, and on a third where dry faces are more than `STIFFER` times as
+    stiff as roots. The difference between the highest and the lowest is subtracted from the lowest.
+
+    Errors of `law`. `CapacityError` too if the meshes differ too much, if only friction between the
+    locks keeps the joint from overturning, and for one rigid piece in torsion with a friction above
+    `ROUGHEST`.
     """
+    require_covered(joint, direction)
     _require_no_snap(joint, direction)
-    load = law(joint, direction, push).load
-    meshes, margin = _finer_meshes(joint), SAFETY if joint.elastic is None else SAFETY_ELASTIC
-    loading = Loading(direction, push=push)
-    loads = (load, *(first_failure(joint, loading, mesh).load for mesh in meshes))
+    found = [_weak_failure(joint, direction, push, cells) for cells in _meshes(joint)]
+    loads = [load for load, _ in found]
     least = min(loads) - (max(loads) - min(loads))
     if least <= 0.0:
         raise CapacityError(
             f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
             f"{max(loads):.4g} N; use the static model"
         )
-    return _designed(joint, direction, least / margin)
+    _, mode = found[loads.index(min(loads))]
+    return _designed(joint, direction, least, mode)
 
 
-def _finer_meshes(joint: Joint) -> tuple[Fineness, ...]:
+def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:
+    """An upper bound of the safe load (N), in less time than it takes; errors of `law`."""
+    require_covered(joint, direction)
+    return _weak_failure(joint, direction, push, _meshes(joint)[0])[0]
+
+
+def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
+    """The load (N) with the margin of the safe rule, and how the joint fails there."""
+    margin = SAFETY if joint.elastic is None else SAFETY_ELASTIC
+    load, mode = _failure(weakened(joint, margin), direction, push, cells)
+    return (load if mode is Mode.BONDS else load / margin), mode
+
+
+def _failure(
+    joint: Joint, direction: Direction, push: Push, cells: int | None = None
+) -> tuple[float, Mode]:
+    failure = first_failure(joint, Loading(direction, push=push), cells)
+    return failure.load, failure.mode
+
+
+def _meshes(joint: Joint) -> tuple[int, ...]:
     if joint.elastic is not None:
-        return (FINE_ELASTIC,)
-    return (FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (FINE,)
+        return ELASTIC, FINE_ELASTIC
+    return (COARSE, FINE, FINEST) if spans_of(joint)[STIFF] > STIFFER else (COARSE, FINE)
 
 
 def spans_of(joint: Joint) -> dict[str, float]:
@@ -161,12 +190,12 @@ def _require_no_snap(joint: Joint, direction: Direction) -> None:
         )
 
 
-def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
+def _designed(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:
     """The capacity at ``load`` (N); `CapacityError` if it may overturn a joint without a plate.
 
     V acts at half the height, weight and pressure at half the length.
     """
-    capacity = _capacity(joint, direction, load)
+    capacity = _capacity(joint, direction, load, mode)
     if joint.pressing_force is not None:
         weight = joint.density * GRAVITY * joint.a * joint.total_width * joint.H
         most = (joint.pressing_force + weight) * joint.total_width / (joint.H + joint.h)
@@ -178,8 +207,8 @@ def _designed(joint: Joint, direction: Direction, load: float) -> LawCapacity:
     return capacity
 
 
-def _capacity(joint: Joint, direction: Direction, load: float) -> LawCapacity:
-    return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a)
+def _capacity(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:
+    return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a, mode)
 
 
 RULES = {"law": law, "safe": safe}  # by the names of their models in studies

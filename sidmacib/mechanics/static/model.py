@@ -35,8 +35,10 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
-LEAST_REFINEMENT = 1 / 16  # the least factor on these increments
-HISTORY = 1e-3  # change of the first failure when increments are halved, over the load: converged
+LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
+# Change of the end of a path when increments are halved, over the load: converged. Where bonds
+# fail, and where the joint slides or rocks, which depends more on the history of friction.
+HISTORY, MOTION = 1e-3, 2.5e-4
 LEAST_LOAD = 1e-3  # over the loads' scale: tolerances are relative to this load or a larger one
 MOST_LOAD = 1e9  # over the loads' scale: an assembly that carries this carries any load
 SOFTENING_INCREMENT = 0.02  # largest load increment of softening bonds, over the first failure
@@ -82,14 +84,6 @@ def first_failure_of(solver: Solver, scale: float, increment: float | None = Non
         path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
     mode = Mode.BONDS if failing.any() else _motion(solver, path[-1], scale)
     return FirstFailure(path[-1], failing, mode)
-
-
-def path_to_first_failure(assembly: Assembly, loads: Loads) -> tuple[list[Equilibrium], Flags]:
-    """The path of `static_first_failure`, and the nodes that are about to fail at its end.
-
-    None of the nodes if the load cannot rise for another reason. Errors of `static_peak`.
-    """
-    return _to_first_failure(solver_of(assembly, loads), loads.scale)[:2]
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
@@ -222,29 +216,50 @@ def _to_first_failure(
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
-    slipped on the path, it is compared with one of twice the increments, and unless bonds fail at
-    the same load on both, the increments are halved until the first failure no longer changes. A
-    path on which the solver gives up before a bond fails is not used.
+    slipped on the path, it is compared with one of twice the increments, and these are halved until
+    the first failure no longer changes. The loads at the ends of two paths may agree by chance
+    while both step over a failure, where the utilisation stays near 1 over a range of loads. So
+    their utilisations are compared as well, see `_doubted`. A path on which the solver gives up
+    before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale, precision=precision)
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
-    coarser_path, coarser_failing = _raised(
-        solver, [start], scale, 2.0, precision, known=path[-1].load
-    )
-    by_bonds = failing.any() and coarser_failing.any()
-    if by_bonds and _near(coarser_path[-1].load, path[-1].load):
-        return path, failing, refinement
-    while refinement > LEAST_REFINEMENT:
-        finer_path, finer_failing = _raised(
-            solver, [start], scale, refinement / 2, precision, known=path[-1].load
-        )
-        gave_up = failing.any() and not finer_failing.any()
-        if gave_up or _near(finer_path[-1].load, path[-1].load):
+    coarser, _ = _raised(solver, [start], scale, 2.0, precision)
+    while refinement > LEAST_REFINEMENT and _doubted(
+        solver, coarser, path, bonds=bool(failing.any())
+    ):
+        finer, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
+        if failing.any() and not finer_failing.any():
             break
-        path, failing, refinement = finer_path, finer_failing, refinement / 2
+        coarser, path, failing, refinement = path, finer, finer_failing, refinement / 2
     return path, failing, refinement
+
+
+def _doubted(
+    solver: Equilibria, coarser: list[Equilibrium], path: list[Equilibrium], *, bonds: bool
+) -> bool:
+    """Whether ``path`` may not end where it would with infinitely small increments.
+
+    Increments of half the size halve the error of utilisations, so that the error left on ``path``
+    is its difference from a ``coarser`` one. It is added to the utilisation of every equilibrium:
+    a failure that this puts before the end of the path was perhaps stepped over. ``bonds``: whether
+    the path ends as a bond fails.
+    """
+    if abs(coarser[-1].load - path[-1].load) > (HISTORY if bonds else MOTION) * path[-1].load:
+        return True
+    loads, used = _profile(solver, path)
+    coarser_loads, coarser_used = _profile(solver, coarser)
+    both = coarser_loads <= loads[-1]
+    change = np.abs(np.interp(coarser_loads, loads, used) - coarser_used)[both].max()
+    return bool((used[loads < (1.0 - HISTORY) * loads[-1]] + change > 1.0).any())
+
+
+def _profile(solver: Equilibria, path: list[Equilibrium]) -> tuple[Floats, Floats]:
+    """Loads (N) along ``path``, and the largest utilisation at each, both (P,)."""
+    used = [utilisation(solver.contact_law, point.state, point.force).max() for point in path]
+    return np.array([point.load for point in path]), np.array(used)
 
 
 def _raised(
@@ -253,13 +268,11 @@ def _raised(
     scale: float,
     refinement: float = 1.0,
     precision: float = LEAST_INCREMENT,
-    known: float | None = None,
 ) -> tuple[list[Equilibrium], Flags]:
     """Raise the load from the last equilibrium of ``path`` until nodes are about to fail.
 
     ``scale``: of the loads (N); increments are fractions of it. ``refinement``: a factor on them.
-    ``precision``: the least increment over the load. ``known``: a load; where it is certain that
-    the path will end within `HISTORY` of it, it ends at once. Returns the path to there and the
+    ``precision``: the least increment over the load. Returns the path to there and the
     nodes that fail: none if the load cannot rise further. The increment is halved where no
     equilibrium is found, as Newton's method may fail from afar and converge from nearby, and
     doubled again where one is. If it becomes too small, the solver is thorough from there on; a
@@ -281,10 +294,7 @@ def _raised(
         low, most = path[-1], used.max()
         if most >= 1.0 - LEAST_INCREMENT:
             return path, used >= most * (1.0 - TOGETHER)
-        if above and (
-            above.load - low.load <= least(above.load)
-            or (known is not None and _near(low.load, known) and _near(above.load, known))
-        ):
+        if above and above.load - low.load <= least(above.load):
             return path, used_above >= 1.0
         increment = min(increment, (lost - low.load) / 2)
         if increment <= least(low.load + increment):
