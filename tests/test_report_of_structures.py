@@ -142,20 +142,20 @@ def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     table = tables_in(results)["structures"]
     found = {each["title"]: each["text"] for each in structures_verdict(table)}
     assert found["trilith"].startswith(
-        "load: 7848 N, 0.25 of the weight (static model, mesh error 6 %); load, dry"
+        "load: 7848 N, 0.25 of the weight (static model, mesh error 3 %, first bond at 1600 N); "
+        "load, dry: "
     )
     tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
     assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model, mesh error 1 %)."
     assert found["keyed"].endswith("(limit analysis, mesh error 0 %).")
     assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
-    bonded = table.assign(mesh_error=1.62, first_failure_mesh_error=0.002)
-    bonded = bonded[bonded["first_interface"].notna()]
-    (unsettled,) = [
-        each["text"] for each in structures_verdict(bonded) if each["title"] == "trilith"
-    ]
-    assert unsettled.startswith("load: first bond at ")
-    assert "(static model, mesh error 0.2 %); the peak depends too much on the mesh" in unsettled
-    assert unsettled.endswith("mesh error 162 %).")
+    first = {"counts": "first failure", "load_N": 1600.0, "load_over_weight": 0.05}
+    bonded = table[table["first_interface"].notna()].assign(mesh_error=0.002, **first)
+    unsettled = {each["title"]: each["text"] for each in structures_verdict(bonded)}["trilith"]
+    assert unsettled == (
+        "load: 1600 N, 0.05 of the weight (static model, mesh error 0.2 %, first failure, as the "
+        "peak of 7848 N does not count)."
+    )
     failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))
     kinds = {each["title"]: each["kind"] for each in structures_verdict(failed)}
     assert kinds["Structures without a result"] == "bad"
@@ -240,7 +240,7 @@ def test_it_opens_undeformed_and_moves_with_the_keyboard(opened: Opened) -> None
     size = np.linalg.norm(np.ptp(np.array([p for each in blocks for p in each["points"]]), axis=0))
     assert 0.02 * size < moved < 0.16 * size
     assert points(opened, 0) == pytest.approx(np.array(blocks[0]["points"]))  # the ground stays
-    assert (page.text_content("#structure-factor") or "").endswith("(at the peak)")
+    assert (page.text_content("#structure-factor") or "").endswith("(at the load)")
     page.keyboard.press("Home")
     assert points(opened, OF_FREE) == pytest.approx(at_rest)
 
@@ -335,7 +335,7 @@ def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
 def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> None:
     page = opened.page
     head = page.locator("#structure-models th").all_text_contents()
-    assert head[:4] == ["model", "load (N)", "load / weight", "to static (%)"]
+    assert head[:4] == ["model", "load (N)", "load / weight", "counts"]
     cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
     assert cells[:3] == ["static model", "7848", "0.25"]
     choose(opened, name="keyed", model="static")

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
-from workflow.results.record import CaseRecord
+from workflow.results.record import CaseRecord, rounded
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
@@ -65,13 +65,14 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }
         row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
+        row["peak_N"] = None if first_failure_only(record.model) else record.peak_N
         row["static_load_N"] = static_load
         row["difference_to_static"] = load / static_load - 1.0 if static_load and load else None
         errors = mesh_errors.get((record.model, record.name), MeshErrors())
         row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
-    for column in ("load_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
+    for column in ("load_N", "peak_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
         table[column] = table[column].astype(float)
     for column in ("shear_N", "torque_Nm", "unbalanced_share", "peak_spread"):
         table[column] = table[column].astype(float)
@@ -93,6 +94,27 @@ def compared_loads(
     if static_record.is_peak or record.first_failure_load_N is None:
         return static_record.load_N, record.load_N
     return static_record.first_failure_load_N, record.first_failure_load_N
+
+
+def counted(record: CaseRecord, static_record: CaseRecord | None) -> CaseRecord:
+    """The ``record`` of an engine with its first failure as the load where that counts.
+
+    It does where the static model's peaks spread too far, for the same joint, nodes and load: an
+    engine does not find how far its own do.
+    """
+    first, load = record.first_failure_load_N, record.load_N
+    if static_record is None or static_record.is_peak or not record.is_peak or not load:
+        return record
+    if record.peak_N is None or first is None or record.shear_N is None or not first:
+        return record
+    assert record.torque_Nm is not None
+    return replace(
+        record,
+        load_N=first,
+        shear_N=rounded(record.shear_N * first / load),
+        torque_Nm=rounded(record.torque_Nm * first / load),
+        peak_spread=static_record.peak_spread,
+    )
 
 
 def friction_share(record: CaseRecord) -> float:
@@ -167,7 +189,9 @@ def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
 ) -> None:
     """Read all records and write the tables."""
-    every = read_records(inputs["records"])
+    read = read_records(inputs["records"])
+    static = {record.physics: record for record in read if record.model == REFERENCE_MODEL}
+    every = [counted(record, static.get(record.physics)) for record in read]
     records = list(ordered(every, arguments["cases"]))
     weights = weights_table(records)
     write_table(WEIGHTS, weights, outputs["weights"])

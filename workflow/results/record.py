@@ -37,11 +37,12 @@ class ResultError(ValueError):
 class CaseRecord:
     """The result of a case.
 
-    Loads are along the case's direction, in N: ``load_N`` the largest at equilibrium,
-    ``failed_load_N`` the smallest known not to be carried, ``first_failure_load_N`` where the
-    first node fails. ``mode``: how the joint gives way. ``peak_spread``: of the static model's
-    peak; where it is above `sidmacib.mechanics.solution.SPREAD_LIMIT`, ``load_N`` and all that
-    belongs to it are those of the first failure. ``unbalanced_share``: largest force (or moment
+    Loads are along the case's direction, in N: ``load_N`` the one that counts, ``peak_N`` the
+    largest at equilibrium, ``failed_load_N`` the smallest known not to be carried,
+    ``first_failure_load_N`` where the first node fails. ``mode``: how the joint gives way.
+    ``peak_spread``: of the static model's peak; where it is above
+    `sidmacib.mechanics.solution.SPREAD_LIMIT`, ``load_N`` and all that belongs to it are those of
+    the first failure. ``unbalanced_share``: largest force (or moment
     over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
     that the load does work on). What a model does not give is None or empty. ``error``: why
     there is no result, in one line; all numbers are None then.
@@ -62,6 +63,7 @@ class CaseRecord:
     physics: str  # digest of joint, nodes and loads: the same for all models of a case
     series: str  # digest of the same but for the mesh
     load_N: float | None = None
+    peak_N: float | None = None
     shear_N: float | None = None
     torque_Nm: float | None = None
     failed_load_N: float | None = None
@@ -134,6 +136,7 @@ def record_of(
     return CaseRecord(
         **_identity(case),
         load_N=load,
+        peak_N=None if outcome.peak_load is None else rounded(outcome.peak_load),
         shear_N=rounded(peak.load * case.direction.shear),
         torque_Nm=rounded(peak.load * case.direction.torque * case.joint.a),
         failed_load_N=rounded(outcome.failed_load),
