@@ -16,7 +16,6 @@ from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
 from sidmacib.answers.structure import (
-    FALLS,
     FIRST_FAILURE,
     PEAK,
     SETTLED,
@@ -25,7 +24,7 @@ from sidmacib.answers.structure import (
     static_answer,
     without_other_meshes,
 )
-from sidmacib.errors import NoEquilibriumError
+from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import Failures
@@ -112,18 +111,18 @@ def test_a_peak_without_broken_bonds_counts() -> None:
 
 def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:
     falls = study("arch/arch", friction=0.1)
-    with pytest.raises(NoEquilibriumError, match=f"^{FALLS}$"):
+    with pytest.raises(NoEquilibriumError, match=f"^{DOES_NOT_STAND}$"):
         static_answer(structure_of(falls))
     tilts = falls | {"load": {"tilt": {"axis": [0, 1, 0]}}}
-    with pytest.raises(NoEquilibriumError, match=f"^{FALLS}$"):
+    with pytest.raises(NoEquilibriumError, match=f"^{DOES_NOT_STAND}$"):
         static_answer(structure_of(tilts))
-    assert record_of(falls).error == f"static: {FALLS}"
+    assert record_of(falls).error == f"static: {DOES_NOT_STAND}"
     path = tmp_path / "structure.yaml"
     path.write_text(yaml.safe_dump(falls))
     command = [sys.executable, "-m", "sidmacib.command", "assembly", str(path), "--format", "json"]
     found = subprocess.run(command, capture_output=True, text=True, check=False)
     if found.stdout:
-        assert json.loads(found.stdout)[-1]["note"] == FALLS
+        assert json.loads(found.stdout)[-1]["note"] == DOES_NOT_STAND
 
 
 # --- engines -------------------------------------------------------------------------------------

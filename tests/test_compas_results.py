@@ -64,11 +64,11 @@ def test_results_name_the_model_and_are_the_same_bytes_again(tmp_path: Path) -> 
 def test_limit_analysis_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
-    def counted(*problem: Any, friction: bool) -> Any:
+    def counted(*problem: Any, friction: bool, most: float | None) -> Any:
         asked.append(friction)
-        return limit_load(*problem, friction=friction)
+        return limit_load(*problem, friction=friction, most=most)
 
-    monkeypatch.setattr("sidmacib.command.structures.limit_load", counted)
+    monkeypatch.setattr("sidmacib.answers.structure_limit.limit_load", counted)
     written(tmp_path, named())
     assert asked == [True]
 

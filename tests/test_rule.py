@@ -166,10 +166,12 @@ PRESSED = Joint(
 
 @pytest.mark.parametrize(
     ("joint", "eccentricity", "push", "first"),
-    [  # first failures (N) of a solver that shares no code with this project
+    [
+        # First failures (N) of a solver that shares no code with this project. For the third it
+        # has 64.7 N with increments of 0.1 T0; this is the limit for ever smaller ones.
         (WEIGHT_COUNTS, 0.0, Push.PLUS_Y, 514.7),
         (HEAVY, 0.0, Push.MINUS_Y, 3504.0),
-        (PRESSED, 1.12, Push.PLUS_Y, 64.7),
+        (PRESSED, 1.12, Push.PLUS_Y, 61.475),
     ],
 )
 def test_friction_has_its_history(
