@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from sidmacib.answers.structure import static_answer
+from sidmacib.answers.structure import bond_fails, static_answer
 from sidmacib.answers.structure_limit import limit_state
 from sidmacib.design.file import Task, designed
 from sidmacib.design.sizing import Choice, carried
@@ -106,10 +106,14 @@ def _static(
     )
     decides = first_failure or not answer.counts.peak
     about = [f"less its mesh error of {error or 0.0:.2g}" for error in answer.mesh_errors]
-    yield FIRST, first, f"{about[0]}; of a bond, or the peak", decides
     # A peak is never below the first failure, whatever the estimates of their errors.
+    if bond_fails(answer.failures):
+        peak = max(peak, first)
+    else:
+        first = peak = min(first, peak)
     ends = f"{about[1]}; {answer.counts}; ends by: {answer.mode}"
-    yield PEAK, max(peak, first), ends, not decides
+    yield FIRST, first, f"{about[0]}; of a bond, or the peak", decides
+    yield PEAK, peak, ends, not decides
 
 
 def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:
