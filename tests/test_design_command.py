@@ -10,12 +10,13 @@ import numpy as np
 import pytest
 import yaml
 from click.testing import CliRunner
+from conftest import ROOT
 
 from sidmacib.command.main import main
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.designed import design_of
 from sidmacib.design.direction import Search, choice_of
-from sidmacib.design.file import designed, task_of
+from sidmacib.design.file import designed, read_task, task_of
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
@@ -154,6 +155,21 @@ def test_what_is_written_is_a_structure_with_the_factors_of_the_checks(path: Pat
     assert 0.0 < row["utilisation"] < 1.0
     (step,) = answer["order of placing"]
     assert (step["block"], step["moves along"]) == ("block", "0 0 -1")
+
+
+@pytest.mark.study
+def test_rows_get_more_locks_where_no_greater_load_can_be_demanded() -> None:
+    """Weight decides in the design's model, and the static model breaks one lock in each row."""
+    found = design_of(read_task(ROOT / "tests/cases/design_exists.yaml"))
+    assert found.passes
+    assert [row and row.working for row in found.choice] == [2, 2]
+    assert found.cost == 4.0
+    least = min(check.factor or 0.0 for check in found.checks if check.decides)
+    assert least == pytest.approx(1.012, abs=2e-3)
+    factors = {(check.case, check.model): check.factor for check in found.checks}
+    for case in ("px", "py"):
+        peak, first = (factors[case, f"static, {end}"] for end in ("peak", "first failure"))
+        assert peak is not None and first is not None and peak >= first
 
 
 def test_the_first_failure_may_decide() -> None:

@@ -1,7 +1,6 @@
 """Whether loads of random blocks, walls and arches are within their mesh errors.
 
-`PYTHONPATH=.:tests python -m campaigns.peaks COUNT` solves COUNT of each kind, and again on a fine
-mesh.
+`python -m campaigns.peaks COUNT` solves COUNT of each kind, and each again on a fine mesh.
 """
 
 import sys
