@@ -34,7 +34,7 @@ pytestmark = pytest.mark.study
 
 NARROW, WIDE = {"width": 390, "height": 800}, {"width": 1200, "height": 900}
 PLOTS = "document.querySelectorAll('#structures .js-plotly-plot .gl-container').length === 1"
-OF_FREE, OF_FIRST, OF_LINES, OF_DOTS = 1, 5, 6, 7  # traces
+OF_FREE, OF_FIRST, OF_LINES, OF_DOTS, OF_HINGES = 1, 5, 6, 7, 8  # traces
 
 
 def example(name: str) -> dict[str, Any]:
@@ -296,7 +296,8 @@ def test_lines_of_forces_go_through_their_points_and_are_as_long(
     ends = points(opened, OF_LINES).reshape(-1, 2, 3)
     acting = interfaces[["at_x_m", "at_y_m", "at_z_m"]].to_numpy()
     assert ends.mean(axis=1) == pytest.approx(acting, abs=1e-4)
-    assert points(opened, OF_DOTS) == pytest.approx(acting, abs=1e-4)
+    dots = np.vstack([points(opened, OF_DOTS), points(opened, OF_HINGES)])
+    assert np.sort(dots, axis=0) == pytest.approx(np.sort(acting, axis=0), abs=1e-4)
     along = ends[:, 1] - ends[:, 0]
     force = interfaces[["force_x_N", "force_y_N", "force_z_N"]].to_numpy()
     scale = np.linalg.norm(along, axis=1).max() / np.linalg.norm(force, axis=1).max()
