@@ -1,7 +1,7 @@
 """The first-failure law of a joint, and the safe rule for design.
 
-``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is lower, by
-the factor `SAFETY` and by the change on a finer mesh. Both refuse joints outside `SPANS`, the
+``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
+joint whose strengths are divided by `SAFETY`, less the change on a finer mesh. Both refuse joints outside `SPANS`, the
 tested ranges of the dimensionless groups that the answer depends on. `make attack` searches inside
 them for the joint with the highest safe load relative to its first failure.
 """
@@ -46,7 +46,6 @@ SPANS = {
     "Poisson's ratio": (0.0, 0.4),
 }
 STRETCH = 1e-9  # by which a span may be exceeded, for rounding
-
 # Friction and e / a: a rigid monolithic body above both may snap from one equilibrium to another
 # before a bond fails, at less than half the first failure.
 ROUGHEST, TORSION = 0.5, 1.0
