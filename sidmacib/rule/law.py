@@ -1,9 +1,9 @@
 """The first-failure law of a joint, and the safe rule for design.
 
 ``law`` is the best estimate of the first failure, on which all models agree. ``safe`` is that of a
-joint whose strengths are divided by `SAFETY`, less the change on a finer mesh. Both refuse joints outside `SPANS`, the
-tested ranges of the dimensionless groups that the answer depends on. `make attack` searches inside
-them for the joint with the highest safe load relative to its first failure.
+joint whose strengths are divided by `SAFETY`, less the change on a finer mesh. Both refuse joints
+outside `SPANS`, the tested ranges of the dimensionless groups that the answer depends on. `make
+attack` searches inside them for the joint with the highest safe load relative to its first failure.
 """
 
 import math
