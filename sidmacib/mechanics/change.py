@@ -11,11 +11,10 @@ class Change:
 
     ``before`` and ``after``: assembly and loads, with the same pieces, faces and number of nodes as
     those without the change. ``difference``: of the parameter between them. ``size``: of the
-    parameter, 100 % of it. ``rises``: whether it can only rise, as friction from 0.
+    parameter, 100 % of it.
     """
 
     before: tuple[Assembly, Loads]
     after: tuple[Assembly, Loads]
     difference: float
     size: float = 1.0
-    rises: bool = False
