@@ -85,4 +85,4 @@ def test_a_profile_of_other_workflows_changes_nothing(tmp_path: Path) -> None:
     (tmp_path / "mine/config.yaml").write_text("dry-run: true\n")
     found = run(ROOT, tmp_path, tmp_path, SNAKEMAKE_PROFILE=str(tmp_path / "mine"))
     assert found.returncode == 0, found.stderr
-    assert "load along the path" in found.stdout
+    assert "first failure: V = " in found.stdout

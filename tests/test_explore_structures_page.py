@@ -27,7 +27,7 @@ function look() {
     slider: of('friction').valueAsNumber,
     typed: of('friction-value').valueAsNumber,
     yaml: Number(of('yaml').textContent.match(/friction: ([0-9.]+)/)[1]),
-    table: Number(of('lines').rows[3].cells[1].textContent),
+    table: Number(of('lines').rows[2].cells[1].textContent),
     drawn: Number(drawn.row.load_N.toPrecision(4)),
     words: Number(of('words').textContent.match(/at ([0-9.]+) N/)[1]),
     busy: of('answer').ariaBusy,
