@@ -4,7 +4,7 @@ Coarse increments passed through such a range without seeing the failure, and ag
 of twice the size.
 """
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
@@ -14,8 +14,10 @@ from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Block, Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
+from sidmacib.mechanics.solution import Mode
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.rule.law import safe
+from sidmacib.rule.law import law, safe
+from sidmacib.rule.scatter import scatter
 from studies.attack.search import DIMENSIONS, SPACES, Space, target_at
 
 BY_WEIGHT = Joint(
@@ -74,6 +76,20 @@ def test_the_safe_load_is_below_the_first_failure_on_a_plateau(
     direction = Direction(eccentricity)
     load, fine = first_failures(joint, Loading(direction), 5)
     assert safe(joint, direction).load < min(load, fine)
+
+
+def test_a_joint_that_rocks_first_has_the_load_at_which_it_does_and_no_scatter() -> None:
+    """Two strong, smooth locks held down by their weight: strengths do not decide."""
+    inner, dry = FaceMaterial(1e10, 1e10, 0, 1e7, 1e8), FaceMaterial(1e10, 1e10, 0, 0, 0)
+    joint = Joint(2, H=0.1, density=200, inner=inner, dry=dry, hold_down=HoldDown.weight())
+    direction = Direction(0.0)
+    found = law(joint, direction)
+    assert found.mode is Mode.ROCKING
+    assert found.moves == "rocks before a bond fails"
+    stronger = replace(joint, inner=replace(inner, cohesion=2e7, tensile_strength=2e8))
+    assert law(stronger, direction).load == pytest.approx(found.load, rel=1e-3)
+    with pytest.raises(CapacityError, match="before a bond fails; their strengths do not decide"):
+        scatter(joint, direction, 0.2)
 
 
 def test_every_number_of_a_joint_is_in_a_range_of_the_rule_or_refused_or_without_influence() -> (

@@ -51,13 +51,15 @@ def usual_models(joint: Joint) -> tuple[str, ...]:
 def _law(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule.law import law
 
-    return Answer(law(joint, direction, push).load, "first failure")
+    found = law(joint, direction, push)
+    return Answer(found.load, found.moves or "first failure")
 
 
 def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule.law import safe
 
-    return Answer(safe(joint, direction, push).load, "for design")
+    found = safe(joint, direction, push)
+    return Answer(found.load, "; ".join(filter(None, ("for design", found.moves))))
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:

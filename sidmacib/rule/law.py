@@ -52,6 +52,12 @@ ROUGHEST, TORSION = 0.5, 1.0
 MOST_ECCENTRIC_PAIR = 0.5  # e / a of two locks: beyond it the force leaves their only dry face
 
 
+MOVES = {
+    Mode.MECHANISM: "slides before a bond fails",
+    Mode.ROCKING: "rocks before a bond fails",
+}
+
+
 @dataclass(frozen=True)
 class LawCapacity:
     """A load along its direction (N), its shear V (N) and its torque M (N m).
@@ -63,6 +69,11 @@ class LawCapacity:
     shear: float
     torque: float
     mode: Mode = Mode.BONDS
+
+    @property
+    def moves(self) -> str:
+        """How the joint moves away before a bond fails; empty where a bond fails first."""
+        return MOVES.get(self.mode, "")
 
 
 def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:

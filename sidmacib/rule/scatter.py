@@ -11,9 +11,11 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
+from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.solution import Mode
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import require_covered
 from sidmacib.validation import refused, require_positive
@@ -76,9 +78,15 @@ def scatter(
     """Scatter of the first failure of ``joint`` for strengths of this coefficient of variation.
 
     The strengths of cuts between columns do not scatter. ValueError unless the variation is above
-    0; errors of `sidmacib.law`.
+    0; `CapacityError` if the joint slides or rocks before a bond fails, which strengths do not
+    decide; errors of `sidmacib.law`.
     """
     require_positive(variation=variation)
     require_covered(joint, direction)
     state = first_failure(joint, Loading(direction, push=push))
+    if state.mode is not Mode.BONDS:
+        raise CapacityError(
+            f"scatter: {joint.locks} locks move away ({state.mode}) at {state.load:.4g} N, before "
+            "a bond fails; their strengths do not decide"
+        )
     return Scatter(state.load, state.utilisation, variation)
