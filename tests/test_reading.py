@@ -71,8 +71,8 @@ NASTY: list[tuple[str | bytes, str]] = [
     (f"{STUDY}---\n{STUDY}", "line 2: not YAML: expected a single document"),
     ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
     ("samples: @n3", "line 1: not YAML: "),
-    ("", "samples: missing; this key is required"),
-    ("# nothing", "samples: missing; this key is required"),
+    ("", "samples: missing; it must name at least one, unless structures does"),
+    ("# nothing", "samples: missing"),
     ("---\n...\n", "samples: missing"),
 ]
 
@@ -108,7 +108,7 @@ VALUES = [
     ("variants:", "variants: null is not allowed; it must be a mapping"),
     ("dem:", "dem: null is not allowed; it must be a mapping"),
     ("dem: {engines: yade}", "dem.engines: 'yade' is not allowed; it must be a list"),
-    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list of at least one value"),
+    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list"),
     ("eccentricities: [yes]", "eccentricities.1: 'yes' is not allowed; .*, or torsion"),
     ("eccentricities: [true]", "eccentricities.1: true is not allowed; it must be .* at least 0"),
     ("eccentricities: [.nan]", "eccentricities.1: nan is not allowed"),
@@ -122,7 +122,7 @@ VALUES = [
     ),
     ('samples: {"n\\n": {locks: 3}}', r"samples: 'n\\n' is not allowed as a name"),
     ("samples: {..: {locks: 3}}", r"samples: '\.\.' is not allowed as a name; it must be made of"),
-    ("samples: {}", "samples: an empty mapping is not allowed; .* of at least one name"),
+    ("samples: {}", "samples: missing; it must name at least one"),
     ("results: {x}", "results: a mapping is not allowed; it must be the name of a folder"),
     ('results: "{x}"', "results: '{x}' is not allowed; .* must be made of letters"),
     ("results: -rf", "results: '-rf' is not allowed; .* not begin with -"),
@@ -146,7 +146,7 @@ VALUES = [
         "calibration: {meshes: [1e-6]}",
         "calibration.meshes: 1e-06 m is too fine .* at least 0.0001 m",
     ),
-    ("models: [[static]]", "models.1: a list is not allowed; it must be a name"),
+    ("models: [[static]]", "models.1: a list is not allowed; it must be a text"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]
 

@@ -3,15 +3,16 @@
 from enum import StrEnum
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, PlainSerializer
+from pydantic import PlainSerializer
 
-from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.hold_down import HeldDown, HoldDown
 from sidmacib.joint.joint import UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.quantities import FractureEnergy, Modulus
+from sidmacib.reading import Section, changes_to
 from workflow.schema.dem import NumericsChanges
-from workflow.schema.values import Eccentricities, Lengths, Section, changes_to
+from workflow.schema.values import Eccentricities, Lengths
 
 
 class Pieces(StrEnum):
@@ -25,9 +26,7 @@ def _spelled(hold_down: HoldDown) -> str | dict[str, float]:
     return hold_down.spelled
 
 
-_HeldDown = Annotated[
-    HoldDown, BeforeValidator(HoldDown.read), PlainSerializer(_spelled, when_used="json")
-]
+_HeldDown = Annotated[HeldDown, PlainSerializer(_spelled, when_used="json")]
 
 
 class AssemblySection(Section):

@@ -21,17 +21,6 @@ from workflow.schema.measured import words
 from workflow.schema.structures import samples
 from workflow.schema.values import Section, eccentricity, entries, folder, name, several, some
 
-WORDS = {  # of checks that are functions
-    eccentricity: "a number of at least 0 (e / a), or torsion",
-    folder: "the name of a folder",
-    HoldDown.read: "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
-    some: "at least one",
-    several: "perhaps none",
-    entries: "at least one name",
-    samples: "at least one name, unless there are structures",
-    words: "text",
-    name: "letters, digits, _ and ., beginning with a letter or digit",
-}
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
 INTRODUCTION = """# Every key of the configuration
 

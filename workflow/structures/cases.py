@@ -119,7 +119,7 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         place = f"variants.{variant}" if variant != REFERENCE else "description"
         cases = [(load, description) for load, _, description in group]
         try:
-            assembly = assembly_of(cases[0][1], "the description")
+            assembly = assembly_of(cases[0][1])
         except ValueError as error:
             yield f"{key}.{place}: {_in_a_line(error)}"
             continue
