@@ -61,7 +61,14 @@ class Read:
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> dict[str, Any]:
         function = {"type": "no-info", "function": self.read}
-        return {"type": "function-before", "function": function, "schema": handler(source)}
+        found = {"type": "function-before", "function": function, "schema": handler(source)}
+        if write := getattr(self, "write", None):
+            found["serialization"] = {
+                "type": "function-plain",
+                "function": write,
+                "when_used": "json",
+            }
+        return found
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
         return dict(self.schema)
@@ -69,10 +76,11 @@ class Read:
 
 @dataclass(frozen=True, eq=False)
 class ReadBy(Read):
-    """A field that a function reads."""
+    """A field that a function reads, and perhaps another writes as JSON."""
 
     read: Callable[[Any], Any]
     schema: Mapping[str, Any]
+    write: Callable[[Any], Any] | None = None
 
 
 def one_of(names: Iterable[str]) -> ReadBy:

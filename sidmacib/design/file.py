@@ -67,7 +67,11 @@ def _listed(value: Any) -> Any:
 class LockKindSection(Keys):
     """The locks that a design is made of."""
 
-    width: Annotated[tuple[Length, ...], Some, BeforeValidator(_listed)]
+    width: Annotated[
+        tuple[Length, ...],
+        Some,
+        BeforeValidator(_listed, json_schema_input_type=Length | tuple[Length, ...]),
+    ]
     """width of a lock, or a list of those that it may have"""
     height: Length
     """h: half in either block"""

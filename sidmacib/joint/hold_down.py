@@ -111,8 +111,10 @@ HeldDown = Annotated[
                     }
                     for kind, number in AMOUNTS.items()
                 ),
-            ]
+            ],
+            "allowed": "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
         },
+        lambda hold_down: hold_down.spelled,
     ),
 ]
 

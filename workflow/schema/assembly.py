@@ -1,9 +1,7 @@
 """Cuts, loads, hold-down and failure of the joint, in every model of its pieces."""
 
 from enum import StrEnum
-from typing import Annotated, Any
-
-from pydantic import PlainSerializer
+from typing import Any
 
 from sidmacib.joint.hold_down import HeldDown, HoldDown
 from sidmacib.joint.joint import UpperBody
@@ -22,13 +20,6 @@ class Pieces(StrEnum):
     ELASTIC = "elastic"  # with the material of the block
 
 
-def _spelled(hold_down: HoldDown) -> str | dict[str, float]:
-    return hold_down.spelled
-
-
-_HeldDown = Annotated[HeldDown, PlainSerializer(_spelled, when_used="json")]
-
-
 class AssemblySection(Section):
     """Cuts, loads, hold-down and failure of the joint."""
 
@@ -37,7 +28,7 @@ class AssemblySection(Section):
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
-    hold_down: _HeldDown = HoldDown()
+    hold_down: HeldDown = HoldDown()
 
 
 _CHANGES: Any = changes_to(AssemblySection)

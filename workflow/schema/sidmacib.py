@@ -61,7 +61,11 @@ class SidmacibSection(Section):
     """The overload on the upper block (N), contact points, and rules for which locks count."""
 
     overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
-    options: Annotated[dict[Name, OptionSection], Some, BeforeValidator(_with_ready)] = Field(
-        default={name: _READY[name] for name in OPTIONS}
-    )
+    options: Annotated[
+        dict[Name, OptionSection],
+        Some,
+        BeforeValidator(
+            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
+        ),
+    ] = Field(default={name: _READY[name] for name in OPTIONS})
     reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)

@@ -7,11 +7,10 @@ from pydantic import Field, WithJsonSchema
 from sidmacib.reading import Section, Some, Text
 from workflow.schema.values import Name
 
-FILE = "structure.schema.json"  # beside the schema of studies
-_PART = f"{FILE}#/$defs"
-_Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"$ref": FILE})]
+FILE = "structure.schema.json"  # beside the schema of studies; `see` becomes a reference there
+_Description = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": FILE})]
 _Changes = Annotated[dict[Text, Any], WithJsonSchema({"type": "object"})]
-_Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"$ref": f"{_PART}/LoadSection"})]
+_Load = Annotated[dict[Text, Any], Some, WithJsonSchema({"see": f"{FILE}#/$defs/LoadSection"})]
 
 
 class StructureSection(Section):

@@ -50,7 +50,11 @@ def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
     return value
 
 
-Vector = Annotated[tuple[_Component, _Component, _Component], BeforeValidator(_three)]
+Vector = Annotated[
+    tuple[_Component, _Component, _Component],
+    BeforeValidator(_three),
+    Field(json_schema_extra={"allowed": "a list of three numbers"}),
+]
 Way = Annotated[Vector, AfterValidator(_way)]
 
 
