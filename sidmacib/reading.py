@@ -4,11 +4,13 @@ Every fault is one line that names the key, its value and what is allowed. The s
 and the pages of keys are made from the same fields.
 """
 
+import math
 import re
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -21,7 +23,8 @@ from pydantic import (
 from pydantic_core import PydanticCustomError
 
 from sidmacib.fields import kinds_of
-from sidmacib.quantities import FORMULA, shown
+from sidmacib.quantities import FORMULA, Number, shown
+from sidmacib.validation import LARGE, SMALL
 
 Some = Field(min_length=1)
 
@@ -76,6 +79,42 @@ def changes_to(section: type[Section]) -> Any:
         for key, field in section.model_fields.items()
     }
     return create_model(f"{section.__name__}Changes", __base__=Section, **keys)
+
+
+_Component = Annotated[float, Number(at_least=-LARGE, at_most=LARGE)]
+
+
+def _three(value: Any) -> Any:
+    if not isinstance(value, list | tuple) or len(value) != 3:
+        raise ValueError(f"{shown(value)} is not allowed; it must be a list of three numbers")
+    return value
+
+
+def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
+    if not math.hypot(*value) > SMALL:
+        raise ValueError(f"{list(value)} is not allowed; it must be three numbers, not all 0")
+    return value
+
+
+Vector = Annotated[
+    tuple[_Component, _Component, _Component],
+    BeforeValidator(_three),
+    Field(json_schema_extra={"allowed": "a list of three numbers"}),
+]
+Way = Annotated[Vector, AfterValidator(_way)]
+
+
+class Keys(Section):
+    """Keys of a structure's file, which has no null."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _given(cls, values: Any) -> Any:
+        if isinstance(values, Mapping):
+            for key, value in values.items():
+                if value is None:
+                    raise ValueError(f"{key}: null is not allowed; give a value, or no {key}")
+        return values
 
 
 def label(value: Any) -> Any:

@@ -17,20 +17,18 @@ from sidmacib.design.model import Case, Site, Structure
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Length, Number, shown
-from sidmacib.reading import Label, Some
+from sidmacib.reading import Keys, Label, Some, Way
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.sections import (
     NUMBERS,
     DrySection,
     ForceSection,
     InnerSection,
-    Keys,
     Option,
     Positive,
     StructureFile,
-    Way,
-    two_blocks,
 )
+from sidmacib.structure.files.selection import two_blocks
 from sidmacib.structure.files.structure_file import assembly_of, description_in, loads_of
 from sidmacib.structure.loads import free_weight
 from sidmacib.validation import refused
@@ -166,22 +164,18 @@ class DesignFile(StructureFile):
 
 @dataclass(frozen=True)
 class CaseText:
-    """A load case as the file has it: plain values of a key ``load``, and how much is carried.
-
-    ``newtons``, or ``over_weight`` of what can move.
-    """
+    """A load case as the file has it: the key ``load`` in plain values, and its section."""
 
     name: str
-    load: Any
-    newtons: float | None
-    over_weight: float | None
+    load: Mapping[str, Any]
+    section: CaseSection
 
     @property
     def line(self) -> str:
         """The case in a line of YAML."""
-        amount = "newtons" if self.over_weight is None else "over_weight"
-        values = {**self.load, amount: getattr(self, amount)}
-        flow = yaml.safe_dump({self.name: values}, default_flow_style=True, width=1000)
+        amount = self.section.model_dump(include={"newtons", "over_weight"}, exclude_none=True)
+        values = {self.name: {**self.load, **amount}}
+        flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
         return flow.strip().removeprefix("{").removesuffix("}")
 
     def of(self, assembly: Assembly) -> Case:
@@ -197,10 +191,8 @@ class CaseText:
 
     def amount(self, assembly: Assembly) -> float:
         """What is to be carried, in N."""
-        if self.over_weight is None:
-            assert self.newtons is not None
-            return self.newtons
-        return self.over_weight * free_weight(assembly)
+        over_weight = self.section.over_weight or 0.0
+        return self.section.newtons or over_weight * free_weight(assembly)
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,23 +200,14 @@ class Task:
     """What a file asks to be designed.
 
     ``description``: the structure without locks, as in a file; ``folder``: that its paths start
-    from. ``factor``: that all cases are to be carried by; by the ``first_failure`` or the peak of
-    the static model. ``no_dilation``: whether limit analysis without dilation, which takes up to 60
-    rounds, is a check, too. ``buildable``: whether an order of placing is needed. ``raised``: how
-    often more may be demanded after a check that fails.
+    from. ``asked``: how the cases are to be carried.
     """
 
     description: Mapping[str, Any]
     folder: Path
     structure: Structure
     cases: tuple[CaseText, ...]
-    factor: float
-    first_failure: bool
-    no_dilation: bool
-    buildable: bool
-    raised: int
-    gap: float
-    time_limit: float
+    asked: DesignSection
 
 
 def read_task(path: Path) -> Task:
@@ -242,8 +225,10 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     design = given.design
     plain = {key: value for key, value in description.items() if key != "design"}
     cases = tuple(
-        CaseText(str(name), _load(description["design"]["cases"][name]), **_amount(section))
-        for name, section in zip(description["design"]["cases"], design.cases.values(), strict=True)
+        CaseText(name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section)
+        for text, (name, section) in zip(
+            description["design"]["cases"].values(), design.cases.items(), strict=True
+        )
     )
     plain.setdefault("load", cases[0].load)
     assembly = assembly_of(given, folder)
@@ -254,27 +239,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
         design.weights.weights(),
         option=OPTIONS[design.option],
     )
-    return Task(
-        plain,
-        folder,
-        structure,
-        cases,
-        design.factor,
-        design.first_failure,
-        design.no_dilation,
-        design.buildable,
-        design.raised,
-        design.gap,
-        design.time_limit,
-    )
-
-
-def _load(case: Mapping[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in case.items() if key in ("acceleration", "force")}
-
-
-def _amount(case: CaseSection) -> dict[str, float | None]:
-    return {"newtons": case.newtons, "over_weight": case.over_weight}
+    return Task(plain, folder, structure, cases, design)
 
 
 def _sites(assembly: Assembly, design: DesignSection) -> tuple[Site, ...]:

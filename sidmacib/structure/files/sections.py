@@ -3,28 +3,28 @@
 Editors check files by a schema that is made from these sections, as is the page of all keys.
 """
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, StrictBool, model_validator
+from pydantic import BeforeValidator, Field, StrictBool, model_validator
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.joint.hold_down import HeldDown
 from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.quantities import Count, Length, Number, one_of, shown
-from sidmacib.reading import Label, Section, Some, Text, changes_to, section_of
+from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
 from sidmacib.rule.law import RULES
 from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import DENSITIES, read_compas
 from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.selection import Between
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import ALL, Condensed, Locks
-from sidmacib.validation import LARGE, SMALL, refused
+from sidmacib.validation import refused
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
 NUMBERS = (
@@ -32,43 +32,8 @@ NUMBERS = (
     "bond_friction",
 )
 Positive = Annotated[float, Number(above=0)]
-_Component = Annotated[float, Number(at_least=-LARGE, at_most=LARGE)]
 _Index = Annotated[int, Number(at_least=0, whole=True)]
 _Density = Annotated[float, DENSITIES]
-_Angle = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
-
-
-def _three(value: Any) -> Any:
-    if not isinstance(value, list | tuple) or len(value) != 3:
-        raise ValueError(f"{shown(value)} is not allowed; it must be a list of three numbers")
-    return value
-
-
-def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
-    if not math.hypot(*value) > SMALL:
-        raise ValueError(f"{list(value)} is not allowed; it must be three numbers, not all 0")
-    return value
-
-
-Vector = Annotated[
-    tuple[_Component, _Component, _Component],
-    BeforeValidator(_three),
-    Field(json_schema_extra={"allowed": "a list of three numbers"}),
-]
-Way = Annotated[Vector, AfterValidator(_way)]
-
-
-class Keys(Section):
-    """Keys of a structure's file, which has no null."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _given(cls, values: Any) -> Any:
-        if isinstance(values, Mapping):
-            for key, value in values.items():
-                if value is None:
-                    raise ValueError(f"{key}: null is not allowed; give a value, or no {key}")
-        return values
 
 
 class _Numbers(Keys):
@@ -98,59 +63,6 @@ class InnerSection(_INNER, _Numbers):
 
 class DrySection(_DRY, _Numbers):
     """The law of all other faces of locks."""
-
-
-def _two(value: Any) -> tuple[str, str]:
-    """One text for both blocks of a pair, or a list of two."""
-    both = value if isinstance(value, list | tuple) else [value, value]
-    if len(both) != 2 or not all(isinstance(each, str) for each in both):
-        raise ValueError(f"{shown(value)} is not allowed; it must be a text or two in a list")
-    return both[0], both[1]
-
-
-_Two = Annotated[
-    tuple[str, str], BeforeValidator(_two, json_schema_input_type=str | tuple[str, str])
-]
-
-
-class Rule(Keys):
-    """Pairs of blocks that touch: all that a rule has must hold."""
-
-    blocks: _Two | None = None
-    """a pattern for both names, such as `"arch-*"`, or a list of two"""
-    materials: _Two | None = None
-    """a material of both blocks, or a list of two"""
-    normal: Way | None = None
-    """direction that the interface is perpendicular to, either way"""
-    within: _Angle = 10.0
-    """degrees between `normal` and that of the interface"""
-
-    @model_validator(mode="after")
-    def _chooses(self) -> Self:
-        if not self.model_fields_set - {"within"}:
-            raise ValueError("must have blocks, materials or normal")
-        return self
-
-
-def _between(value: Any) -> Any:
-    if isinstance(value, Mapping):
-        return Rule.model_validate(value)
-    if isinstance(value, list | tuple):
-        return two_blocks(value)
-    if value != "all" and not isinstance(value, Rule):
-        allowed = f"a list of two blocks, all, or a rule with {', '.join(Rule.model_fields)}"
-        raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}")
-    return value
-
-
-def two_blocks(value: Any) -> tuple[str, str]:
-    """The names of two blocks; ValueError."""
-    if not isinstance(value, list | tuple) or len(value) != 2:
-        raise ValueError(f"{shown(value)} is not allowed; it must be a list of two blocks")
-    return str(value[0]), str(value[1])
-
-
-Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
 class SpecialSection(_CHANGES, Keys):

@@ -4,18 +4,75 @@ A rule may name the blocks by patterns, their materials, and the direction of th
 that it has must hold.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
+from pydantic import BeforeValidator, model_validator
 
-from sidmacib.quantities import shown
+from sidmacib.quantities import Number, shown
+from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.files.sections import Rule
 from sidmacib.structure.interfaces import Interface
 
 Pair = frozenset[str]  # names of two blocks
+
+
+_Angle = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
+
+
+def _two(value: Any) -> tuple[str, str]:
+    """One text for both blocks of a pair, or a list of two."""
+    both = value if isinstance(value, list | tuple) else [value, value]
+    if len(both) != 2 or not all(isinstance(each, str) for each in both):
+        raise ValueError(f"{shown(value)} is not allowed; it must be a text or two in a list")
+    return both[0], both[1]
+
+
+_Two = Annotated[
+    tuple[str, str], BeforeValidator(_two, json_schema_input_type=str | tuple[str, str])
+]
+
+
+class Rule(Keys):
+    """Pairs of blocks that touch: all that a rule has must hold."""
+
+    blocks: _Two | None = None
+    """a pattern for both names, such as `"arch-*"`, or a list of two"""
+    materials: _Two | None = None
+    """a material of both blocks, or a list of two"""
+    normal: Way | None = None
+    """direction that the interface is perpendicular to, either way"""
+    within: _Angle = 10.0
+    """degrees between `normal` and that of the interface"""
+
+    @model_validator(mode="after")
+    def _chooses(self) -> Self:
+        if not self.model_fields_set - {"within"}:
+            raise ValueError("must have blocks, materials or normal")
+        return self
+
+
+def _between(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Rule.model_validate(value)
+    if isinstance(value, list | tuple):
+        return two_blocks(value)
+    if value != "all" and not isinstance(value, Rule):
+        allowed = f"a list of two blocks, all, or a rule with {', '.join(Rule.model_fields)}"
+        raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}")
+    return value
+
+
+def two_blocks(value: Any) -> tuple[str, str]:
+    """The names of two blocks; ValueError."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError(f"{shown(value)} is not allowed; it must be a list of two blocks")
+    return str(value[0]), str(value[1])
+
+
+Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
 class Selection:
