@@ -10,6 +10,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import NoEquilibriumError, SolverError
+from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
@@ -314,3 +315,16 @@ def test_a_load_without_weight_is_not_tried_again_at_another_size(
         with pytest.raises(NoEquilibriumError):
             solver.solve(load, start.unknowns, start.state)
     assert len(tried) == calls
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
+    layout: NodeLayout, capfd: pytest.CaptureFixture[str]
+) -> None:
+    joint = replace(
+        elastic(2, body=UpperBody.MONOLITHIC),
+        hold_down=HoldDown.pressure(5e4),
+        dry=replace(Joint(2).dry, friction=0.0),
+    )
+    assert solved(joint, 0.03, layout).peak.load == pytest.approx(225.0, rel=0.04)
+    assert capfd.readouterr() == ("", "")
