@@ -88,7 +88,8 @@ class ElasticSolver:
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.contact_law))
+        initial = NodeState.initial(self.contact_law)
+        return self.solve(0.0, np.zeros(len(self.kept)), initial, thorough=True)
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
