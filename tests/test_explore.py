@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from analysis.explore.covered import covered
 from analysis.explore.effects import effects, words
-from analysis.explore.pictures import COARSE, answers, peak, pictures, ratios, spread_words
+from analysis.explore.pictures import Counted, answers, peak, pictures, ratios, which_counts
 from analysis.explore.state import (
     SLIDERS,
     Settings,
@@ -19,6 +19,7 @@ from analysis.explore.state import (
     checked,
     from_query,
 )
+from sidmacib.answers.joint import meshes
 from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.static.model import static_first_failure
@@ -130,14 +131,9 @@ def test_peaks_fall_with_the_eccentricity() -> None:
     assert shears == sorted(shears, reverse=True)
 
 
-def test_the_curve_states_the_spread_of_the_peak_and_the_load_used_where_it_is_too_large() -> None:
-    def legend(state: Settings) -> str:
-        return spread_words(state.joint, state.eccentricity)
-
-    assert legend(Settings(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
-    far = legend(Settings(locks=11, eccentricity=1.0))
-    assert "peaks spread by 8 % or more: use the first failure, V = 101" in far
-    assert legend(Settings(young=10.0)) == ""
+def test_the_curve_states_the_spread_of_the_peak() -> None:
+    assert which_counts(Settings(eccentricity=0.3)).legend == " (spread 0.0 % at 0.3 a)"
+    assert which_counts(Settings(young=10.0)) == Counted()
 
 
 @pytest.mark.parametrize("name", ["a", "b", "h", "H"])
@@ -187,9 +183,7 @@ def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
 
 
 def posed_at(state: Settings) -> Problem:
-    return posed(
-        state.joint, Loading(Direction(state.eccentricity)), COARSE * state.joint.least_side
-    )
+    return posed(state.joint, Loading(Direction(state.eccentricity)), meshes(state.joint)[1])
 
 
 def test_sliders_at_0_and_blocks_that_bend_have_no_arrow() -> None:
