@@ -14,7 +14,7 @@ from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.pieces import assemble, shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -26,7 +26,6 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     SideLoad,
     self_weight,
-    shared_face,
 )
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.contact_nodes import contact_nodes
