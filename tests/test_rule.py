@@ -189,7 +189,7 @@ def test_friction_has_its_history(
         (5, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 669.2),
         (9, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 1059.0),
         (9, 2.5e9, 3e11, UpperBody.MONOLITHIC, 953.0),
-        (15, 2.5e9, 3e11, UpperBody.MONOLITHIC, 1103.0),
+        pytest.param(15, 2.5e9, 3e11, UpperBody.MONOLITHIC, 1103.0, marks=pytest.mark.study),
     ],
 )
 def test_blocks_that_bend_share_less_among_many_locks(
