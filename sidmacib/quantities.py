@@ -96,7 +96,10 @@ def one_of(names: Iterable[str]) -> ReadBy:
 
 @dataclass(frozen=True)
 class Number(Read):
-    """A range of finite numbers; ``unit`` is for messages. true and false are not numbers."""
+    """A range of finite numbers; true and false are not numbers.
+
+    ``unit`` is for messages. Outside ``likely`` a number seems to be in another unit.
+    """
 
     above: float = -math.inf
     at_least: float = -math.inf
@@ -104,6 +107,7 @@ class Number(Read):
     below: float = math.inf
     unit: str = ""
     whole: bool = False
+    likely: tuple[float, float] = (0.0, math.inf)
 
     def read(self, value: Any) -> float:
         """``value``, from a file or a command line, as a number; ValueError if it is not allowed.
@@ -210,14 +214,15 @@ def choice(kind: type[Choice], value: Any) -> Choice:
         raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}") from None
 
 
+# Far beyond any lock of stone, concrete or timber, and any printed model; friction is 0.5 to 1.
 Count = Annotated[int, Number(at_least=1, whole=True)]
-Length = Annotated[float, Number(above=0, unit="m")]
-Density = Annotated[float, Number(at_least=0, unit="kg/m3")]
-Stiffness = Annotated[float, Number(above=0, unit="Pa/m")]
-Modulus = Annotated[float, Number(above=0, unit="Pa")]
+Length = Annotated[float, Number(above=0, unit="m", likely=(1e-3, 10.0))]
+Density = Annotated[float, Number(at_least=0, unit="kg/m3", likely=(10.0, 3e4))]
+Stiffness = Annotated[float, Number(above=0, unit="Pa/m", likely=(1e6, 1e15))]
+Modulus = Annotated[float, Number(above=0, unit="Pa", likely=(1e6, 1e13))]
 Poisson = Annotated[float, Number(at_least=0, below=0.5)]
-Strength = Annotated[float, Number(at_least=0, unit="Pa")]
+Strength = Annotated[float, Number(at_least=0, unit="Pa", likely=(100.0, 1e9))]
 FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
-Friction = Annotated[float, Number(at_least=0)]
+Friction = Annotated[float, Number(at_least=0, likely=(0.0, 1.2))]
 Part = Annotated[float, Number(at_least=0, at_most=1)]
 Share = Annotated[float, Number(above=0, below=1)]  # neither nothing nor all

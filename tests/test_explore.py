@@ -24,7 +24,7 @@ from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.problem import Problem
-from sidmacib.rule.law import MOST_ECCENTRIC_PAIR, law
+from sidmacib.rule.law import law
 from workflow.configuration import read_study
 
 STATES = (
@@ -88,20 +88,20 @@ def test_the_python_prints_the_law_of_the_same_joint(
 
 
 def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:
-    state = Settings(a=150.0, b=20.0)
+    state = Settings(H=150.0, b=20.0)
     answer = answers(state)
     assert answer.rules == {}
-    assert "No safe rule: a / b: 7.5" in answer.words
+    assert "No safe rule: H / b: 7.5" in answer.words
     assert answer.peak is not None
     assert pictures(state, answer)["pieces"]
 
 
 def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
-    state = Settings(locks=3, young=10.0, b=20.0, h=40.0)
+    state = Settings(locks=3, young=10.0, b=20.0, H=150.0)
     answer = answers(state)
     assert answer.peak is None
     assert answer.words.startswith(
-        "3 locks, e = 0.3 a: no first failure is known. No safe rule: h / b"
+        "3 locks, e = 0.3 a: no first failure is known. No safe rule: H / b"
     )
     assert pictures(state, answer)["curve"]["shear"] == []
     assert answers(Settings(locks=3, young=10.0)).peak is not None
@@ -152,17 +152,15 @@ def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_be
                 law(replace(state, **{name: beyond}).joint, Direction(0.3))
 
 
-def test_two_locks_are_covered_within_their_only_dry_face() -> None:
-    assert covered(Settings(locks=2, eccentricity=0.3))["eccentricity"] == (
-        0.0,
-        MOST_ECCENTRIC_PAIR,
-    )
+def test_two_locks_are_covered_at_every_eccentricity() -> None:
+    slider = SLIDERS["eccentricity"]
+    assert covered(Settings(locks=2))["eccentricity"] == (slider.least, slider.most)
 
 
 def test_nothing_of_one_size_brings_a_joint_back_that_another_size_takes_out() -> None:
-    flat = Settings(h=40.0, b=20.0)
-    assert covered(flat)["eccentricity"] is None
-    assert covered(flat)["h"] is not None
+    high = Settings(H=150.0, b=20.0)
+    assert covered(high)["eccentricity"] is None
+    assert covered(high)["H"] is not None
 
 
 # --- effects ------------------------------------------------------------------------------------

@@ -10,13 +10,13 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from sidmacib.joint.joint import DRY, INNER, Block, Joint, OwnLock
+from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length, Modulus, Number, Poisson
 from sidmacib.reading import Section, Some, changes_to, section_of
 from workflow.schema.values import Eccentricities, Lengths, Name
 
 MOST_LOCKS = 101
-SIZES = ("a", "b", "h", "H")
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")
 STRENGTHS = ("cohesion", "tensile_strength")
 
