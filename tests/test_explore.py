@@ -130,13 +130,13 @@ def test_peaks_fall_with_the_eccentricity() -> None:
     assert shears == sorted(shears, reverse=True)
 
 
-def test_the_curve_states_the_spread_of_the_peak_and_the_load_used_where_it_is_too_large() -> None:
+def test_the_curve_states_the_lowest_peak_found_where_it_is_below_the_curve() -> None:
     def legend(state: Settings) -> str:
         return spread_words(state.joint, state.eccentricity)
 
-    assert legend(Settings(eccentricity=0.3)) == " (spread 0.0 % at 0.3 a)"
+    assert legend(Settings(eccentricity=0.3)) == " (no lower one found at 0.3 a)"
     far = legend(Settings(locks=11, eccentricity=1.0))
-    assert "peaks spread by 8 % or more: use the first failure, V = 101" in far
+    assert far == " (lowest found at 1 a: V = 108.3 N, spread 9.2 %)"
     assert legend(Settings(young=10.0)) == ""
 
 

@@ -160,17 +160,6 @@ def test_a_first_failure_has_an_error_of_its_own() -> None:
     assert found.load > 0.1
 
 
-def test_the_error_of_a_peak_that_spreads_is_that_of_the_first_failure() -> None:
-    records = [
-        replace(made_up(mesh), first_failure_load_N=LIMIT, peak_spread=spread)
-        for mesh, spread in ((0.02, 0.0), (0.01, 0.03))
-    ]
-    found = errors_of(records)
-    finer = found["static", "n-mesh0.01"]
-    assert finer.load == finer.first_failure
-    assert found["static", "n-mesh0.02"].load != found["static", "n-mesh0.02"].first_failure
-
-
 # --- of the static model -------------------------------------------------------------------------
 def random_joint(rng: np.random.Generator) -> tuple[Joint, Direction]:
     """Any sizes, stiffnesses, friction and direction; ratios are spread in their logarithm."""

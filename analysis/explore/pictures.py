@@ -11,10 +11,10 @@ from analysis.explore.state import Settings
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.weights import lock_weights
-from sidmacib.mechanics.static.peak_spread import static_capacity
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 
@@ -74,36 +74,34 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
 
 @lru_cache(maxsize=512)
 def spread_words(joint: Joint, ratio: float) -> str:
-    """How far the static model's peak spreads along e / a, and what counts where it is too far.
+    """The lowest of the static model's peaks along e / a, if it is below the one that is drawn.
 
-    It takes longer than the peak: it stands in the legend of the curve, which is drawn last. Empty
-    where there is no such peak.
+    To find it takes longer: it stands in the legend of the curve, which is drawn last. Empty where
+    there is no such peak.
     """
     if joint.elastic is not None:
         return ""
     loading = Loading(Direction(ratio))
     try:
-        found = static_capacity(*posed(joint, loading, COARSE * joint.least_side))
+        found = lowest_peak(*posed(joint, loading, COARSE * joint.least_side))
     except CapacityError:
         return ""
-    spread = 100.0 * found.spread
-    if found.is_peak:
-        return f" (spread {spread:.1f} % at {ratio:g} a)"
-    return (
-        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: use the first failure, "
-        f"V = {found.load * loading.direction.shear:.4g} N)"
-    )
+    if not found.spread:
+        return f" (no lower one found at {ratio:g} a)"
+    V = found.peak.load * loading.direction.shear
+    return f" (lowest found at {ratio:g} a: V = {V:.4g} N, spread {100.0 * found.spread:.1f} %)"
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
     try:
-        assembly, solution = load_path(joint, Loading(direction), COARSE * joint.least_side)
+        problem = posed(joint, Loading(direction), COARSE * joint.least_side)
+        solution = static_peak(*problem)
     except CapacityError:
         return None
     load = float(solution.peak.load)
     shares = tuple(
         Share(each.lock, each.block, each.weight)
-        for each in lock_weights(joint, assembly, solution.peak.force)
+        for each in lock_weights(joint, problem.assembly, solution.peak.force)
     )
     return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 

@@ -14,7 +14,6 @@ from sidmacib.joint.loading import Loading, Push
 
 if TYPE_CHECKING:
     from sidmacib.mechanics.solution import StaticSolution
-    from sidmacib.mechanics.static.peak_spread import StaticCapacity
 
 Row = dict[str, Any]
 # Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
@@ -27,7 +26,7 @@ class Answer:
     """A model's load (N) along a direction, None if it has none, and further results.
 
     ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.static.peak_spread`.
+    `sidmacib.mechanics.static.lowest_peak`.
     """
 
     load: float | None
@@ -64,37 +63,26 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.joint.load_path import load_path
-    from sidmacib.joint.loading import posed
-    from sidmacib.mechanics.static.peak_spread import static_capacity
 
-    loading, meshes = Loading(direction, push=push), _meshes(joint)
-    coarse = load_path(joint, loading, meshes[0])[1]
-    fine = static_capacity(*posed(joint, loading, meshes[1]))
-    if not (fine.load > 0.0 and coarse.peak.load > 0.0):
-        return Answer(float(fine.load), "nothing is carried", peak_spread=fine.spread)
-    note = (
-        "peak"
-        if fine.is_peak
-        else f"first failure; peaks behind it spread by {100.0 * fine.spread:.0f} % or more"
-    )
-    first = float(fine.solution.first_failure_load / fine.load)
-    error = _mesh_error(joint, coarse, fine)
-    return Answer(float(fine.load), note, first, float(error), fine.spread)
+    loading = Loading(direction, push=push)
+    coarse, fine = (load_path(joint, loading, mesh)[1] for mesh in _meshes(joint))
+    load = float(fine.peak.load)
+    if not (load > 0.0 and coarse.peak.load > 0.0):
+        return Answer(load, "nothing is carried", peak_spread=fine.spread)
+    note = "lowest peak found" if fine.spread else "peak"
+    first = float(fine.first_failure_load / load)
+    return Answer(load, note, first, float(_mesh_error(joint, coarse, fine)), fine.spread)
 
 
-def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticCapacity") -> float:
-    """Relative mesh error of the capacity on the ``fine`` mesh."""
+def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticSolution") -> float:
+    """Relative mesh error of the peak on the ``fine`` mesh."""
     from sidmacib.mechanics.assembly import NodeLayout
-    from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
+    from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
-    both = coarse, fine.solution
+    both = coarse, fine
     cells = [cells_of(joint, mesh) for mesh in _meshes(joint)]
-    if fine.is_peak:
-        kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
-        loads = [one.peak.load for one in both]
-    else:
-        kind = LoadKind.FIRST_FAILURE
-        loads = [one.first_failure_load for one in both]
+    kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
+    loads = [one.peak.load for one in both]
     return mesh_errors(dict(zip(cells, loads, strict=True)), NodeLayout.LOBATTO, kind)[cells[1]]
 
 
