@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from analysis.tables.collect import MeshErrors, errors_of
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.joints.case import Case
 from workflow.planning.cases import second_mesh
@@ -192,7 +192,8 @@ def loads_of(
     joint: Joint, direction: Direction, parts: int, nodes: NodeLayout
 ) -> tuple[float, float]:
     """First failure and peak (N) on a mesh of the shorter side of a lock over ``parts``."""
-    found = load_path(joint, Loading(direction), 0.999 * joint.least_side / parts, nodes)[1]
+    mesh = 0.999 * joint.least_side / parts
+    found = static_peak(*posed(joint, Loading(direction), mesh, nodes))
     return found.first_failure_load, found.peak.load
 
 

@@ -87,7 +87,9 @@ def first_failure_of(solver: Solver, scale: float, increment: float | None = Non
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
-    """Raise ``loads`` from 0 to the peak of ``assembly``.
+    """Raise ``loads`` from 0 to the peak of ``assembly``, on a single path.
+
+    `sidmacib.mechanics.static.lowest_peak` looks for lower ones.
 
     Raises `NoEquilibriumError` if there is no equilibrium under the permanent loads,
     `UnboundedError` if the assembly carries any load.
