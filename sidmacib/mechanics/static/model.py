@@ -102,8 +102,7 @@ def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
 
 def peak_of(solver: Solver, scale: float) -> StaticSolution:
     """`static_peak` of brittle bonds by a ``solver`` that is there; ``scale``: of its loads, N."""
-    found = brittle_path(solver, scale)
-    return _solution(solver, scale, found.first_failure_load, (), found)
+    return _solution(solver, scale, brittle_path(solver, scale))
 
 
 def another_peak(
@@ -116,23 +115,16 @@ def another_peak(
     thorough. Errors of `brittle_path`.
     """
     last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
-    path, failing = _raised(searches, [other.path[last]], scale, other.refinement)
+    path, failing = _raised(searches, [*other.path[: last + 1]], scale, other.refinement)
     increments = scale, LEAST_INCREMENT, other.refinement
     found = _after_first_failure(searches, path, failing, *increments, other)
-    return _solution(solver, scale, other.first_failure_load, other.path[:last], found)
+    return replace(_solution(solver, scale, found), first_failure_load=other.first_failure_load)
 
 
-def _solution(
-    solver: Solver,
-    scale: float,
-    first_failure: float,
-    before: tuple[Equilibrium, ...],
-    found: "BrittlePath",
-) -> StaticSolution:
-    """The solution that ends with the path ``found``, which follows the equilibria ``before``."""
+def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
     mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
-    path = (*before, *found.path[: found.peak + 1])
-    return StaticSolution(first_failure, path, mode, found.refinement, found.collapsed)
+    path = found.path[: found.peak + 1]
+    return StaticSolution(found.first_failure_load, path, mode, found.refinement, found.collapsed)
 
 
 @dataclass(frozen=True)
@@ -185,7 +177,7 @@ def _after_first_failure(
 ) -> BrittlePath:
     """``path`` to the first failure, where nodes are ``failing``, and what follows.
 
-    ``other``: the path of almost the same assembly, if it is known.
+    ``other``: another path of the same assembly, if it is known.
     """
     first_failure, collapsed = path[-1].load, None
     while failing.any():
