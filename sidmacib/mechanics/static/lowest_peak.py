@@ -31,8 +31,8 @@ STARTS = 10  # in a row without a lower peak end the search
 LOWER = 1e-3  # over the lowest peak: one that is lower by more is a lower peak
 MOST = 500  # searches for an equilibrium: more end the search for the lowest peak
 # The same for elastic pieces, where one takes a thousand times as long: over the equilibria on the
-# first path, each of which takes three or four. So the search costs no more than that path.
-MOST_ELASTIC = 3
+# first path. Those behind the first failure cost most, so that this is about the cost of that path.
+MOST_ELASTIC = 1
 DIGITS = 4  # of a spread after the decimal point: peaks are known to 1e-5
 
 
