@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # the same names again, for type checkers and completion
     from sidmacib.mechanics.assembly import Assembly, Elastic, FaceMaterial, Loads, NodeLayout
     from sidmacib.mechanics.limit import limit_load
     from sidmacib.mechanics.limit_sensitivity import limit_derivatives
+    from sidmacib.mechanics.static.lowest_peak import lowest_peak
     from sidmacib.mechanics.static.model import static_first_failure, static_peak
     from sidmacib.rule.demand import Candidate, Demand, Prices
     from sidmacib.rule.inverse import Search, all_candidates, cheapest, fewest_locks
@@ -69,6 +70,7 @@ _HOME = {
     "limit_derivatives": "mechanics.limit_sensitivity",
     "limit_load": "mechanics.limit",
     "lock_weights": "joint.weights",
+    "lowest_peak": "mechanics.static.lowest_peak",
     "pairs_of": "rule.pairs",
     "safe": "rule.law",
     "sensitivity": "joint.effects",
@@ -120,6 +122,7 @@ __all__ = [
     "limit_derivatives",
     "limit_load",
     "lock_weights",
+    "lowest_peak",
     "pairs_of",
     "safe",
     "sensitivity",
