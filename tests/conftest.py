@@ -2,7 +2,6 @@
 
 import fcntl
 import hashlib
-import importlib
 import json
 import os
 import shutil
@@ -46,12 +45,12 @@ from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
-from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, read_records
 from workflow.results.record import CaseRecord
-from workflow.run.job import paths
+from workflow.run.command import snakemake
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
+from workflow.steps import guides as guides_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
@@ -236,9 +235,11 @@ def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
-    arguments = {"case": case.to_json(), "time_limit": 300.0, "guides_code": ""}
+    cases, guides = [case.to_json()], folder / "guides.json"
+    guides_step.run({"cases": cases}, {}, {"guides": guides})
+    arguments = {"case": cases[0], "time_limit": 300.0, "last_try": 1}
     outputs = {"record": folder / RECORD, "result": folder / RESULT}
-    fault = engine_step.run(arguments, {}, outputs)
+    fault = engine_step.run(arguments, {"guides": guides}, outputs)
     if fault is not None:
         raise EngineError(fault)
     return folder
@@ -265,7 +266,7 @@ def broken_python(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="session")
 def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
-    """A study without engines, and its results but figures: made job by job, in this process."""
+    """A study without engines, and its results but figures."""
     study = read_study(
         {
             "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
@@ -277,12 +278,8 @@ def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]
         }
     )
     results = tmp_path_factory.mktemp("study")
-    for job in plan_of(study).made.values():
-        if job.name in ("figures", "complete"):
-            continue
-        for name in job.written:
-            (results / name).parent.mkdir(parents=True, exist_ok=True)
-        arguments = json.loads(json.dumps(job.arguments))
-        step = importlib.import_module(job.step)
-        step.run(arguments, paths(job.inputs, results), paths(job.outputs, results))
+    path = results / "study.yaml"
+    path.write_text(json.dumps(study.model_dump(mode="json", exclude_unset=True)))
+    tables = [f"{results}/{name}" for name in ("summary.txt", "report.html")]
+    assert snakemake(path, str(results), tables)
     return study, results

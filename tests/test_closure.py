@@ -8,12 +8,12 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
+from workflow.planning.snakefile import plan_of
 
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
-from workflow.planning import closure as module
-from workflow.planning.closure import closure, code_digest
-from workflow.planning.snakefile import plan_of
+from workflow.run import closure as module
+from workflow.run.closure import closure, code_digest
 
 TRACE = """
 import sys
@@ -78,27 +78,6 @@ def test_data_files_count_by_content(project: Path) -> None:
     before = module.code_digest(["workflow.a"], ["data.yaml"])
     (project / "data.yaml").write_text("a: 2")
     assert module.code_digest(["workflow.a"], ["data.yaml"]) != before
-
-
-def test_code_that_is_edited_while_a_study_runs_is_noticed_and_a_comment_is_not(
-    project: Path,
-) -> None:
-    code = json.loads(json.dumps(module.described(["workflow.a"])))
-    assert not module.edited(code)
-    (project / "workflow/c.py").write_text("# why\n\nimport  numpy\n")
-    assert not module.edited(code)
-    (project / "workflow/c.py").write_text("import numpy\nx = 1")
-    assert module.edited(code)
-    (project / "workflow/c.py").unlink()
-    assert module.edited(code)
-
-
-def test_files_that_are_as_they_were_need_no_look_at_their_syntax(
-    project: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    code = module.described(["workflow.a"])
-    monkeypatch.setattr(module, "_tree", None)
-    assert not module.edited(code)
 
 
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:

@@ -13,13 +13,13 @@ from chromium import CHROMIUM, Opened, chromium
 from click.testing import CliRunner
 from conftest import ROOT
 from promises import require_kept
+from workflow.planning.snakefile import plan_of
 
 from sidmacib.command.main import main
 from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study, read_study_file
 from workflow.engines.scripts.records import OUTPUTS
 from workflow.planning.cases import cases_of
-from workflow.planning.snakefile import plan_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.files import CASE, RECORD
 from workflow.results.tables import MODELS, read_table

@@ -5,10 +5,10 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from workflow.planning.snakefile import plan_of
 
 from analysis.tables.measured import measured_table
 from workflow.configuration import ConfigError, read_study
-from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
 from workflow.schema.measured import MeasuredLoad
 

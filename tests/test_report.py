@@ -11,6 +11,8 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
+from workflow.planning.results_folder import REPORT
+from workflow.planning.snakefile import plan_of
 
 from analysis.report import paths
 from analysis.report.files import FILES
@@ -23,8 +25,6 @@ from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
-from workflow.planning.results_folder import REPORT
-from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study

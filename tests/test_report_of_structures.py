@@ -13,6 +13,9 @@ from chromium import Opened, chromium, needs_browser
 from conftest import ROOT
 from offline import WATCH, leaving_in_browser, leaving_in_html
 from test_report import MOST_BYTES
+from workflow.planning.results_folder import REPORT
+from workflow.planning.snakefile import plan_of
+from workflow.run.job import run_job
 
 from analysis.report import structures
 from analysis.report.content import content
@@ -23,10 +26,7 @@ from analysis.report.structures import structures_content, structures_verdict, w
 from sidmacib.structure.files.structure_file import assembly_of
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import read_study
-from workflow.planning.results_folder import REPORT
-from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.run.job import run_job
 from workflow.structures.case import StructureCase
 from workflow.structures.cases import structure_cases
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
+from workflow.planning.snakefile import plan_of
 
 from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
@@ -28,7 +29,6 @@ from studies.locks.points import points_of
 from studies.locks.sensitivity import PARAMETERS, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.joints.sampling import SampledJoint, sampled_joints
-from workflow.planning.snakefile import plan_of
 from workflow.schema.sampling import SamplingSection
 from workflow.steps import sampling as solve_step
 

@@ -12,7 +12,6 @@ import yaml
 from campaigns.faults import processes_in
 from conftest import ROOT
 from test_execute import becomes_true
-
 from workflow.run.process import STOPPED
 
 LONG = {  # a case of an engine that takes minutes

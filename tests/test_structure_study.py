@@ -11,15 +11,15 @@ import pandas as pd
 import pytest
 import yaml
 from conftest import ROOT
+from workflow.planning.plan import why
+from workflow.planning.snakefile import plan_of
+from workflow.run.job import run_job
 
 from analysis.summary.structures import summary
 from analysis.tables.structures import most_used
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.planning.plan import why
-from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.run.job import run_job
 from workflow.structures.case import StructureCase, changed
 from workflow.structures.cases import structure_cases
 from workflow.structures.record import InterfaceRow

@@ -1,7 +1,6 @@
 """Where an engine begins to search in each of its cases, found at once for all of them.
 
-What finds it takes as long to load as an engine takes to start. No case waits for this: one that
-does not find its guide in the file looks for it itself.
+What finds it takes as long to load as an engine takes to start.
 """
 
 import json
@@ -15,13 +14,13 @@ from workflow.engines import ENGINES
 from workflow.engines.guide import guide_for
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.planning.receipts import write_whole
+from workflow.run.step import step
 
 
 def run(
     arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
 ) -> None:
-    """Write the guides by digests of their cases, and the digest of the code that finds them."""
+    """Write the guides by the digests of their cases."""
     guides = {}
     for case in map(Case.from_json, arguments["cases"]):
         assert case.numerics is not None, f"{case.name}: an engine needs numerics"
@@ -30,5 +29,8 @@ def run(
         except (CapacityError, ValueError, MemoryError):
             continue  # the case itself tells why
         guides[case.digest()] = None if guide is None else asdict(guide)
-    text = json.dumps({"code": arguments["code"], "guides": guides}, indent=1)
-    write_whole(outputs["guides"], text + "\n")
+    outputs["guides"].write_text(json.dumps(guides, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    step(run)
