@@ -50,7 +50,6 @@ from workflow.results.record import CaseRecord
 from workflow.run.command import snakemake
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
-from workflow.steps import guides as guides_step
 
 # Programs that tests start, and then ask to end, would inherit that nohup or a background job
 # ignores these signals.
@@ -235,11 +234,9 @@ def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
-    cases, guides = [case.to_json()], folder / "guides.json"
-    guides_step.run({"cases": cases}, {}, {"guides": guides})
-    arguments = {"case": cases[0], "time_limit": 300.0, "last_try": 1}
+    arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
     outputs = {"record": folder / RECORD, "result": folder / RESULT}
-    fault = engine_step.run(arguments, {"guides": guides}, outputs)
+    fault = engine_step.run(arguments, {}, outputs)
     if fault is not None:
         raise EngineError(fault)
     return folder

@@ -9,13 +9,10 @@ from conftest import ROOT
 
 from workflow.__main__ import forget_failures
 from workflow.configuration import CallError, read_study, read_study_file
-from workflow.engines.scripts.assembly import Guide
 from workflow.planning.batches import BATCH, BATCH_TIME, batches, case_jobs
 from workflow.planning.cases import cases_of
 from workflow.planning.resources import solved_resources
 from workflow.run.results_folder import lock
-from workflow.steps import guides as guides_step
-from workflow.steps.engine import read_guide
 
 SMALL = {
     "samples": {"n3": {"locks": 3}},
@@ -70,19 +67,6 @@ def test_witnesses_of_an_engine_at_two_meshes_are_at_these_only() -> None:
     assert [case.name for case in jobs.batches["static", "batch"]] == [
         *("n3-mesh0.03-e0a", "n3-mesh0.02-e0a")
     ]
-
-
-def test_guides_of_an_engine_are_those_of_the_static_model(tmp_path: Path) -> None:
-    variants = {"soft": {"failure": "softening"}}
-    config = SMALL | {"dem": {"engines": ["yade"]}, "variants": variants, "eccentricities": [0]}
-    config["materials"] = {"inner": {"fracture_energy": 10.0}}
-    cases = [case for case in cases_of(read_study(config)).values() if case.model == "yade"]
-    path = tmp_path / "yade.json"
-    guides_step.run({"cases": [case.to_json() for case in cases]}, {}, {"guides": path})
-    found: list[Guide | None] = [read_guide(path, case) for case in cases]
-    (guide,) = filter(None, found)
-    assert 0.0 < guide.first_failure_N <= guide.peak_N
-    assert read_guide(None, cases[0]) is None
 
 
 def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(

@@ -35,7 +35,6 @@ SOLVED = {**SMALL, "dem": {"engines": []}, "variants": {}, "eccentricities": [0,
 CASES = {"n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion", "n3-mesh0.03-e0a-soft"}
 TABLES = {"collect", "capacity", "fit", "validation", "figures", "summary", "report", "complete"}
 WORDS = {
-    "Find where": "guides",
     "Collect": "collect",
     "Solve SiDMACIB": "capacity",
     "Fit SiDMACIB": "fit",
@@ -119,7 +118,7 @@ def solved(solved_once: Path, tmp_path: Path) -> Workspace:
 
 # --- planning ------------------------------------------------------------------------------------
 def test_a_dry_run_plans_every_case_and_table_and_writes_nothing(workspace: Workspace) -> None:
-    assert workspace.planned() == CASES | {"batch", "guides"} | TABLES
+    assert workspace.planned() == CASES | {"batch"} | TABLES
     assert not workspace.results.exists()
 
 
@@ -132,7 +131,7 @@ def test_the_rule_graph_names_the_rules_and_writes_nothing(
     found = workspace.snakemake("--snakefile", path, "--rulegraph")
     assert found.returncode == 0, found.stderr
     named = set(re.findall(r'label = "(\w+)"', found.stdout))
-    assert named == {target, "guides", "engine", "solve", "variants"} | TABLES
+    assert named == {target, "engine", "solve", "variants"} | TABLES
     assert not workspace.results.exists()
 
 
@@ -327,11 +326,11 @@ def test_a_small_study_end_to_end(workspace: Workspace) -> None:
 
     # Editing one case plans that case and what aggregates it, nothing else.
     workspace.configure({**SMALL, "overrides": {"n3-mesh0.03-torsion": {"ramp_periods": 42}}})
-    assert workspace.planned() == {"n3-mesh0.03-torsion", "guides"} | TABLES
+    assert workspace.planned() == {"n3-mesh0.03-torsion"} | TABLES
 
-    # Another case asks the engine for no other one, though one file has the guides of all.
+    # Another case asks the engine for no other one.
     workspace.configure({**SMALL, "eccentricities": [0, 0.5, 0.7, "torsion"]})
-    assert workspace.planned() == {"n3-mesh0.03-e0.7a", "batch", "guides"} | TABLES
+    assert workspace.planned() == {"n3-mesh0.03-e0.7a", "batch"} | TABLES
 
     # Another time limit only makes the report, which shows the configuration; going back nothing.
     workspace.configure({**SMALL, "dem": {"engines": ["yade"], "time_limit": 500}})

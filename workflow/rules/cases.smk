@@ -7,14 +7,6 @@ from workflow.models import MODELS
 from workflow.planning.resources import engine_resources, solved_resources
 
 IN_ENGINES = list(dict.fromkeys(engine for engine, _ in CASES.engines))
-GUIDED = {  # cases of which the static model tells the engine where to begin, by engine
-    engine: [
-        case
-        for case in CASES.engines.values()
-        if case.model == engine and ENGINES[engine].wants_guide(case.numerics)
-    ]
-    for engine in IN_ENGINES
-}
 TIME_LIMIT = math.ceil(STUDY.dem.time_limit)
 
 
@@ -48,32 +40,7 @@ def group_of_model(model):
     return "cases" if all(solved_resources(cases).short for cases in batches) else None
 
 
-rule guides:
-    output:
-        guides=below("cases/guides/{engine}.json"),
-    log:
-        below("logs/guides/{engine}.log"),
-    wildcard_constraints:
-        engine=one_of(IN_ENGINES),
-    resources:
-        **asks(lambda wildcards: solved_resources(GUIDED[wildcards.engine])),
-    params:
-        cases=lambda wildcards: [case.to_json() for case in GUIDED[wildcards.engine]],
-        code=code("workflow.steps.guides"),
-    message:
-        "Find where {wildcards.engine} begins to search"
-    script:
-        "../steps/guides.py"
-
-
 rule engine:
-    input:
-        # A guide says where to begin, not what is found: another one makes no case outdated.
-        guides=lambda wildcards: (
-            ancient(below(f"cases/guides/{wildcards.engine}.json"))
-            if GUIDED[wildcards.engine]
-            else []
-        ),
     output:
         record=below("cases/{engine}/{case}/record.json"),
         result=below("cases/{engine}/{case}/result.json"),

@@ -8,8 +8,8 @@ from typing import Any
 from sidmacib.errors import CapacityError
 from workflow.engines import ENGINES
 from workflow.engines.execute import EngineError, EngineKilledError
+from workflow.engines.guide import guide_for
 from workflow.engines.run import run_engine
-from workflow.engines.scripts.assembly import Guide
 from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
@@ -37,7 +37,7 @@ def run(
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
     try:
         problem = problem_of(case)
-        guide = read_guide(inputs.get("guides"), case)
+        guide = guide_for(engine, problem, case.numerics)
         settings = case.numerics, title, folder, arguments["time_limit"], guide
         run_engine(engine, problem, *settings)
         outcome = read_outcome(folder, problem.assembly)
@@ -56,12 +56,6 @@ def run(
         write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
         return f"{case.name}: {case.model}: {error}"
     return None
-
-
-def read_guide(path: Path | None, case: Case) -> Guide | None:
-    """Where the search of ``case`` begins, from what `workflow.steps.guides` wrote; None: at 0."""
-    loads = json.loads(path.read_text()).get(case.digest()) if path else None
-    return Guide(**loads) if loads else None
 
 
 def in_short(reason: str) -> str:
