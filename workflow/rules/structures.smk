@@ -137,7 +137,7 @@ rule structures_complete:
         structures=rules.structure_tables.output.structures,
         summary=rules.structure_summary.output.summary,
     output:
-        mark=below(".complete"),
+        mark=below(".structures_complete"),
     log:
         below("logs/structures_complete.log"),
     params:
