@@ -8,6 +8,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -69,6 +70,8 @@ settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).parents[1]
+# `make` with this environment as it is: nothing is installed.
+INSTALLED = ("make", "--old-file=.venv/study.ready", f"BIN={Path(sys.executable).parent}")
 DISTINCT = tuple(name for name, engine in ENGINES.items() if not engine.elastic)  # rigid pieces
 
 

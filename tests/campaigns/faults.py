@@ -8,7 +8,6 @@ it, no listening socket and no file of an engine may be left. Faults are counted
 build/faults.csv.
 """
 
-import json
 import os
 import random
 import resource
@@ -130,49 +129,6 @@ def deleted(campaign: Campaign) -> None:
         campaign.count("deleted")
 
 
-def truncated(campaign: Campaign) -> None:
-    """Files that end too early."""
-    for path in _chosen(campaign, 6):
-        data = path.read_bytes()
-        path.write_bytes(data[: campaign.random.randrange(len(data) or 1)])
-        campaign.count("truncated")
-
-
-def garbled(campaign: Campaign) -> None:
-    """Files in which bytes were changed."""
-    for path in _chosen(campaign, 6):
-        data = bytearray(path.read_bytes() or b"x")
-        for _ in range(campaign.random.randint(1, 20)):
-            data[campaign.random.randrange(len(data))] = campaign.random.randrange(256)
-        path.write_bytes(bytes(data))
-        campaign.count("garbled")
-
-
-def foreign(campaign: Campaign) -> None:
-    """Files that hold another one's content."""
-    for path in _chosen(campaign, 4):
-        others = [each for each in campaign.files() if each.suffix == path.suffix and each != path]
-        if others:
-            path.write_bytes(campaign.random.choice(others).read_bytes())
-            campaign.count("foreign")
-
-
-def stale(campaign: Campaign) -> None:
-    """Receipts of something else."""
-    for path in campaign.random.sample(sorted((campaign.results / ".receipts").rglob("*.json")), 3):
-        receipt = json.loads(path.read_text())
-        path.write_text(json.dumps({**receipt, "digest": "0" * 64}))
-        campaign.count("stale")
-
-
-def clock(campaign: Campaign) -> None:
-    """Times that jump, forward and back."""
-    for path in _chosen(campaign, 8):
-        moment = time.time() + campaign.random.choice((-1, 1)) * campaign.random.uniform(10, 1e8)
-        os.utime(path, (moment, moment))
-        campaign.count("clock")
-
-
 def blocked(campaign: Campaign) -> None:
     """A folder in whose place there is a file, while the study runs."""
     name = campaign.random.choice(("tables", "figures", "cases"))
@@ -258,8 +214,7 @@ def bad_engine(campaign: Campaign) -> None:
 
 
 FAULTS: tuple[Callable[[Campaign], None], ...] = (
-    *(deleted, truncated, garbled, foreign, stale, clock),
-    *(blocked, full_disk, read_only, two_runs, killed, bad_engine),
+    *(deleted, blocked, full_disk, read_only, two_runs, killed, bad_engine),
 )
 
 
