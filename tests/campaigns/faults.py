@@ -26,6 +26,9 @@ import yaml
 from campaigns.counts import ROOT, asked, write_counts
 from tables import tables_of
 
+from workflow.engines.scripts.records import RESULT
+from workflow.results.files import RECORD
+
 STUDY = {
     "samples": {"n3": {"locks": 3}},
     "meshes": [0.03],
@@ -117,14 +120,15 @@ class Campaign:
 
 
 # --- faults --------------------------------------------------------------------------------------
-def _chosen(campaign: Campaign, number: int) -> list[Path]:
-    files = campaign.files()
-    return campaign.random.sample(files, min(number, len(files)))
-
-
 def deleted(campaign: Campaign) -> None:
-    """Files that are gone."""
-    for path in _chosen(campaign, 6):
+    """Results that are gone, but the files that an engine leaves beside its records."""
+    beside = campaign.results / "cases/yade"
+    files = [
+        path
+        for path in campaign.files()
+        if not path.is_relative_to(beside) or path.name in (RECORD, RESULT)
+    ]
+    for path in campaign.random.sample(files, 6):
         path.unlink()
         campaign.count("deleted")
 
