@@ -122,4 +122,11 @@ RECORDS = {  # where the record of a case is
         for case in cases
     },
 }
-OF_CASES = list(dict.fromkeys(RECORDS.values()))
+OF_CASES = [
+    *dict.fromkeys(RECORDS.values()),
+    *(  # what no table reads but figures of stresses do
+        below(f"cases/{model}/{name}/{kind}.parquet")
+        for model, name in CASES.batches
+        for kind in ("nodes", "history")
+    ),
+]

@@ -16,8 +16,9 @@ RETRIES = 2  # as in profiles/slurm
 
 # A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.run.step`).
 shell.prefix("exec ")
-os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (CHECKOUT, os.environ.get("PYTHONPATH"))))
-os.environ |= {"PYTHONUTF8": "1", "OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
+PATHS = filter(None, (CHECKOUT, os.environ.get("PYTHONPATH")))
+os.environ |= {"PYTHONPATH": os.pathsep.join(PATHS), "PYTHONUTF8": "1"}
+os.environ |= {"OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 
 
 def below(name):
