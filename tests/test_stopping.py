@@ -46,7 +46,6 @@ def make_study(folder: Path) -> subprocess.Popen[str]:
     ("number", "whom", "words"),
     [
         (signal.SIGTERM, "make", ""),
-        (signal.SIGHUP, "make", ""),
         (signal.SIGKILL, "make", ""),
         (signal.SIGTERM, "main", ""),
         (signal.SIGHUP, "main", ""),
@@ -60,13 +59,11 @@ def test_a_study_that_is_stopped_leaves_nothing_alive_and_no_lock(
 ) -> None:
     run = make_study(tmp_path)
     assert becomes_true(lambda: any("joint.py" in each for each in processes_in(tmp_path)), 90.0)
-    with suppress(ProcessLookupError):
-        for _ in range(2):
-            if whom == "all":
-                os.killpg(run.pid, number)
-            else:
-                os.kill(run.pid if whom == "make" else descendants(run.pid)[0], number)
-            time.sleep(0.1)
+    pid = descendants(run.pid)[0] if whom == "main" else run.pid
+    for _ in range(2):
+        with suppress(ProcessLookupError):
+            (os.killpg if whom == "all" else os.kill)(pid, number)
+        time.sleep(0.1)
     try:
         assert becomes_true(lambda: not processes_in(tmp_path), 15.0), processes_in(tmp_path)
     finally:
