@@ -28,12 +28,11 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
-from workflow.configuration import read_study
+from workflow.engines import ENGINES as ALL_ENGINES
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.sampling import Sampling, sampled_joints
-from workflow.planning.closure import ROOT
-from workflow.planning.snakefile import plan_of
-from workflow.run.job import read_times
+from workflow.results.files import read_times
+from workflow.run.closure import ROOT
 from workflow.steps.sampling import solved_rows
 
 REPEATS = 5
@@ -256,17 +255,15 @@ def process_figures(folder: Path) -> Iterator[Figure]:
 def workflow_figures(folder: Path) -> Iterator[Figure]:
     """Time that the workflow adds to the computations, and time of a run with nothing to do."""
     batch = {**SWEEP, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
-    times = job_times({**batch, "results": str(folder / "batch")}, "static/")
+    times = job_times(batch, folder / "batch", "static")
     start = time.process_time()
     for number in range(500):
         lowest_peak(*static_problem(number))
     alone = time.process_time() - start
     yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
     for engine in ("yade", "liggghts"):
-        config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
-        job_times(config, f"guides/{engine}")  # a study does this once
-        times = job_times(config, f"{engine}/")
-        yield Figure(f"added to a case of {engine}", "CPU-s", sum(times))
+        times = job_times({**ONE, "dem": {"engines": [engine]}}, folder / engine, engine)
+        yield Figure(f"a case of {engine}", "CPU-s", sum(times))
     path = folder / "one.yaml"
     path.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
     target = str(folder / "one")
@@ -278,28 +275,23 @@ def workflow_figures(folder: Path) -> Iterator[Figure]:
     yield Figure("make case of a finished case", "s", used(command, ROOT).wall)
 
 
-def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
-    """CPU-s, without programs that they start, of the jobs whose names begin with ``prefix``."""
-    study = read_study(config)
-    results = Path(study.results)
-    seconds = []
-    for job in plan_of(study).made.values():
-        if job.name.startswith(prefix):
-            plan = results / "plan.json"
-            plan.parent.mkdir(parents=True, exist_ok=True)
-            plan.write_text(json.dumps(job.plan(job.digest(), results)))
-            used([sys.executable, "-m", "workflow.run.job", str(plan)], ROOT)
-            times = json.loads((results / f".times/{job.name}.json").read_text())
-            seconds.append(times["own_cpu_s"])
-    return seconds
+def job_times(config: Mapping[str, object], folder: Path, kind: str) -> list[float]:
+    """CPU-s of the jobs of a kind, with programs that they start, in a study run in ``folder``."""
+    folder.mkdir()
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(config))
+    target = str(folder / "results/tables/cases.csv")
+    used([*snakemake(path), "--", target], ROOT)
+    return [cpu for found, _, cpu in read_times(folder / "results") if found == kind]
 
 
 def study_figures(results: Path) -> Iterator[Figure]:
-    """Times of a study's jobs in their last run."""
-    frame = pd.DataFrame([times for _, times in read_times(results)])
-    if len(frame):
-        yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
-        yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
+    """Times of a study's cases in their last run."""
+    times = pd.DataFrame(read_times(results), columns=["kind", "wall", "cpu"])
+    if len(times):
+        yield Figure("study: all cases", "CPU-s", times["cpu"].sum())
+        engines = times["kind"].isin(ALL_ENGINES)
+        yield Figure("study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum())
 
 
 def step_figures(results: Path) -> Iterator[Figure]:

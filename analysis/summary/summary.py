@@ -30,6 +30,7 @@ from workflow.results.tables import (
     Table,
     read_table,
 )
+from workflow.run.step import step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 ACROSS = 4  # samples in one block of the list of loads
@@ -322,3 +323,7 @@ def run(
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in kinds}
     text = summary(arguments["results"], tables, arguments["meshes"], arguments["ductile"])
     outputs["summary"].write_text(text)
+
+
+if __name__ == "__main__":
+    step(run)

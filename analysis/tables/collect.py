@@ -16,6 +16,7 @@ from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
+from workflow.run.step import step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
 SHARED = (
@@ -209,3 +210,7 @@ def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
         for r in records
         if r.cells in load
     }
+
+
+if __name__ == "__main__":
+    step(run)
