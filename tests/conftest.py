@@ -35,7 +35,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
-from sidmacib.mechanics.newton.faces import Structure
+from sidmacib.mechanics.newton.faces import ContactFaces
 from sidmacib.mechanics.newton.nodes import Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
@@ -88,7 +88,7 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
 
 
-def point_at(structure: Structure, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
+def point_at(structure: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
     """What ``unknowns`` of a compiled ``structure`` make of its nodes, without other forces."""
     here = new_point(len(unknowns), structure.start)
     put_at(structure, slip, whole, np.zeros_like(unknowns), here, unknowns)

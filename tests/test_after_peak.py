@@ -6,10 +6,10 @@ import pytest
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import LEAST, after_peak
 from sidmacib.mechanics.static.model import solver_of, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.problem import Problem
 
 MESH = 0.03  # m

@@ -12,8 +12,12 @@ from hypothesis import strategies as st
 from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.newton.node_law import forces_and_tangents, node_force, node_tangent
-from sidmacib.mechanics.utilisation import utilisation
+from sidmacib.mechanics.contact_law.kernels import (
+    forces_and_tangents,
+    node_force,
+    node_tangent,
+    utilisation,
+)
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)
@@ -96,13 +100,15 @@ def test_given_friction_makes_forces_that_have_a_convex_energy(
 
 def test_nodes_together_have_the_law_of_each() -> None:
     random, count = np.random.default_rng(1), 50
-    stiffness, friction = 1e6 * (1.0 + random.random((count, 2))), random.random(count)
+    law = np.array(
+        [*1e6 * (1.0 + random.random((2, count))), random.random(count), np.zeros(count)]
+    )
     whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
-    force, tangent = forces_and_tangents(stiffness, friction, whole, moved)
+    force, tangent = forces_and_tangents(law, whole, moved)
     for n in range(count):
-        contact_law = (*stiffness[n], friction[n], 0.0, whole[n], *moved[n])
-        assert force[n] == pytest.approx(node_force(*contact_law))
-        t00, t10, t20, t11, t12, t22 = node_tangent(*contact_law)
+        node = (*law[:, n], whole[n], *moved[n])
+        assert force[n] == pytest.approx(node_force(*node))
+        t00, t10, t20, t11, t12, t22 = node_tangent(*node)
         expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
         assert tangent[n] == pytest.approx(expected)
 

@@ -19,8 +19,8 @@ import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
-from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.limit import FALLS, LimitState, Sliding, limit_load, solved
+from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
+from sidmacib.mechanics.limit import FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.twist import Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
@@ -82,14 +82,18 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
 def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> SlidingLimit:
     """The rounds from the state with ``associated`` friction on."""
     dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
-    friction = np.where(dry, ContactLaw.of(assembly).friction, 0.0)
+    cone = ContactLaw.of(assembly).cone()
     normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
     held, found, calm, step, change = normal, [associated], 0, STEP, 0.0
     for number in range(1, ROUNDS + 1):
-        limit = (1.0 - SLOPE) * friction * np.maximum(normal, 0.0)
-        sliding = Sliding(limit, SLOPE * friction)
+        given = (1.0 - SLOPE) * cone.slope * np.maximum(normal, 0.0)
+        flat = Cone(
+            np.where(dry, given, cone.held),
+            np.where(dry, SLOPE * cone.slope, cone.slope),
+            cone.torn,
+        )
         try:
-            state = solved(assembly, loads, True, sliding=sliding, twist=twist)
+            state = solved(assembly, loads, True, cone=flat, twist=twist)
         except (InfeasibleError, SolverError):
             # Too little friction for the weight: half way back.
             normal, step, twist = (normal + held) / 2.0, SHORTER * step, twist.nearer()
@@ -102,7 +106,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         normal = step * state.force[:, 0] + (1.0 - step) * normal
         twist = twist.after(assembly, state.force, max(0.0, 1.0 - step))
         calm = calm + 1 if abs(change) <= SETTLED * abs(state.load) else 0
-        if calm >= CALM and _off_cone(friction, state.force) <= OFF_CONE:
+        if calm >= CALM and _off_cone(cone, dry, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
         if len(found) > LAST and _close([each.load for each in found[-LAST:]]):
             break
@@ -116,10 +120,9 @@ def _close(loads: list[float]) -> bool:
     return max(loads) - min(loads) <= CLOSE * abs(min(loads))
 
 
-def _off_cone(friction: Floats, force: Floats) -> float:
-    """Largest shear beyond Coulomb's friction, over the largest normal force."""
-    rough = friction > 0.0
-    shear = np.hypot(force[rough, 1], force[rough, 2])
-    beyond = shear - friction[rough] * force[rough, 0]
+def _off_cone(cone: Cone, dry: Flags, force: Floats) -> float:
+    """Largest shear of rough ``dry`` nodes beyond their ``cone``, over the largest normal force."""
+    beyond = np.hypot(force[:, 1], force[:, 2]) - cone.shear(force[:, 0])
+    beyond = beyond[dry & (cone.slope > 0.0)]
     largest = float(np.abs(force[:, 0]).max())
     return float(beyond.max(initial=0.0)) / largest if largest > 0.0 else 0.0

@@ -148,11 +148,13 @@ class Twist:
                 motions[number] = np.vstack([motions.get(number, FIRST), motion])
         return replace(self, motions=motions)
 
-    def rows(self, assembly: Assembly, rough: Integers) -> tuple[sp.csr_array, sp.csr_array]:
+    def rows(
+        self, assembly: Assembly, rough: Integers, unit: Floats
+    ) -> tuple[sp.csr_array, sp.csr_array]:
         """Work of the shear forces of nodes and of their friction limits, in every motion.
 
-        ``rough``: the nodes that rub, (R,). Returns (K, 2 R) and (K, R): that of the forces is at
-        most that of the limits.
+        ``rough``: the nodes that rub, (R,). ``unit``: of the forces at each node, N, (N,). Returns
+        (K, 2 R) and (K, R): that of the forces is at most that of the limits.
         """
         lever = levers(assembly)
         forces, limits = [], []
@@ -166,7 +168,10 @@ class Twist:
             most = np.repeat(pressure.resistance(motions)[:, None], len(nodes), axis=1)
             forces.append(_placed(speeds, wide, 2 * len(rough)))
             limits.append(_placed(most, columns, len(rough)))
-        return sp.csr_array(sp.vstack(forces)), sp.csr_array(sp.vstack(limits))
+        size = unit[rough] / float(unit[rough].max())
+        both = (sp.vstack(forces), np.repeat(size, 2)), (sp.vstack(limits), size)
+        works, most_works = (rows @ sp.diags_array(of_nodes) for rows, of_nodes in both)
+        return works, most_works
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,24 +11,24 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.contact_law.kernels import NORMAL, SHEAR, forces_and_tangents
 from sidmacib.mechanics.elastic.open_gaps import OpenGaps
-from sidmacib.mechanics.newton.node_law import forces_and_tangents
 
 
 @dataclass(frozen=True)
 class LooseNodes:
     """Loose nodes and their components, (N,) and (M,), numbers in the solver's order.
 
-    ``place``: of each component in an array of shape (N, 3), raveled. ``stiffness``: normal and
-    shear (N/m), (N, 2). ``rough``: whether a node has components of shear. ``whole`` and ``slip``
-    as in `NodeState`. ``open_gaps``: with the components' influence on each other.
+    ``place``: of each component in an array of shape (N, 3), raveled. ``law``: see
+    `sidmacib.mechanics.contact_law.kernels`, (4, N). ``rough``: whether a node has components of
+    shear. ``whole`` and ``slip`` as in `NodeState`. ``open_gaps``: with the components' influence
+    on each other.
     """
 
     nodes: Integers
     components: Integers
     place: Integers
-    stiffness: Floats
-    friction: Floats
+    law: Floats
     rough: Flags
     whole: Floats
     slip: Floats
@@ -43,14 +43,12 @@ class LooseNodes:
         displacement = np.zeros((len(self.nodes), 3))
         displacement.ravel()[self.place] = balanced / self._springs() + jump
         displacement[:, 1:] -= self.slip
-        force, tangent = forces_and_tangents(
-            self.stiffness, self.friction, self.whole, displacement
-        )
+        force, tangent = forces_and_tangents(self.law, self.whole, displacement)
         return force, tangent, balanced - force.ravel()[self.place]
 
     def step(self, tangent: Floats, wrong: Floats, jump: Floats) -> Floats:
         """Newton step (m) of the jumps, (M,): wrong + J step = 0, J = -W - T (1 - W / k)."""
-        normal, shear = self.stiffness.T
+        normal, shear = self.law[NORMAL], self.law[SHEAR]
         opened, closed = tangent[:, 0, 0] == 0.0, tangent[:, 0, 0] == normal
         sticks = closed & ((tangent[:, 1, 1] == shear) | ~self.rough)
         node = self.place // 3
@@ -100,7 +98,7 @@ class LooseNodes:
 
     def _springs(self) -> Floats:
         """Stiffness of the components (N/m), (M,)."""
-        return np.asarray(self.stiffness[self.place // 3, np.minimum(self.place % 3, 1)])
+        return np.asarray(self.law[np.where(self.place % 3, SHEAR, NORMAL), self.place // 3])
 
 
 def _times(blocks: Floats, vectors: Floats) -> Floats:

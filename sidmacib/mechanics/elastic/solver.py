@@ -13,6 +13,7 @@ law; only nodes that are open or slip have unknowns. Node forces always balance 
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -46,7 +47,6 @@ class ElasticSolver:
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.contact_law = ContactLaw.of(assembly)
         normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
-        self.node_stiffness = np.column_stack([normal, shear])
         # No unknowns for shear at nodes that never carry any.
         self.rough = self.contact_law.cohesive | (self.contact_law.friction > 0.0)
         normals = np.ones_like(self.rough)
@@ -203,10 +203,9 @@ class ElasticSolver:
         number = np.zeros(len(loose), np.int64)
         number[nodes] = np.arange(len(nodes))
         place = 3 * number[self.node[components]] + self.kept[components] % 3
-        of_nodes = self.node_stiffness[nodes], friction[nodes], self.rough[nodes]
-        return LooseNodes(
-            nodes, components, place, *of_nodes, state.whole[nodes], state.slip[nodes], open_gaps
-        )
+        law = replace(self.contact_law, friction=friction).rows().take(nodes, axis=1)
+        of_nodes = self.rough[nodes], state.whole[nodes], state.slip[nodes]
+        return LooseNodes(nodes, components, place, law, *of_nodes, open_gaps)
 
     def _equilibrium(
         self,

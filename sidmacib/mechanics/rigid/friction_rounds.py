@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
 from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import (
     QUICK,
@@ -26,8 +27,8 @@ from sidmacib.mechanics.newton.equilibrium import (
     product,
     put_at,
 )
-from sidmacib.mechanics.newton.faces import Structure
-from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN, Point
+from sidmacib.mechanics.newton.faces import ContactFaces
+from sidmacib.mechanics.newton.nodes import Point
 
 ROUNDS = 300  # of friction limits, at most
 SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
@@ -43,7 +44,7 @@ class EquilibriumSearch:
     piece that moves further in one round (m) moves away.
     """
 
-    structure: Structure
+    contacts: ContactFaces
     matrix: Matrix
     here: Point
     target: Floats
@@ -57,18 +58,16 @@ class EquilibriumSearch:
     @property
     def limits(self) -> Floats:
         """Friction limit (N) of each node by its normal force ``here``, (N,)."""
-        pressed = np.where(self.whole > 0.0, 0.0, np.maximum(self.here.force[0], 0.0))
-        return np.asarray(self.structure.nodes[FRICTION] * pressed)
+        return friction_limits(self.contacts.law, self.whole, self.here.force[0])
 
     def never_reached(self) -> Floats:
         """Limits (N) that friction never reaches; 0 at nodes without friction, (N,)."""
-        rough = (self.whole == 0.0) & (self.structure.nodes[FRICTION] > 0.0)
-        return np.where(rough, math.inf, 0.0)
+        return np.where(rubbing(self.contacts.law, self.whole), math.inf, 0.0)
 
     def equilibrium_from(self, unknowns: Floats) -> bool:
         """Move ``here`` to equilibrium by Newton's method from ``unknowns``; whether it did."""
         allowed = allowed_at(unknowns, self.stiffness, self.allowed)
-        arrays = self.structure, self.matrix, self.here
+        arrays = self.contacts, self.matrix, self.here
         nodes = self.target, unknowns, self.slip, self.whole
         return bool(newton(*arrays, *nodes, (self.floor, allowed, self.farthest), QUICK))
 
@@ -78,9 +77,8 @@ class EquilibriumSearch:
         Returns whether it was found. It is not if the loads push pieces away; these are then some
         way off.
         """
-        nodes = self.structure.nodes.copy()
-        nodes[FRICTION], nodes[GIVEN] = 0.0, limits
-        arrays = self.structure._replace(nodes=nodes), self.matrix, self.here
+        law = with_given_friction(self.contacts.law, limits)
+        arrays = self.contacts._replace(law=law), self.matrix, self.here
         at_nodes = self.target, unknowns, self.slip, self.whole
         accuracy = self.stiffness, self.floor, self.allowed, self.farthest
         return bool(least_energy(*arrays, *at_nodes, accuracy))
@@ -96,7 +94,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
     if not problem.with_given_limits(guess, problem.never_reached()):
         return False
     stuck, from_stuck = here.unknowns.copy(), problem.limits
-    put_at(problem.structure, problem.slip, problem.whole, problem.target, here, guess)
+    put_at(problem.contacts, problem.slip, problem.whole, problem.target, here, guess)
     return (
         _rounds(problem, guess, problem.limits)
         or problem.equilibrium_from(stuck)

@@ -17,9 +17,9 @@ from scipy.optimize import brentq
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static.model import solver_of
-from sidmacib.mechanics.utilisation import utilisation
 
 TOGETHER = 1e-2  # nodes whose utilisations differ by less fail together
 PRECISION = 1e-4  # of the loads, over the peak
