@@ -8,9 +8,8 @@ import shapely
 from structures import dry
 
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.limit import limit_load, solved
-from sidmacib.mechanics.limit_sensitivity import limit_derivatives
+from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak

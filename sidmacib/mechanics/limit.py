@@ -42,13 +42,13 @@ LOST = 1e-8  # relative loss of load by the penalty, at most
 LARGEST = 10.0  # approximate force of a node over its share of the scale, where forces concentrate
 MOTION_DIGITS = 9  # of the mechanism
 WHAT = "limit analysis"
-ROUNDS = 30  # at most, with limits of torque
-QUICK = 8  # rounds after which places of pressure are taken from the round before in part
+TORQUE_ROUNDS = 30  # at most, with limits of torque
+QUICK_ROUNDS = 8  # rounds after which places of pressure are taken from the round before in part
 KEPT = 0.6  # that part
 NEARER = 5  # times that pressure is taken nearer to the middle where nothing balances the weight
 FALLS = 1e-6  # of the scale of the loads: a load that is negative, not 0
 SHORT = 1e-5  # of all permanent loads: what may be missing where a structure stands
-SETTLED = 1e-3  # change of the load over itself in such rounds
+TORQUE_SETTLED = 1e-3  # change of the load over itself in such rounds
 CALM = 3  # rounds in a row that must have settled
 NODE_MEMORY = 12_000  # bytes a node that the programme takes, solver included; measured on walls
 MOST_MEMORY = 2**31  # bytes; so large a programme takes some twenty minutes
@@ -107,7 +107,7 @@ def _with_torque_limited(
     if not twist.motions:
         return free
     found, nearer = [free], 0
-    while len(found) <= ROUNDS and not _settled(found):
+    while len(found) <= TORQUE_ROUNDS and not _settled(found):
         try:
             found.append(solved(assembly, loads, True, twist=twist, most=most))
         except InfeasibleError:
@@ -116,7 +116,7 @@ def _with_torque_limited(
                 raise InfeasibleError(DOES_NOT_STAND) from None
             twist = twist.nearer()
             continue
-        kept = KEPT if len(found) > QUICK else 0.0
+        kept = KEPT if len(found) > QUICK_ROUNDS else 0.0
         twist = twist.after(assembly, found[-1].force, kept)
     # The first rounds have the pressure elsewhere; where rounds alternate, the lower load counts.
     lowest = min(found[-CALM:], key=lambda each: each.load)
@@ -128,7 +128,7 @@ def _with_torque_limited(
 def _settled(found: Sequence[LimitState]) -> bool:
     """Whether the load of the last rounds no longer changes."""
     loads = [each.load for each in found[-CALM - 1 :]]
-    return len(loads) > CALM and max(loads) - min(loads) <= SETTLED * abs(loads[-1])
+    return len(loads) > CALM and max(loads) - min(loads) <= TORQUE_SETTLED * abs(loads[-1])
 
 
 def solved(

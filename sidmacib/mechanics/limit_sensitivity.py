@@ -23,7 +23,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Loads
-from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import unbalanced_forces
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
@@ -31,6 +30,21 @@ from sidmacib.mechanics.limit import LimitState, limit_load
 
 SHAKE = 1e-5  # of loads, areas and lengths
 SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size
+
+
+@dataclass(frozen=True)
+class Change:
+    """A small change of a parameter.
+
+    ``before`` and ``after``: assembly and loads, with the same pieces, faces and number of nodes as
+    those without the change. ``difference``: of the parameter between them. ``size``: of the
+    parameter, 100 % of it.
+    """
+
+    before: tuple[Assembly, Loads]
+    after: tuple[Assembly, Loads]
+    difference: float
+    size: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
+LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
 # Of a peak, see `sidmacib.mechanics.static.peak_spread`; above it the first failure counts.
 SPREAD_LIMIT = 0.02

@@ -45,7 +45,7 @@ INSIDE = 1e-3  # over the distance from the centroid: a resultant on an edge is 
 TRIES = 20  # at the part of a face that is pressed
 WORST = 1e10  # condition of the equations for it
 EXACT = 1e4  # weight of a pressure's resultant against its least sum of squares
-STEPS = 60  # in the search for the motion that limits a face
+SEARCH_STEPS = 60  # in the search for the motion that limits a face
 STOP = 1e-6  # gain over the use of the limit at which it ends
 STUCK = 1e-9  # of the largest speed: points that move less are at the centre of rotation
 EXCESS = 1e-3  # over the limit that is none
@@ -95,7 +95,7 @@ class Pressure:
         one, zero = np.ones_like(x), np.zeros_like(x)
         rows = np.array([[one, zero], [zero, one], [-y, x]])  # (3, 2, J)
         weight, used, best = self.shares, 0.0, load
-        for _ in range(STEPS):
+        for _ in range(SEARCH_STEPS):
             matrix = (rows * weight).reshape(3, -1) @ rows.reshape(3, -1).T
             matrix += STUCK * matrix.trace() * np.eye(3)  # a line does not resist turning on it
             motion = np.linalg.solve(matrix, load)

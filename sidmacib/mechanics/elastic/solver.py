@@ -29,16 +29,15 @@ from sidmacib.mechanics.elastic.open_gaps import OpenGaps
 from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.solution import Equilibrium, lifted_part
+from sidmacib.mechanics.newton.equilibrium import STEPS
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 
-STEPS = 60  # of Newton's method, at most
 PATIENCE = 16  # steps in which the residual must at least halve
 SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tried
-RESIDUAL = 1e-9  # of the contact law, over the loads
-FLOOR = 1e-9  # of a node's stiffness: added where it is open
+LAW_RESIDUAL = 1e-9  # of the contact law, over the loads
+OPEN_FLOOR = 1e-9  # of a node's stiffness: added where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
 LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
-LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
 class ElasticSolver:
@@ -146,7 +145,7 @@ class ElasticSolver:
     ) -> Equilibrium | None:
         """Newton's method from a ``guess`` of the jumps; None if it does not converge."""
         elastic = self.forces @ np.array([1.0, load])
-        allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
+        allowed = LAW_RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
         loose = self._loose_nodes(state, friction)
         balanced, jump = elastic[loose.components], guess[loose.components]
         force, tangent, wrong = loose.residual(balanced, jump)
@@ -196,7 +195,7 @@ class ElasticSolver:
             nodes = np.concatenate([nodes, np.flatnonzero(new)])
             components = np.concatenate([components, np.flatnonzero(new[self.node])])
             influence = self.influence[np.ix_(components, components)]
-            floor = FLOOR * self.stiffness[components]
+            floor = OPEN_FLOOR * self.stiffness[components]
             make = open_gaps.extended if more else OpenGaps
             open_gaps = make(influence, floor)
             self.open_gaps = nodes, components, open_gaps

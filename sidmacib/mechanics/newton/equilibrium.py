@@ -18,7 +18,7 @@ ENOUGH = 0.5  # slope over that at the start of a step: the line search ends bel
 RESISTED = 0.99  # slope over that at the start: above it nothing resists, and the step is extended
 LONGER = 10.0  # by this factor
 NEAREST = 0.02  # distance of the next trial to either end of the bracket, over its length
-ROUNDING = 1e-14  # unbalanced force over stiffest face times displacement: rounding error
+RESIDUAL_ROUNDING = 1e-14  # unbalanced force over stiffest face times displacement: rounding error
 MOST_ROUNDING = 100.0  # over the tolerance: its upper bound, as pieces may move away
 
 
@@ -129,7 +129,7 @@ def farthest(one, other):
 def allowed_at(unknowns, stiffness, allowed):
     """Norm of unbalanced forces (N) that counts as zero, rounding at ``stiffness`` included."""
     inside = stiffness * farthest(unknowns, np.zeros_like(unknowns))
-    return min(max(allowed, ROUNDING * inside), MOST_ROUNDING * allowed)
+    return min(max(allowed, RESIDUAL_ROUNDING * inside), MOST_ROUNDING * allowed)
 
 
 @compiled

@@ -27,11 +27,10 @@ from sidmacib.mechanics.newton.equilibrium import (
     product,
     put_at,
 )
-from sidmacib.mechanics.newton.faces import ContactFaces
-from sidmacib.mechanics.newton.nodes import Point
+from sidmacib.mechanics.newton.faces import ContactFaces, Point
 
-ROUNDS = 300  # of friction limits, at most
-SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
+FRICTION_ROUNDS = 300  # of friction limits, at most
+LIMIT_SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
 IN_A_ROW = 6  # rounds without equilibrium that end the search
 
 
@@ -105,7 +104,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
 def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> bool:
     """Rounds from ``unknowns``, the first of them with ``limits`` (N); see `by_rounds`."""
     lost, share, last = 0, 1.0, np.zeros_like(limits)  # rounds without equilibrium, in a row
-    for number in range(ROUNDS):
+    for number in range(FRICTION_ROUNDS):
         holds = problem.with_given_limits(unknowns, limits)
         unknowns, next_limits = problem.here.unknowns.copy(), problem.limits
         if problem.equilibrium_from(unknowns):
@@ -116,6 +115,8 @@ def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> boo
         change = next_limits - limits
         if number:  # longer steps while the limits change the same way, shorter ones after a turn
             onward = product(change, last) > 0.0
-            share = min(2.0 * share, SHARES[1]) if onward else max(share / 2.0, SHARES[0])
+            share = (
+                min(2.0 * share, LIMIT_SHARES[1]) if onward else max(share / 2.0, LIMIT_SHARES[0])
+            )
         limits, last = np.maximum(limits + share * change, 0.0), change
     return False

@@ -16,11 +16,10 @@ from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium
-from sidmacib.mechanics.newton.faces import ContactFaces, whole_faces
-from sidmacib.mechanics.newton.nodes import new_point
+from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
-from sidmacib.mechanics.solution import Equilibrium, lifted_part
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs, soft_springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
@@ -31,7 +30,6 @@ DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than 
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
 # the second, it decides. Faces far below the second are as good as rigid.
 STIFF, MOST_STIFF = 1e4, 1e8
-LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
 class RigidSolver:

@@ -10,8 +10,8 @@ from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.contact_law.softening import Softening
 from sidmacib.mechanics.solution import Equilibrium, Solver
 
-ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
-SETTLED = 1e-4  # relative change of a bond's stiffness in the last round
+SOFTENING_ROUNDS = 300  # in which the stiffness of the bonds must converge at a load
+SOFTENING_SETTLED = 1e-4  # relative change of a bond's stiffness in the last round
 
 
 def softened_equilibrium(
@@ -21,10 +21,10 @@ def softened_equilibrium(
 
     Raises `NoEquilibriumError` if there is none, or if softening does not converge.
     """
-    for _ in range(ROUNDS):
+    for _ in range(SOFTENING_ROUNDS):
         point = solver.solve(load, guess, state)
         left = softening.left(solver.contact_law, state, point.force)
-        if np.all(state.whole - left <= SETTLED * state.whole):
+        if np.all(state.whole - left <= SOFTENING_SETTLED * state.whole):
             return point
         state, guess = replace(state, whole=left), point.unknowns
     raise NoEquilibriumError(f"bonds keep softening at {load:g} N")
