@@ -1,13 +1,10 @@
 """Limit analysis of an assembly: the pieces and nodes of the distinct elements, rigid-plastic.
 
 The static theorem: the largest load for which node forces exist that keep every piece in
-equilibrium and exceed no strength. At inner nodes |s_t| <= tau A + mu_b s_n and s_n >= -sigma A,
-where mu_b, the friction of bonds, is 0 in the paper. Dry nodes carry no tension, and shear only if
-friction is asked for, |s_t| <= mu s_n (associated: sliding would dilate, so it overestimates); the
-torque of a face is limited by a linear pressure, see `sidmacib.mechanics.twist`. Contact points in
-place of locks carry no tension, friction along the locks if that is asked for, and up to tau A
-across them. Forces redistribute freely: the geometry alone decides how far each lock is used,
-without a reduction rule.
+equilibrium and exceed no strength, see `admissible`. Friction is associated: sliding would dilate,
+so it overestimates; the torque of a face is limited by a linear pressure, see
+`sidmacib.mechanics.twist`. Forces redistribute freely: the geometry alone decides how far each lock
+is used, without a reduction rule.
 
 A first programme finds the load. Many states of forces carry it; a second programme, with a small
 penalty on the sum of s^2 / A, picks the one for which that sum is least, which is unique.
@@ -247,17 +244,19 @@ def admissible(
 
     .. math::
 
-        \max_{\lambda,\, s} \lambda \quad \text{subject to} \quad
-        C s &= \kappa\, p + \lambda\, q && \text{(free pieces)} \\
-        |s_t| &\le \tau A + \mu_b s_n, \quad s_n \ge -\sigma A && \text{(bonded)} \\
-        |s_t| &\le \mu s_n && \text{(dry and rough)} \\
-        s_t &= 0, \quad s_n \ge 0 && \text{(other dry nodes)} \\
-        |s_{t1}| &\le \mu s_n, \quad |s_{t2}| \le \tau A, \quad s_n \ge 0
-        && \text{(contact points in place of locks)}
+        \begin{array}{rll}
+        \max_{\lambda, s} \quad & \lambda \\
+        \text{subject to} \quad & C s = \kappa p + \lambda q & \text{free pieces} \\
+        & |s_t| \le \tau A + \mu_b s_n, \quad s_n \ge -\sigma A & \text{bonded nodes} \\
+        & |s_t| \le \mu s_n & \text{rough dry nodes} \\
+        & s_t = 0, \quad s_n \ge 0 & \text{smooth nodes} \\
+        & |s_{t1}| \le \mu s_n, \quad |s_{t2}| \le \tau A, \quad s_n \ge 0 & \text{locks}
+        \end{array}
 
     :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
-    Added are limits of torque by a ``twist`` and those of a rule for condensed locks. A ``cone``
-    replaces tau A and mu of the nodes; without ``friction`` mu is 0 where there is no bond.
+    Locks are contact points in their place, t1 along them and t2 across. Added are limits of torque
+    by a ``twist`` and those of a rule for condensed locks. A ``cone`` replaces tau A and mu of the
+    nodes; without ``friction`` mu is 0 where there is no bond.
     """
     law, units = ContactLaw.of(assembly), _Units.of(assembly, loads)
     cone = cone or law.cone(friction=friction)
