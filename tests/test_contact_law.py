@@ -18,6 +18,9 @@ from sidmacib.mechanics.contact_law.kernels import (
     node_tangent,
     utilisation,
 )
+from workflow.engines.render import engine_material
+from workflow.engines.scripts.assembly import Material
+from workflow.engines.scripts.assembly import utilisation as of_script
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)
@@ -131,6 +134,40 @@ def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
         ]
     )
     assert utilisation(contact_law, state, force) == pytest.approx(max(shear, tension))
+
+
+@given(st.floats(0.0, 2.0), st.floats(-0.5, 10.0), st.floats(0, 2 * math.pi))
+def test_a_bond_on_the_edge_of_its_cone_is_at_its_strength(
+    friction: float, pressure: float, angle: float
+) -> None:
+    contact_law, state = bonds(Joint(3, inner=replace(INNER, bond_friction=friction)))
+    cone, normal = contact_law.cone(), pressure * contact_law.shear_strength
+    shear = cone.shear(normal)
+    force = np.column_stack([normal, math.cos(angle) * shear, math.sin(angle) * shear])
+    assert utilisation(contact_law, state, force) == pytest.approx(1.0)
+    torn = np.column_stack([-cone.torn, 0.0 * shear, 0.0 * shear])
+    assert (utilisation(contact_law, state, torn) >= 1.0 - 1e-12).all()
+
+
+def test_dry_nodes_that_slide_are_on_the_edge_of_their_cone_which_smooth_ones_lack() -> None:
+    contact_law = ContactLaw.of(block_on_ground(Joint(3), Kind.DRY, 0.02))
+    count, rows = len(contact_law.friction), contact_law.rows()
+    moved = np.tile([1e-6, 3e-6, -4e-6], (count, 1))
+    force, _ = forces_and_tangents(rows, np.zeros(count), moved)
+    cone = contact_law.cone()
+    assert np.hypot(*force.T[1:]) == pytest.approx(cone.shear(force[:, 0]))
+    assert not contact_law.cone(friction=False).shear(force[:, 0]).any()
+
+
+def test_scripts_of_engines_know_the_same_strengths() -> None:
+    contact_law, state = bonds(Joint(3))
+    count = len(contact_law.friction)
+    force = np.random.default_rng(1).normal(scale=contact_law.shear_strength[0], size=(count, 3))
+    used = utilisation(contact_law, state, force)
+    area = contact_law.shear_strength / INNER.cohesion
+    material = Material(**engine_material(INNER))
+    for n in range(count):
+        assert of_script(force[n], (1.0, 0.0, 0.0), material, area[n]) == pytest.approx(used[n])
 
 
 def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:

@@ -57,6 +57,12 @@ def node_tangent(normal, shear, friction, given, whole, d0, d1, d2):
 
 
 @compiled
+def all_bonded(count):
+    """Slip (m), (2, N), and fractions of bonds left, (N,), of ``count`` nodes with whole bonds."""
+    return np.zeros((2, count)), np.ones(count)
+
+
+@compiled
 def put_forces(law, slip, whole, moved, force):
     """Fill in the forces (N) of all nodes where they have ``moved`` (m); both (3, N)."""
     normal, shear, friction, given = law[NORMAL], law[SHEAR], law[FRICTION], law[GIVEN]

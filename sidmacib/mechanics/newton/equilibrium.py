@@ -5,6 +5,7 @@
 import numpy as np
 
 from sidmacib.mechanics.compilation import compiled
+from sidmacib.mechanics.contact_law.kernels import all_bonded
 from sidmacib.mechanics.newton.elimination import solve_linear
 from sidmacib.mechanics.newton.faces import move_nodes, norm, tangent_stiffness, unbalanced
 
@@ -25,8 +26,8 @@ MOST_ROUNDING = 100.0  # over the tolerance: its upper bound, as pieces may move
 @compiled
 def elastic(contacts, matrix, here, target, floor):
     """Displacements (m) under the forces ``target`` (N) with all nodes closed and bonded."""
-    count, unknowns = contacts.places.shape[1], target.copy()
-    slip, whole = np.zeros((2, count)), np.ones(count)
+    unknowns = target.copy()
+    slip, whole = all_bonded(contacts.places.shape[1])
     tangent_stiffness(contacts, slip, whole, here, floor, matrix)
     solve_linear(contacts, matrix, unknowns)
     return unknowns

@@ -13,7 +13,7 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.compilation import compiled
-from sidmacib.mechanics.contact_law.kernels import put_forces, put_tangents
+from sidmacib.mechanics.contact_law.kernels import all_bonded, put_forces, put_tangents
 
 
 class ContactFaces(NamedTuple):
@@ -289,8 +289,8 @@ def whole_faces(contacts, here):
 
     ``here``: a point, which is overwritten.
     """
-    count, k = contacts.places.shape[1], np.empty((6, 6))
-    slip, whole = np.zeros((2, count)), np.ones(count)
+    k = np.empty((6, 6))
+    slip, whole = all_bonded(contacts.places.shape[1])
     here.place[:] = 0.0
     for face in range(len(contacts.begin)):
         first, last = contacts.start[face], contacts.start[face + 1]
