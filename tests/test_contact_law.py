@@ -107,7 +107,7 @@ def test_nodes_together_have_the_law_of_each() -> None:
         [*1e6 * (1.0 + random.random((2, count))), random.random(count), np.zeros(count)]
     )
     whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
-    force, tangent = forces_and_tangents(law, whole, moved)
+    force, tangent = forces_and_tangents(law, np.zeros((count, 2)), whole, moved)
     for n in range(count):
         node = (*law[:, n], whole[n], *moved[n])
         assert force[n] == pytest.approx(node_force(*node))
@@ -153,7 +153,7 @@ def test_dry_nodes_that_slide_are_on_the_edge_of_their_cone_which_smooth_ones_la
     contact_law = ContactLaw.of(block_on_ground(Joint(3), Kind.DRY, 0.02))
     count, rows = len(contact_law.friction), contact_law.rows()
     moved = np.tile([1e-6, 3e-6, -4e-6], (count, 1))
-    force, _ = forces_and_tangents(rows, np.zeros(count), moved)
+    force, _ = forces_and_tangents(rows, np.zeros((count, 2)), np.zeros(count), moved)
     cone = contact_law.cone()
     assert np.hypot(*force.T[1:]) == pytest.approx(cone.shear(force[:, 0]))
     assert not contact_law.cone(friction=False).shear(force[:, 0]).any()

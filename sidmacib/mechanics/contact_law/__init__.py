@@ -48,7 +48,7 @@ their own: each script has the law in its engine's terms, and the utilisation of
 `workflow.engines.scripts.assembly`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,6 +148,15 @@ class NodeState:
     def bonded(self) -> Flags:
         """Whether anything is left of a node's bond, (N,)."""
         return self.whole > 0.0
+
+    @property
+    def jump(self) -> Floats:
+        """Opening and slip (m) of a node that its springs hold without force, (N, 3)."""
+        return np.column_stack([np.zeros(len(self.slip)), self.slip])
+
+    def after(self, jump: Floats) -> "NodeState":
+        """The state once nodes that are not bonded have opened and slipped by ``jump``, (N, 3)."""
+        return replace(self, slip=np.where(self.bonded[:, None], self.slip, jump[:, 1:]))
 
     @classmethod
     def initial(cls, contact_law: ContactLaw) -> "NodeState":

@@ -110,16 +110,16 @@ def put_slip(law, slip, whole, moved, force, after):
 
 
 @compiled
-def forces_and_tangents(law, whole, displacement):
-    """Forces (N), (N, 3), and tangents (N/m), (N, 3, 3), of nodes at ``displacement`` (m), (N, 3).
+def forces_and_tangents(law, slip, whole, moved):
+    """Forces (N), (N, 3), and tangents (N/m), (N, 3, 3), of nodes that have ``moved`` (m), (N, 3).
 
-    Displacements are less the slip.
+    ``slip``: in m, (N, 2).
     """
     count = len(whole)
     force, tangent = np.empty((count, 3)), np.zeros((count, 3, 3))
     for n in range(count):
-        d0, d1, d2 = displacement[n]
-        node = law[NORMAL, n], law[SHEAR, n], law[FRICTION, n], law[GIVEN, n], whole[n], d0, d1, d2
+        place = moved[n, 0], moved[n, 1] - slip[n, 0], moved[n, 2] - slip[n, 1]
+        node = law[NORMAL, n], law[SHEAR, n], law[FRICTION, n], law[GIVEN, n], whole[n], *place
         force[n, 0], force[n, 1], force[n, 2] = node_force(*node)
         t = tangent[n]
         t[0, 0], t[1, 0], t[2, 0], t[1, 1], t[1, 2], t[2, 2] = node_tangent(*node)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.contact_law.kernels import NORMAL, SHEAR, forces_and_tangents
 from sidmacib.mechanics.elastic.open_gaps import OpenGaps
 
@@ -21,8 +21,7 @@ class LooseNodes:
 
     ``place``: of each component in an array of shape (N, 3), raveled. ``law``: see
     `sidmacib.mechanics.contact_law.kernels`, (4, N). ``rough``: whether a node has components of
-    shear. ``whole`` and ``slip`` as in `NodeState`. ``open_gaps``: with the components' influence
-    on each other.
+    shear. ``open_gaps``: with the components' influence on each other.
     """
 
     nodes: Integers
@@ -30,8 +29,7 @@ class LooseNodes:
     place: Integers
     law: Floats
     rough: Flags
-    whole: Floats
-    slip: Floats
+    state: NodeState
     open_gaps: OpenGaps
 
     def residual(self, elastic: Floats, jump: Floats) -> tuple[Floats, Floats, Floats]:
@@ -40,10 +38,9 @@ class LooseNodes:
         ``elastic``: forces (N) without jumps; ``jump`` in m; both of the components, (M,).
         """
         balanced = elastic - self.open_gaps.influence @ jump
-        displacement = np.zeros((len(self.nodes), 3))
-        displacement.ravel()[self.place] = balanced / self._springs() + jump
-        displacement[:, 1:] -= self.slip
-        force, tangent = forces_and_tangents(self.law, self.whole, displacement)
+        moved = np.zeros((len(self.nodes), 3))
+        moved.ravel()[self.place] = balanced / self._springs() + jump
+        force, tangent = forces_and_tangents(self.law, self.state.slip, self.state.whole, moved)
         return force, tangent, balanced - force.ravel()[self.place]
 
     def step(self, tangent: Floats, wrong: Floats, jump: Floats) -> Floats:
@@ -53,12 +50,10 @@ class LooseNodes:
         sticks = closed & ((tangent[:, 1, 1] == shear) | ~self.rough)
         node = self.place // 3
         gaps = opened[node]
-        # Where the contact law has the full stiffness, the jump is the slip.
+        # Where the contact law has the full stiffness, the jump is that before.
         held = np.column_stack([closed, sticks, sticks]).ravel()[self.place]
         step = np.zeros_like(jump)
-        step[held] = -jump[held]
-        along = held & (self.place % 3 > 0)
-        step[along] += self.slip[node[along], self.place[along] % 3 - 1]
+        step[held] = (self.state.jump.ravel()[self.place] - jump)[held]
         moving = np.flatnonzero(step)
         across = self.open_gaps.influence[moving].T @ step[moving]
         matrix, rest = self.open_gaps.opened(gaps), wrong - across

@@ -203,8 +203,8 @@ class ElasticSolver:
         number[nodes] = np.arange(len(nodes))
         place = 3 * number[self.node[components]] + self.kept[components] % 3
         law = replace(self.contact_law, friction=friction).rows().take(nodes, axis=1)
-        of_nodes = self.rough[nodes], state.whole[nodes], state.slip[nodes]
-        return LooseNodes(nodes, components, place, law, *of_nodes, open_gaps)
+        loose_state = NodeState(state.slip[nodes], state.whole[nodes])
+        return LooseNodes(nodes, components, place, law, self.rough[nodes], loose_state, open_gaps)
 
     def _equilibrium(
         self,
@@ -217,14 +217,13 @@ class ElasticSolver:
     ) -> Equilibrium:
         jump = np.zeros(len(elastic))
         jump[loose.components] = loose_jump
-        force, slip = np.zeros((2, len(state.slip), 3))
+        force, opened = np.zeros((2, len(state.slip), 3))
         force.ravel()[self.kept] = elastic - self.influence @ jump
         force[loose.nodes] = loose_force
-        slip.ravel()[self.kept] = jump
-        after = np.where(state.bonded[:, None], state.slip, slip[:, 1:])
+        opened.ravel()[self.kept] = jump
         kept = force.ravel()[self.kept]
         motion = self.motions @ np.array([1.0, load])
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
-        return Equilibrium(load, jump, along, force, NodeState(after, state.whole))
+        return Equilibrium(load, jump, along, force, state.after(opened))
