@@ -1,4 +1,4 @@
-"""How functions are compiled: by numba, once, and kept on disk.
+"""Compilation of functions: by numba, once, and kept on disk.
 
 No library for linear algebra is called, so results are the same on every processor.
 """

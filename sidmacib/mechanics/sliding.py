@@ -55,7 +55,7 @@ class SlidingLimit:
 
     @property
     def note(self) -> str:
-        """What the load assumes, in words."""
+        """The assumption of the load, in words."""
         words = "sliding does not open the joints"
         if self.highest is None:
             return words

@@ -66,7 +66,7 @@ def lifted_part(weight: Floats, motion: Floats) -> float:
 
 
 class Mode(StrEnum):
-    """Why the load cannot rise beyond the peak."""
+    """The reason why the load cannot rise beyond the peak."""
 
     BONDS = "bonds"  # bonds fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide although no bond is at its strength

@@ -86,7 +86,7 @@ class Pressure:
         return np.array([one - turn * y, other + turn * x])
 
     def worst(self, load: Floats) -> tuple[float, Floats]:
-        """How much of the limit a ``load``, (3,), uses and in which motion, (3,), that is reached.
+        """The part of the limit that a ``load``, (3,), uses, and the motion, (3,), that reaches it.
 
         ``load``: shears and torque / size, over mu N. Least resistance at unit work of the load, by
         weights that are one over the speeds of the step before.
@@ -176,9 +176,9 @@ class Twist:
 
 @dataclass(frozen=True, eq=False)
 class Resultants:
-    """Of each face: normal force (N), (F,), shear (N), (2, F), torque about its middle (N m), (F,).
+    """Resultants of faces: shear (N), (2, F), and torque about the middle (N m), (F,).
 
-    ``limit``: friction coefficient times normal force (N). ``centres``: as in `Twist`.
+    ``limit``: friction coefficient times normal force (N), (F,). ``centres``: as in `Twist`.
     """
 
     limit: Floats
@@ -188,7 +188,7 @@ class Resultants:
 
     @classmethod
     def of(cls, assembly: Assembly, force: Floats) -> "Resultants":
-        """Of node ``force``, (N, 3) in N, in the frames of the faces."""
+        """Resultants of node ``force``, (N, 3) in N, in the frames of the faces."""
         count, face = len(assembly.faces), assembly.nodes.face
 
         def sums(values: Floats) -> Floats:
@@ -250,7 +250,7 @@ def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> Floats:
 
 
 def levers(assembly: Assembly) -> Floats:
-    """Where each node is along the tangents from its face's middle, (N, 2) in m."""
+    """Places of the nodes along the tangents from their faces' middles, (N, 2) in m."""
     faces = assembly.nodes.face
     middle = np.array([face.middle for face in assembly.faces])[faces]
     tangents = np.array([face.axes[1:] for face in assembly.faces])[faces]

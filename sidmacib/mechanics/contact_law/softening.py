@@ -29,7 +29,7 @@ GONE = 1e-5  # a smaller fraction of a bond's stiffness counts as 0
 
 @dataclass(frozen=True)
 class Softening:
-    """How bonds soften in shear and in tension; all of shape (N,).
+    """The numbers of softening in shear and in tension, all of shape (N,).
 
     ``shear_reach``, ``tension_reach``: displacement at which softening ends, over the one at which
     the strength is reached. ``residual``: the fraction of the strength that remains.

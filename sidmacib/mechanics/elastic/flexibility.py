@@ -1,4 +1,4 @@
-"""What the deformation of an assembly's elastic pieces does to its contact nodes."""
+"""Displacements of contact nodes by the deformation of an assembly's elastic pieces."""
 
 from functools import lru_cache
 from itertools import pairwise

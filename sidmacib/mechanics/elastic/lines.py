@@ -60,7 +60,7 @@ class ElementLine:
 
     @cached_property
     def place(self) -> Floats:
-        """Of the degrees of freedom, ascending (m), (D,)."""
+        """Places of the degrees of freedom, ascending (m), (D,)."""
         if not self.quadratic:
             return self.edges
         between = (self.edges[1:] + self.edges[:-1]) / 2.0

@@ -1,4 +1,4 @@
-"""What jumps do to node forces while some components are gaps, which carry no force.
+"""Effect of jumps on node forces while some components are gaps, which carry no force.
 
 Forces change by W times the jumps, with W symmetric and positive definite. If the jumps of the gaps
 adapt, so that no force acts there, W is replaced by its principal pivot transform (Tucker, 1960):

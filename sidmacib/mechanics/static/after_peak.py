@@ -1,4 +1,4 @@
-"""What brittle bonds still carry behind the peak, if the load is let down as they fail.
+"""Loads that brittle bonds still carry behind the peak, if the load is let down as they fail.
 
 Under a load that stays, a joint at its peak fails as a whole. Here the load goes down, or up, to
 the one at which the next node reaches its strength, once the nodes before it have lost theirs.
