@@ -92,12 +92,13 @@ def limit_load(
             "friction: must be false under a fixed plate, where associated friction has no limit; "
             "or replace the plate by a force"
         )
-    free = solved(assembly, loads, friction, most=most)
-    return free if not friction else _with_torque_limited(assembly, loads, free, most)
+    cone = ContactLaw.of(assembly).cone(friction=friction)
+    free = solved(assembly, loads, cone, most=most)
+    return free if not friction else _with_torque_limited(assembly, loads, cone, free, most)
 
 
 def _with_torque_limited(
-    assembly: Assembly, loads: Loads, free: LimitState, most: float | None
+    assembly: Assembly, loads: Loads, cone: Cone, free: LimitState, most: float | None
 ) -> LimitState:
     """`limit_load` from the state without limits of torque, ``free``."""
     twist = Twist.of(assembly, free.force)
@@ -106,7 +107,7 @@ def _with_torque_limited(
     found, nearer = [free], 0
     while len(found) <= TORQUE_ROUNDS and not _settled(found):
         try:
-            found.append(solved(assembly, loads, True, twist=twist, most=most))
+            found.append(solved(assembly, loads, cone, twist=twist, most=most))
         except InfeasibleError:
             nearer += 1
             if nearer > NEARER:
@@ -131,25 +132,24 @@ def _settled(found: Sequence[LimitState]) -> bool:
 def solved(
     assembly: Assembly,
     loads: Loads,
-    friction: bool,
+    cone: Cone,
     *,
-    cone: Cone | None = None,
     twist: Twist | None = None,
     most: float | None = None,
 ) -> LimitState:
     """One round of `limit_load`, or of `sidmacib.mechanics.sliding`.
 
-    ``cone``: in place of the nodes' own limits. ``twist``: limits of torque.
+    ``cone``: of the nodes. ``twist``: limits of torque, which rounds have.
     """
     _require_room(assembly)
     units = _Units.of(assembly, loads)
     load, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
-    constraints = admissible(assembly, loads, friction, load, s, cone=cone, twist=twist)
+    constraints = admissible(assembly, loads, cone, load, s, twist=twist)
     if most is not None:
         constraints.append(load <= most / units.load)
     # In the norm of the areas: the same state however fine the mesh.
     size = cp.sum_squares(cp.multiply(LARGEST * np.sqrt(units.share)[:, None], s))
-    small = 0.0 if cone is None and twist is None else OF_ROUNDS
+    small = 0.0 if twist is None else OF_ROUNDS
     accuracies = tuple(ACCURACIES)[small > 0.0 or s.shape[0] >= MANY :]
     met = solve(cp.Problem(cp.Maximize(load - small * size), constraints), WHAT, *accuracies)
     largest = float(load.value)
@@ -183,8 +183,9 @@ def require_standing(assembly: Assembly, loads: Loads, *, friction: bool = False
     """
     _require_room(assembly)
     share, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
+    cone = ContactLaw.of(assembly).cone(friction=friction)
     # The part of the loads that is carried has a value even where forces do not exist.
-    carried = [*admissible(assembly, loads, friction, 0.0, s, share), share <= 1.0]
+    carried = [*admissible(assembly, loads, cone, 0.0, s, share), share <= 1.0]
     try:
         solve(cp.Problem(cp.Maximize(share), carried), WHAT, *ACCURACIES)
     except InfeasibleError:  # not even without weight, as a rule wants locks to be pressed
@@ -232,12 +233,10 @@ class _Units:
 def admissible(
     assembly: Assembly,
     loads: Loads,
-    friction: bool,
+    cone: Cone,
     load: cp.Variable | float,
     s: cp.Variable,
     permanent: cp.Variable | float = 1.0,
-    *,
-    cone: Cone | None = None,
     twist: Twist | None = None,
 ) -> list[cp.Constraint]:
     r"""The constraints of limit analysis on the ``load`` and the node forces ``s``, in `_Units`.
@@ -254,12 +253,11 @@ def admissible(
         \end{array}
 
     :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
-    Locks are contact points in their place, t1 along them and t2 across. Added are limits of torque
-    by a ``twist`` and those of a rule for condensed locks. A ``cone`` replaces tau A and mu of the
-    nodes; without ``friction`` mu is 0 where there is no bond.
+    The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its
+    mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
+    limits of torque by a ``twist`` and those of a rule for condensed locks.
     """
     law, units = ContactLaw.of(assembly), _Units.of(assembly, loads)
-    cone = cone or law.cone(friction=friction)
     dry = ~law.cohesive & ~law.locked
     bonded, locks = np.flatnonzero(law.cohesive), np.flatnonzero(law.locked)
     rough, smooth = (

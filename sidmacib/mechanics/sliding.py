@@ -94,7 +94,7 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
             cone.torn,
         )
         try:
-            state = solved(assembly, loads, True, cone=flat, twist=twist)
+            state = solved(assembly, loads, flat, twist=twist)
         except (InfeasibleError, SolverError):
             # Too little friction for the weight: half way back.
             normal, step, twist = (normal + held) / 2.0, SHORTER * step, twist.nearer()
