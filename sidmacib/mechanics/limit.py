@@ -260,10 +260,8 @@ def admissible(
     law, units = ContactLaw.of(assembly), _Units.of(assembly, loads)
     dry = ~law.cohesive & ~law.locked
     bonded, locks = np.flatnonzero(law.cohesive), np.flatnonzero(law.locked)
-    rough, smooth = (
-        np.flatnonzero(dry & (cone.slope > 0.0)),
-        np.flatnonzero(dry & (cone.slope <= 0)),
-    )
+    rough = np.flatnonzero(dry & (cone.slope > 0.0))
+    smooth = np.flatnonzero(dry & (cone.slope <= 0.0))
     C = _scaled(equilibrium_matrix(assembly)[free_rows(assembly)], units)
     p, q = _scaled_loads(assembly, loads, units)
     tau, mu, sigma = cone.held / units.node, cone.slope, cone.torn / units.node
