@@ -10,7 +10,7 @@ Bonded, with the fraction D of its stiffness left (1 until it softens):
 
     s_n = D K_n A\, \delta_n, \qquad s_t = D K_s A\, (\delta_t - \gamma)
 
-where compression meets the full stiffness, D = 1 in the first. It fails where its utilisation is 1:
+with D = 1 in the first under compression. It fails where its utilisation is 1:
 
 .. math::
 
