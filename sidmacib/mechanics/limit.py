@@ -142,7 +142,7 @@ def solved(
     ``cone``: of the nodes. ``twist``: limits of torque, which rounds have.
     """
     _require_room(assembly)
-    units = _Units.of(assembly, loads)
+    units = _Scales.of(assembly, loads)
     load, s = cp.Variable(), cp.Variable((len(assembly.nodes.area), 3))
     constraints = admissible(assembly, loads, cone, load, s, twist=twist)
     if most is not None:
@@ -206,7 +206,7 @@ def _require_room(assembly: Assembly) -> None:
 
 
 @dataclass(frozen=True)
-class _Units:
+class _Scales:
     """Units in which the numbers of the programme are about 1.
 
     ``load``: N. ``node``: of the force at each node, N, (N,): ten times its ``share`` of that by
@@ -219,7 +219,7 @@ class _Units:
     row: Floats
 
     @classmethod
-    def of(cls, assembly: Assembly, loads: Loads) -> "_Units":
+    def of(cls, assembly: Assembly, loads: Loads) -> "_Scales":
         """ValueError if gravity turns."""
         loads.require_proportional()
         share = assembly.nodes.area / assembly.nodes.area.sum()
@@ -239,7 +239,7 @@ def admissible(
     permanent: cp.Variable | float = 1.0,
     twist: Twist | None = None,
 ) -> list[cp.Constraint]:
-    r"""The constraints of limit analysis on the ``load`` and the node forces ``s``, in `_Units`.
+    r"""The constraints of limit analysis on the ``load`` and the node forces ``s``, in `_Scales`.
 
     .. math::
 
@@ -257,7 +257,7 @@ def admissible(
     mu is above 0. Locks are contact points in their place, t1 along them and t2 across. Added are
     limits of torque by a ``twist`` and those of a rule for condensed locks.
     """
-    law, units = ContactLaw.of(assembly), _Units.of(assembly, loads)
+    law, units = ContactLaw.of(assembly), _Scales.of(assembly, loads)
     dry = ~law.cohesive & ~law.locked
     bonded, locks = np.flatnonzero(law.cohesive), np.flatnonzero(law.locked)
     rough = np.flatnonzero(dry & (cone.slope > 0.0))
@@ -301,7 +301,7 @@ def admissible(
 
 
 def _of_rules(
-    assembly: Assembly, units: _Units, s_n: cp.Expression, s_t: cp.Expression
+    assembly: Assembly, units: _Scales, s_n: cp.Expression, s_t: cp.Expression
 ) -> Iterator[cp.Constraint]:
     """The limits of V and M of condensed locks, and the compression that these rest on."""
     for number, face in enumerate(assembly.faces):
@@ -316,7 +316,7 @@ def _of_rules(
                 yield unit / limits.compression @ s_n[nodes] >= 1.0
 
 
-def _mechanism(assembly: Assembly, loads: Loads, units: _Units, multipliers: Floats) -> Floats:
+def _mechanism(assembly: Assembly, loads: Loads, units: _Scales, multipliers: Floats) -> Floats:
     """Motion of the pieces, (P, 6), from the multipliers of the equations of equilibrium."""
     motion = np.zeros(6 * len(assembly.pieces))
     work = float(np.sum(multipliers * _scaled_loads(assembly, loads, units)[1]))
@@ -324,14 +324,14 @@ def _mechanism(assembly: Assembly, loads: Loads, units: _Units, multipliers: Flo
     return np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0
 
 
-def _scaled_loads(assembly: Assembly, loads: Loads, units: _Units) -> tuple[Floats, Floats]:
+def _scaled_loads(assembly: Assembly, loads: Loads, units: _Scales) -> tuple[Floats, Floats]:
     """Permanent and variable loads on the free pieces in ``units``, both (R,)."""
     rows = free_rows(assembly)
     p, q = (each.ravel()[rows] / units.row for each in (loads.permanent, loads.variable))
     return p, q * units.load
 
 
-def _scaled(matrix: csr_array, units: _Units) -> csr_array:
+def _scaled(matrix: csr_array, units: _Scales) -> csr_array:
     """The ``matrix`` of equilibrium, (R, 3 N), in ``units``."""
     row = np.repeat(np.arange(matrix.shape[0]), np.diff(matrix.indptr))
     data = matrix.data / units.row[row] * np.repeat(units.node, 3)[matrix.indices]
