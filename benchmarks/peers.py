@@ -70,12 +70,11 @@ def standard_form(model: Sidmacib) -> dict[str, Any]:
 
     ``loads``: which unknowns are V and M.
     """
-    furthest = SupportFunction.of(model)
-    problem = furthest.family.problem
+    furthest = SupportFunction(model)
     costs = []
     for way in np.eye(2):
-        furthest.family.parameter.value = way
-        data, _, _ = problem.get_problem_data("HIGHS")
+        furthest.normal.value = way
+        data, _, _ = furthest.problem.get_problem_data("HIGHS")
         costs.append(data["c"])
     equal = data["dims"].zero
     return {

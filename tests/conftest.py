@@ -38,8 +38,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
-from sidmacib.mechanics.newton.faces import Structure
-from sidmacib.mechanics.newton.nodes import Point, new_point
+from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
@@ -92,10 +91,10 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
 
 
-def point_at(structure: Structure, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
-    """What ``unknowns`` of a compiled ``structure`` make of its nodes, without other forces."""
-    here = new_point(len(unknowns), structure.start)
-    put_at(structure, slip, whole, np.zeros_like(unknowns), here, unknowns)
+def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
+    """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
+    here = new_point(len(unknowns), contacts.start)
+    put_at(contacts, slip, whole, np.zeros_like(unknowns), here, unknowns)
     return here
 
 

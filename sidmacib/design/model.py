@@ -197,28 +197,6 @@ class Structure:
 
 
 @dataclass(frozen=True, eq=False)
-class NodeLimits:
-    """What nodes carry, in units: shear up to ``held`` + ``slope`` times compression.
-
-    ``torn``: the largest tension. All (N,).
-    """
-
-    held: Floats
-    slope: Floats
-    torn: Floats
-
-    @classmethod
-    def of(cls, structure: Structure) -> "NodeLimits":
-        """Friction where it is dry, the bonds' law where there are bonds."""
-        law = ContactLaw.of(structure.assembly)
-        return cls(
-            np.where(law.cohesive, law.shear_strength, 0.0) / structure.unit,
-            np.where(law.cohesive, law.bond_friction, law.friction),
-            np.where(law.cohesive, law.tensile_strength, 0.0) / structure.unit,
-        )
-
-
-@dataclass(frozen=True, eq=False)
 class CaseForces:
     """Unknown forces of a case, in units: at ``nodes`` (N, 3), across locks (K,)."""
 
@@ -235,8 +213,8 @@ def case_forces(
 
     The strength is in units, and counts as it is.
     """
-    limits = NodeLimits.of(structure)
-    nodes = cp.Variable((len(limits.held), 3))
+    cone, unit = ContactLaw.of(structure.assembly).cone(), structure.unit
+    nodes = cp.Variable((len(cone.held), 3))
     locks = cp.Variable(structure.at_locks.shape[1])
     size = cp.norm(nodes[:, 1:], 2, axis=1)
     most = structure.portions @ strength
@@ -244,8 +222,8 @@ def case_forces(
     constraints = [
         structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
         == structure.permanent(case) + factor * structure.variable(case),
-        size <= limits.held + cp.multiply(limits.slope, nodes[:, 0]),
-        nodes[:, 0] >= -limits.torn,
+        size <= cone.held / unit + cp.multiply(cone.slope, nodes[:, 0]),
+        nodes[:, 0] >= -cone.torn / unit,
         *either,
     ]
     return CaseForces(nodes, locks, constraints, either)

@@ -9,6 +9,7 @@ import numpy as np
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
+LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
 
 
@@ -63,7 +64,7 @@ def lifted_part(weight: Floats, motion: Floats) -> float:
 
 
 class Mode(StrEnum):
-    """Why the load cannot rise beyond the peak."""
+    """The reason why the load cannot rise beyond the peak."""
 
     BONDS = "bonds"  # bonds fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
