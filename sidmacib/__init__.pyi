@@ -16,10 +16,10 @@ from .joint.effects import Effect as Effect
 from .joint.effects import Sensitivity as Sensitivity
 from .joint.effects import sensitivity as sensitivity
 from .joint.hold_down import HoldDown as HoldDown
-from .joint.joint import Block as Block
 from .joint.joint import Direction as Direction
 from .joint.joint import Joint as Joint
 from .joint.joint import OwnLock as OwnLock
+from .joint.joint import Side as Side
 from .joint.joint import UpperBody as UpperBody
 from .joint.loading import Loading as Loading
 from .joint.loading import lateral_load as lateral_load

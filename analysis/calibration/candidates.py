@@ -41,14 +41,14 @@ SIZES = ("a_m", "b_m", "h_m", "H_m")
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Trial:
     """A geometry, and the friction coefficient of the dry faces."""
 
     geometry: Geometry
     friction: float
 
 
-def candidates(study: Study, published: Published) -> Iterator[Candidate]:
+def candidates(study: Study, published: Published) -> Iterator[Trial]:
     """The grid of ``study.calibration``, with the published a * b."""
     grid = study.calibration
     area = published.numbers["sample"]["T0"] / study.materials.inner.cohesion
@@ -56,15 +56,15 @@ def candidates(study: Study, published: Published) -> Iterator[Candidate]:
     for a, share, ratio, friction in product(*axes):
         b = area / a
         geometry = Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
-        yield Candidate(geometry, friction)
+        yield Trial(geometry, friction)
 
 
-def study_candidates(study: Study, published: Published) -> list[Candidate]:
+def study_candidates(study: Study, published: Published) -> list[Trial]:
     """The joints of the study's published samples, each size and friction once."""
-    chosen: list[Candidate] = []
+    chosen: list[Trial] = []
     for sample in published.samples(study):
         joint = study.joint(sample)
-        candidate = Candidate(geometry_of(joint), joint.dry.friction)
+        candidate = Trial(geometry_of(joint), joint.dry.friction)
         if candidate not in chosen:
             chosen.append(candidate)
     return chosen
@@ -81,7 +81,7 @@ def read_as_degrees(published: Published) -> float:
 
 
 def candidate_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """Configuration of a study of the static model in pure shear on ``chosen`` candidates.
 
@@ -108,7 +108,7 @@ def candidate_study(
 
 
 def curve_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """The same in all directions, `ANGLES` apart."""
     ratios = [float(r) for r in np.tan(np.radians(ANGLES[:-1]))]
@@ -116,7 +116,7 @@ def curve_study(
 
 
 def engine_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """The same in pure shear, in the study's engines as well that know rigid pieces."""
     able = [name for name in study.dem.engines if Ability.RIGID in MODELS[name].abilities]
@@ -296,10 +296,10 @@ def best_rows(table: pd.DataFrame) -> pd.DataFrame:
     return best.sort_values("misfit_swapped")
 
 
-def candidate_of(row: pd.Series) -> Candidate:
+def candidate_of(row: pd.Series) -> Trial:
     """The candidate of a row of `misfit_table`."""
     geometry = Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
-    return Candidate(geometry, float(row["friction"]))
+    return Trial(geometry, float(row["friction"]))
 
 
 def describe(table: pd.DataFrame, frictions: pd.DataFrame, published: Published) -> str:

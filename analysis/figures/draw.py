@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
-from analysis.figures.material import Material, Stresses
+from analysis.figures.material import FigureData, Stresses
 from workflow.results.files import BATCH_NODES, read_records
 from workflow.results.tables import (
     CAPACITY,
@@ -21,7 +21,7 @@ from workflow.results.tables import (
 )
 from workflow.schema import Study
 
-DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
+DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "joint": joint.joint,
     "options": curves.options,
     "meshes": curves.meshes,
@@ -66,7 +66,7 @@ def run(
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
         stresses = stresses_of(spec, inputs[name]) if name in inputs else None
-        material = Material(
+        material = FigureData(
             spec,
             study,
             detailed_models,

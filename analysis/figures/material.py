@@ -22,7 +22,7 @@ class Stresses:
 
 
 @dataclass(frozen=True)
-class Material:
+class FigureData:
     """A figure's specification, the study, its tables, and the stresses that the figure shows.
 
     ``detailed``: the models that SiDMACIB is compared with, the leading one first. ``table``: the

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from sidmacib.joint.joint import UpperBody
 
 BODIES = {  # those that are drawn: words and line
@@ -20,7 +20,7 @@ BODIES = {  # those that are drawn: words and line
 RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest that bends
 
 
-def shown_rows(material: Material) -> pd.DataFrame:
+def shown_rows(material: FigureData) -> pd.DataFrame:
     """Rows of the table of variants: the leading model at the finest mesh of the study."""
     table, study = material.variants, material.study
     return table[
@@ -31,7 +31,7 @@ def shown_rows(material: Material) -> pd.DataFrame:
     ]
 
 
-def stiffness(material: Material) -> Figure:
+def stiffness(material: FigureData) -> Figure:
     """Capacity, lower locks' weights and the rule's error against the stiffness of the block."""
     rows = shown_rows(material)
     stiffest = rows["stiffness_ratio"].max()
@@ -67,7 +67,7 @@ def stiffness(material: Material) -> Figure:
     return figure
 
 
-def fracture_energy(material: Material) -> Figure:
+def fracture_energy(material: FigureData) -> Figure:
     """Capacity against the fracture energy of the bonds, direction by direction."""
     rows = shown_rows(material)
     faded = rows[rows["failure"] == "softening"]

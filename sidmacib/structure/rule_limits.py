@@ -17,8 +17,7 @@ from scipy.spatial import ConvexHull
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block as Side
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.polygons import ResultantLimits

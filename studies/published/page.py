@@ -11,8 +11,8 @@ from analysis.drawing.labels import label_of
 from analysis.published import read_published
 from analysis.summary.summary import leading_models
 from analysis.tables.validation import (
-    Comparison,
-    Line,
+    PublishedLine,
+    PublishedSamples,
     comparisons,
     difference_text,
     quantity_label,
@@ -39,12 +39,12 @@ NONE = "–"
 REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
 
-def _comparisons(results: Path) -> list[Comparison]:
+def _comparisons(results: Path) -> list[PublishedSamples]:
     leading = leading_models(table_in(results, FIT))
     return list(comparisons(table_in(results, VALIDATION), leading))
 
 
-def _head(parts: Sequence[Comparison]) -> list[str]:
+def _head(parts: Sequence[PublishedSamples]) -> list[str]:
     """Headings: the published number, then setting, model and difference of each sample."""
     head = [*HEAD]
     for words in parts[0].samples.values():
@@ -55,7 +55,7 @@ def _head(parts: Sequence[Comparison]) -> list[str]:
 
 
 def _lines(
-    parts: Iterable[Comparison], quantities: Sequence[str], mesh: str = ""
+    parts: Iterable[PublishedSamples], quantities: Sequence[str], mesh: str = ""
 ) -> list[list[str]]:
     """Published and computed numbers whose names begin with one of ``quantities``.
 
@@ -70,7 +70,7 @@ def _lines(
     ]
 
 
-def _cells(part: Comparison, line: Line) -> list[str]:
+def _cells(part: PublishedSamples, line: PublishedLine) -> list[str]:
     cells = [quantity_label(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
     for sample in part.samples:
         row = line.rows.get(sample)
@@ -80,7 +80,7 @@ def _cells(part: Comparison, line: Line) -> list[str]:
     return cells
 
 
-def _weights(part: Comparison, mesh: str) -> list[str]:
+def _weights(part: PublishedSamples, mesh: str) -> list[str]:
     """The weights at a mesh, one after the other."""
     lines = [
         line
@@ -95,7 +95,7 @@ def _weights(part: Comparison, mesh: str) -> list[str]:
     return [f"weights of locks 1 … {part.locks}", f"{part.locks}", mesh, *cells]
 
 
-def _finest_mesh(parts: Iterable[Comparison]) -> str:
+def _finest_mesh(parts: Iterable[PublishedSamples]) -> str:
     """The finest mesh of the published numbers."""
     return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
 
