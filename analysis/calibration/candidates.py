@@ -154,7 +154,7 @@ class CandidateMisfit:
         weights: Mapping[Place, Sequence[float]],
         published: Published,
     ) -> "CandidateMisfit":
-        """Of peaks (N) and weights, by number of locks and mesh.
+        """Misfit of peaks (N) and weights, by number of locks and mesh.
 
         Every peak counts. The paper does not give the mesh of its weights: those at the finest one
         count in the misfit, and those at all meshes in the largest difference.

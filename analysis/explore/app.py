@@ -118,7 +118,7 @@ class Explorer:
         raise NotFound(f"There are {len(self._pages)} pages, {' and '.join(self._pages)}.")
 
     def _answer(self, request: Request) -> dict[str, Any]:
-        """What follows the sliders at once."""
+        """The answer that follows the sliders at once."""
         asked = _asked(request, checked)
         state = asked.checked.state
         with self._desk.turn(*asked.turn):
@@ -156,7 +156,7 @@ class Explorer:
         }
 
     def _structure(self, request: Request) -> dict[str, Any]:
-        """What follows the choices of the other page; a newer request ends it between stages."""
+        """The answer to choices of the other page; a newer request ends it between stages."""
         asked = _asked(request, checked_choice)
         chosen = asked.checked.state
         for stage in STAGES:
@@ -170,7 +170,7 @@ class Explorer:
 
 @dataclass(frozen=True)
 class _Asked(Generic[State]):
-    """What a page asks for, and which of its requests this is."""
+    """A request of a page, with its number."""
 
     page: str
     number: int
@@ -178,12 +178,12 @@ class _Asked(Generic[State]):
 
     @property
     def turn(self) -> tuple[str, int]:
-        """What it waits with."""
+        """The page and the number that it waits with."""
         return self.page, self.number
 
     @property
     def echo(self) -> dict[str, Any]:
-        """What each answer begins with: which request it is for, and what was changed in it."""
+        """The beginning of each answer: the request's number, and changes made to it."""
         return {"number": self.number, "notes": list(self.checked.notes)}
 
 

@@ -120,7 +120,7 @@ class Chosen:
 
     @property
     def description(self) -> dict[str, Any]:
-        """Of the structure and its load, as in a file for `multilock assembly`."""
+        """The structure and its load, as in a file for `multilock assembly`."""
         example, values = EXAMPLES[self.example], dict(self.values)
         found = deepcopy(_original(self.example))
         for name, key in example.keys:

@@ -37,7 +37,7 @@ KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
 def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
-    """What the figure shows, ``records`` being the file with the case's record; None if it failed.
+    """Stresses of the case whose record is in the file ``records``; None if it failed.
 
     The nodes are in the case's own folder, or in those of the batch that it was solved in.
     """

@@ -1,4 +1,4 @@
-"""What a figure is drawn from."""
+"""Data that figures are drawn from."""
 
 from dataclasses import dataclass
 
@@ -80,7 +80,7 @@ class FigureData:
 
     @property
     def assumed_geometry(self) -> str:
-        """What to say of geometry and friction where they stand for the paper's."""
+        """Words on geometry and friction where they stand for the paper's."""
         published = read_published()
         samples = published.samples(self.study)
         if not samples:

@@ -1,4 +1,4 @@
-"""What variants do: capacity against the stiffness of the block, and against fracture energy."""
+"""Effects of variants: capacity against the stiffness of the block, and against fracture energy."""
 
 from collections.abc import Iterator
 

@@ -138,7 +138,7 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _ends(cases: pd.DataFrame) -> dict[str, str]:
-    """What the end of the static model's path means, by case, where peaks spread too far."""
+    """Meaning of the path's end in the static model, by case, where peaks spread too far."""
     selected = cases[cases["model"].eq(REFERENCE_MODEL) & cases["variant"].eq(REFERENCE)]
     far = selected[selected["peak_spread"] > SPREAD_LIMIT]
     return {
@@ -149,7 +149,7 @@ def _ends(cases: pd.DataFrame) -> dict[str, str]:
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
-    """What the page's charts of joints are drawn from, beside the tables."""
+    """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
     samples = {case.sample: case for case in cases}
     ends = _ends(tables["cases"])

@@ -76,7 +76,7 @@ def structures_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
-    """What each structure carries in the static model, or in the first model that answers."""
+    """Capacity of each structure in the static model, or in the first model that answers."""
     for structure, rows in table.groupby("structure", sort=False):
         lines = []
         for (load, variant), own in rows.groupby(["load", "variant"], sort=False):

@@ -83,7 +83,7 @@ def worst_of(errors: list[RuleError]) -> list[RuleError]:
 
 
 def safest(fit: pd.DataFrame, leading: Mapping[str, str], reduction: str) -> Iterator[pd.Series]:
-    """Of each sample's rows by ``reduction`` the best that is safe, else the least unsafe."""
+    """The best safe row of each sample by ``reduction``, else the least unsafe."""
     rows = fit[fit["reduction"].eq(reduction) & fit["model"].eq(fit["sample"].map(leading))]
     for sample in rows["sample"].unique():
         sample_rows = rows[rows["sample"] == sample]

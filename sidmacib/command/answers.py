@@ -176,7 +176,7 @@ def reason(error: Exception) -> str:
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
-    """What each lock carries at the peak of the static model; `CapacityError` if there is none."""
+    """Loads of the locks at the peak of the static model; `CapacityError` if there is none."""
     from sidmacib.joint.load_path import load_path
     from sidmacib.joint.weights import lock_weights
 

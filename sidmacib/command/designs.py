@@ -1,4 +1,4 @@
-"""What the command says of a design."""
+"""Output of the command for a design."""
 
 import math
 from collections.abc import Iterator
@@ -88,7 +88,7 @@ def _lock_row(design: Design, number: int, row: Layout) -> Row:
 
 
 def check_rows(design: Design) -> list[Row]:
-    """What every model carries of every case, over the case's load."""
+    """Load that each model carries in each case, over the case's load."""
     return [
         {
             "case": check.case,

@@ -117,7 +117,7 @@ def capacity(
 
 @contextmanager
 def _refused_in_one_line() -> Iterator[None]:
-    """What a model says of a joint that it does not take, as an error of click."""
+    """Report a model's refusal of a joint as an error of click."""
     from sidmacib.command.answers import ERRORS, reason
 
     try:
@@ -166,7 +166,7 @@ def envelope(
 @_format
 @_picture
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
-    """What each lock carries at the peak, over its strength (static model)."""
+    """Load of each lock at the peak, over its strength (static model)."""
     from sidmacib.command.answers import weight_rows
 
     joint = joint_of(flags)
@@ -288,7 +288,7 @@ def inverse(
 )
 @_format
 def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
-    """What a structure of blocks of any shape carries; FILE describes it in YAML.
+    """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
 
     Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
     name beside it has what it lacks: interfaces, locks, load.

@@ -50,7 +50,7 @@ class Check:
 def checks_of(
     task: Task, choice: Choice, note: Callable[[str], None] = lambda _: None
 ) -> tuple[Check, ...]:
-    """What the design's model and the others carry of every case with the rows of ``choice``."""
+    """Loads of all cases by the design's model and the others, with the rows of ``choice``."""
     found = [
         Check(each.case, DESIGN, each.factor, "condensed locks, associated friction", True)
         for each in carried(task.structure, choice)

@@ -272,7 +272,7 @@ class _Lack:
         self._problem = cp.Problem(cp.Minimize(self._short), forces.constraints)
 
     def of(self, strength: Floats) -> tuple[float, Floats]:
-        """What is lacking, and by how much less it is for a unit more along each of the rows."""
+        """Strength that is lacking, and how much less for a unit more along each of the rows."""
         self._strength.value = strength
         solve(self._problem, WHAT, ENOUGH)
         return float(self._short.value), work_of(self.structure, self._forces)

@@ -50,7 +50,7 @@ class Site:
 
 @dataclass(frozen=True, eq=False)
 class DesignProblem:
-    """What is to be designed: an assembly without locks, its sites and load cases.
+    """A task of design: an assembly without locks, its sites and load cases.
 
     That it stands before loads are raised is a case too. ``option``: where the forces of locks act.
     ValueError without a site.
@@ -198,7 +198,7 @@ class DesignProblem:
 
 @dataclass(frozen=True, eq=False)
 class NodeLimits:
-    """What nodes carry, in units: shear up to ``held`` + ``slope`` times compression.
+    """Limits of nodes, in units: shear up to ``held`` + ``slope`` times compression.
 
     ``torn``: the largest tension. All (N,).
     """

@@ -26,7 +26,7 @@ Choice = Sequence[Layout | None]  # for each site
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """What locks must resist: ``work`` times their strengths is at least ``least``.
+    """A mechanism that locks must resist: ``work`` times their strengths is at least ``least``.
 
     ``work``: for each of `DesignProblem.rows`; strengths in units, as much as counts.
     """
@@ -63,7 +63,7 @@ class Carried:
 
 @dataclass(frozen=True, eq=False)
 class Needed:
-    """What locks carry of a case: of all forces that do, those with the least sum of squares.
+    """Forces of locks in a case: of all that carry it, those with the least sum of squares.
 
     ``across``: forces across the locks of each site in N, (sites,), and ``torque`` of these about
     the middle of its interface in N m. The squares are of forces over strengths.
@@ -115,7 +115,7 @@ def largest_factor(structure: DesignProblem) -> float:
 
 
 def carried(structure: DesignProblem, choice: Choice) -> tuple[Carried, ...]:
-    """What the rows of ``choice`` carry of each case.
+    """Loads of all cases that the rows of ``choice`` carry.
 
     `InfeasibleError` if a structure does not stand with them.
     """
@@ -137,7 +137,7 @@ def _carried(structure: DesignProblem, choice: Choice, case: LoadCase) -> Carrie
 
 
 def needed(structure: DesignProblem, choice: Choice, factor: float) -> tuple[Needed, ...]:
-    """What the rows of ``choice`` carry of ``factor`` times each case.
+    """Forces in the rows of ``choice`` under ``factor`` times each case.
 
     `InfeasibleError` if they do not carry it.
     """

@@ -113,7 +113,7 @@ class Sensitivity:
 
     @property
     def amount(self) -> float:
-        """What the effects are of: V in N, or M in N m in pure torsion."""
+        """The amount that is affected: V in N, or M in N m in pure torsion."""
         return self.shear or self.torque
 
     @property
@@ -173,7 +173,7 @@ def _effect(
     size = value or field.size
 
     def change(part: float) -> float | None:
-        """Of the amount, in %, for a change of the parameter by ``part`` of its size."""
+        """Change of the amount, in %, for a change of the parameter by ``part`` of its size."""
         other = field.put(joint, value + part * size)
         again = reassemble(other, assembly)
         try:

@@ -1,4 +1,4 @@
-"""What hangs together: groups of things that pairs of them connect."""
+"""Groups of things that pairs of them connect."""
 
 import numpy as np
 from scipy.sparse import coo_array

@@ -84,7 +84,7 @@ def _rows() -> Iterator[tuple[float, ...]]:
 
 
 def _loads(locks: int, direction: Direction) -> tuple[Load, Load]:
-    """Of columns, and of one piece that bends."""
+    """Loads of columns, and of one piece that bends."""
     whole = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(YOUNG))
     return _load(Joint(locks), direction), _load(whole, direction)
 

@@ -270,7 +270,7 @@ def variants(results: Path) -> str:
 
 
 def frictions(results: Path) -> str:
-    """What `make calibrate` found for each friction: the best geometry, and how many fit."""
+    """Results of `make calibrate` for each friction: the best geometry, and how many fit."""
     table, grid = (
         pd.read_csv(results / "calibration" / f"{name}.csv") for name in ("friction", "map")
     )
