@@ -98,7 +98,7 @@ class FigureData:
 
     @property
     def place_in_paper(self) -> str:
-        """Which figure of the paper this redraws, as a sentence; empty if none."""
+        """A sentence that names the figure of the paper this redraws; empty if none."""
         numbers = IN_THE_PAPER.get(self.spec.kind, {})
         published = read_published().samples(self.study)
         shown = self.spec.sample

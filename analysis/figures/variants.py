@@ -130,7 +130,7 @@ def _stiffness_axis(axes: Axes, ratios: list[float], stiffest: float) -> None:
 
 
 def _key(figure: Figure, rows: pd.DataFrame) -> None:
-    """Which colour is which sample, and which line which body: once, above all panels."""
+    """Draw the legend of samples (colours) and bodies (lines) once, above all panels."""
     samples = dict(zip(dict.fromkeys(rows["sample"]), style.COLOURS * 3, strict=False))
     handles = [Line2D([], [], color=colour, label=name) for name, colour in samples.items()]
     drawn = set(rows["upper_body"])

@@ -1,4 +1,4 @@
-"""How far each rule for the capacity of a joint is on the unsafe side, and where."""
+"""Largest unsafe error of each rule for the capacity of a joint, and its place."""
 
 import math
 from collections.abc import Iterator, Mapping

@@ -233,7 +233,7 @@ def effect_rows(
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
-    """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    """Numbers of working locks in pure shear: the closed form, the law, the safe rule."""
     from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)

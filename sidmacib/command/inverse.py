@@ -154,7 +154,7 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
 
 
 def why_none(tried: Sequence[Candidate]) -> str:
-    """How far the joints that were tried are from carrying the load."""
+    """Reason why none of the joints that were tried carries the load."""
     refused = [each.reason for each in tried if each.load is None]
     usage = [each.usage for each in tried if each.usage is not None]
     words = [f"none of {len(tried)} joints carries this by the safe rule"]

@@ -184,7 +184,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 )
 @_format
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
-    """How the first failure depends on each size and property (static model).
+    """Effect of each size and property on the first failure (static model).
 
     Each row has the change of V, in %, for 1 % more and for 1 % less of one parameter at the same
     e / a, and the derivative of V from both; in pure torsion those of M. Largest effects come
@@ -207,7 +207,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
 @joint_options
 @_format
 def law(form: str, push: str, **flags: Any) -> None:
-    """How many locks work in pure shear: closed form, law and safe rule."""
+    """Number of locks that work in pure shear: closed form, law and safe rule."""
     from sidmacib.command.answers import law_rows
 
     joint = joint_of(flags)

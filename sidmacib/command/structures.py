@@ -92,7 +92,7 @@ def _static(problem: Problem) -> Row:
 
 
 def _note(answer: StaticAnswer) -> str:
-    """Which load counts, why, and how the peak ends."""
+    """The load that counts, the reason, and the end of the peak."""
     moves = ""
     if answer.mechanism is not None:
         moves = f"; {moves_most(answer.assembly, answer.mechanism)} moves most"

@@ -28,7 +28,7 @@ CLOSE = 1e-6  # over the factor: what a check may lack, for rounding
 
 @dataclass(frozen=True)
 class Check:
-    """How much of a case a model carries.
+    """Share of a case that a model carries.
 
     ``factor``: load over that of the case; infinite if it can grow without limit, None without an
     answer. ``decides``: whether the design stands or falls by it.

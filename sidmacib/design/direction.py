@@ -53,7 +53,7 @@ class FoundRows:
 
     @property
     def gap(self) -> float:
-        """How much cheaper a choice might be, over the cost; 0 without locks."""
+        """Largest possible saving over the cost; 0 without locks."""
         return max(1.0 - self.bound / self.cost, 0.0) if self.cost > 0.0 else 0.0
 
 

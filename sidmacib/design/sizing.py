@@ -49,7 +49,7 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """How much of a case a design carries.
+    """Share of a case that a design carries.
 
     ``factor``: of the case's load; infinite if it carries any. ``by_strength``: by how much the
     factor grows for each N that the locks of a site in the choice are stronger, (sites,); 0 where

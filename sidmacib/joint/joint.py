@@ -21,7 +21,7 @@ from sidmacib.validation import is_number, refused
 
 
 class UpperBody(StrEnum):
-    """How the main body of the upper block is divided into pieces."""
+    """Division of the main body of the upper block into pieces."""
 
     COLUMNS = "columns"  # one column above each lock, as in the paper
     JOINED = "joined"  # columns that can come apart, without the compliance of a joint

@@ -45,7 +45,7 @@ def crossing(
 
 
 def bodies(places: Floats, faces: Sequence[Sequence[int]]) -> int:
-    """How many bodies closed ``faces`` bound: parts of the surface that share no vertex.
+    """Number of bodies that closed ``faces`` bound: parts of the surface that share no vertex.
 
     A part that is seen from inside bounds a cavity, not a body.
     """

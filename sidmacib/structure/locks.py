@@ -101,7 +101,7 @@ class Condensed:
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Where the locks of an interface are.
+    """Positions of the locks of an interface.
 
     ``run``, ``across``: unit vectors along each lock and along the row, (3,). ``edges``: between
     locks, along the row from the interface's middle, in m, (n + 1,).

@@ -60,7 +60,7 @@ def barrel(size: Barrel) -> list[Block]:
 
 
 def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
-    """Where blocks of a course begin and end, in lengths of a block."""
+    """Beginnings and ends of the blocks of a course, in lengths of a block."""
     joints = [0.0, *(k + 0.5 for k in range(blocks)), float(blocks)]
     if not shifted:
         joints = [float(k) for k in range(blocks + 1)]

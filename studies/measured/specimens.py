@@ -1,4 +1,4 @@
-"""How many specimens decide between columns and one piece.
+"""Number of specimens that decide between columns and one piece.
 
     .venv/bin/python -m studies.measured.specimens results-measured/tables/specimens.csv
 

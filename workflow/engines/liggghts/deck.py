@@ -235,7 +235,7 @@ class LiggghtsDeck:
         yield from self._bodies()
 
     def _laws(self) -> Iterator[str]:
-        """Who touches whom, and the laws of contacts and springs."""
+        """Pairs that touch, and the laws of contacts and springs."""
         touching = {frozenset(pair) for pair in self.patch_types}
         for one in range(1, self.types + 1):
             for other in range(one, self.types + 1):

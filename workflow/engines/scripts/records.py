@@ -138,7 +138,7 @@ class History:
 
 
 def failure_mode(outcome: EngineOutcome, breaks: bool, load: float) -> str:
-    """How the assembly failed at ``load`` (N); exits with a reason if it did not."""
+    """Mode of failure of the assembly at ``load`` (N); exits with a reason if it did not fail."""
     if breaks:
         return BONDS
     if outcome is EngineOutcome.COLLAPSE:
