@@ -74,7 +74,7 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
 
 @lru_cache(maxsize=512)
 def spread_words(joint: Joint, ratio: float) -> str:
-    """Spread of the static model's peak along e / a, and the load that counts where it is too large.
+    """Spread of the static model's peak along e / a, and the load that counts if it is too large.
 
     It takes longer than the peak: it stands in the legend of the curve, which is drawn last. Empty
     where there is no such peak.

@@ -112,7 +112,7 @@ def _rubbing(face: Face, arms: Floats, force: Floats, nothing: float) -> float:
 
 
 def _centre(places: Floats, normal: Floats) -> Vector | None:
-    """Centre (m) of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
+    """Centre of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
     whole = float(normal.sum())
     if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
         return None
