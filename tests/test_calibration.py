@@ -10,6 +10,7 @@ import pytest
 from analysis.calibration.candidates import (
     CandidateMisfit,
     Trial,
+    TwoParts,
     best_rows,
     candidate_of,
     candidate_study,
@@ -22,7 +23,6 @@ from analysis.calibration.candidates import (
     read_as_degrees,
     study_candidates,
 )
-from analysis.calibration.curve_shape import TwoParts
 from analysis.calibration.figure import calibration
 from analysis.published import read_published
 from analysis.tables.collect import cases_table, weights_table

@@ -20,17 +20,8 @@ from sidmacib.mechanics.assembly import Rectangle
 TEXT = 8.0  # points, of all that is written in a map
 
 
-def shear_stress(material: FigureData) -> Figure:
-    """The inner faces at the smallest eccentricity: pure shear, if the study has it."""
-    return _map(material)
-
-
-def torsion_stress(material: FigureData) -> Figure:
-    """The inner faces under torsion and shear."""
-    return _map(material)
-
-
-def _map(material: FigureData) -> Figure:
+def stress_map(material: FigureData) -> Figure:
+    """The inner faces of all locks in the case whose stresses the figure shows."""
     shown = material.stresses
     if shown is None:
         return _without_result(material)

@@ -246,12 +246,8 @@ def spread_lines(capacity: pd.DataFrame) -> Iterator[str]:
     )
     for row in far.itertuples():
         variant = "" if row.variant == REFERENCE else f", {row.variant}"
-        words = _too_far(float(row.peak_spread))
+        words = f"peaks spread by {100 * float(row.peak_spread):.1f} % or more"
         yield f"  {row.case}{variant}: {words}; the capacity is the first failure"
-
-
-def _too_far(spread: float) -> str:
-    return f"peaks spread by {100 * spread:.1f} % or more"
 
 
 def _fits(

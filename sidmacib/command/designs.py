@@ -40,7 +40,7 @@ def design_tables(design: Design) -> dict[str, list[Row]]:
         "cost": cost_rows(design),
         "locks": lock_rows(design),
         "checks": check_rows(design),
-        "order of placing": order_rows(design),
+        "order of placing": [*order_rows(design)],
     }
 
 
@@ -101,12 +101,8 @@ def check_rows(design: Design) -> list[Row]:
     ]
 
 
-def order_rows(design: Design) -> list[Row]:
+def order_rows(design: Design) -> Iterator[Row]:
     """The blocks in the order of placing, and how each comes; then those that are stuck."""
-    return list(_order_rows(design))
-
-
-def _order_rows(design: Design) -> Iterator[Row]:
     pieces = design.task.structure.assembly.pieces
     for number, step in enumerate(design.order.steps, start=1):
         along = " ".join(f"{each:.3g}" for each in step.along)

@@ -341,7 +341,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
         from sidmacib.design.file import read_task, write_designed
 
         task = read_task(file)
-        found = design_of(task, (lambda _: None) if quiet else _progress)
+        found = design_of(task, lambda line: None if quiet else click.echo(line, err=True))
         if output is not None:
             write_designed(task, found.choice, output)
     tables = design_tables(found)
@@ -354,7 +354,3 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
                 click.echo(f"\n{name}\n{text_of(rows, form)}")
     if not found.passes:
         sys.exit(1)
-
-
-def _progress(line: str) -> None:
-    click.echo(line, err=True)

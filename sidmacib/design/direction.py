@@ -132,10 +132,12 @@ class RowSearch:
         of_row = csr_array(structure.strengths > 0.0, dtype=float)
         sites = np.array([site for site, _ in structure.rows])
         once = csr_array((np.ones(rows), (sites, np.arange(rows))), (len(structure.sites), rows))
+        none = csr_array((len(structure.sites), layouts))
+        mixture = float(self.relaxed.cost / structure.costs.max()) * (1.0 - SHORT)
         constraints = [
             LinearConstraint(hstack([of_row, -eye_array(rows)], format="csr"), -np.inf, 0.0),
-            LinearConstraint(hstack([_zeros(once, layouts), once], format="csr"), -np.inf, 1.0),
-            LinearConstraint(np.append(cost, np.zeros(rows)), self._least_cost()),
+            LinearConstraint(hstack([none, once], format="csr"), -np.inf, 1.0),
+            LinearConstraint(np.append(cost, np.zeros(rows)), mixture),  # at least
         ]
         for each in barred:
             cut = [0.0] * layouts + [float(row in each) for row in structure.rows]
@@ -161,10 +163,6 @@ class RowSearch:
             return None, bound
         found = np.clip(answer.x[:layouts], 0.0, 1.0)
         return np.asarray(np.round(found) if whole else found), bound
-
-    def _least_cost(self) -> float:
-        """No mixture costs less, over the largest cost."""
-        return float(self.relaxed.cost / self.structure.costs.max()) * (1.0 - SHORT)
 
     def _cut(self, parts: Floats) -> bool:
         """Whether rows do not carry all cases; mechanisms that they do not resist are kept."""
@@ -340,7 +338,3 @@ def _less(structure: DesignProblem, taken: Floats, site: int) -> Floats | None:
 def _is_barred(structure: DesignProblem, taken: Flags, barred: Sequence[Directions]) -> bool:
     chosen = {structure.rows[row] for row in structure.row_of[taken].tolist()}
     return any(each <= chosen for each in barred)
-
-
-def _zeros(rows: csr_array, columns: int) -> csr_array:
-    return csr_array((rows.shape[0], columns))
