@@ -64,7 +64,7 @@ def test_the_drawing_of_the_rules_is_current() -> None:
     text = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     names = dict(re.findall(r"^\s*(\d+)\[label = \"([^\"]+)\"", text, re.M))
     drawn = dict(re.findall(r"<title>(\d+)</title>.*?<text[^>]*>(\w+)<", found, re.S))
-    assert set(drawn.values()) == set(names.values()), "draw it as CONTRIBUTING.md says"
+    assert set(drawn.values()) == set(names.values()), "draw them again, see CONTRIBUTING.md"
     arrows = {
         (drawn[one], drawn[other]) for one, other in re.findall(r"(\d+)&#45;&gt;(\d+)", found)
     }
