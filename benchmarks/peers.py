@@ -31,7 +31,7 @@ from sidmacib.mechanics.static.model import static_peak
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest
 # Corners of each side of a box, outwards; corner x + 2 y + 4 z, 0 or 1 each.
-SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
+BOX_SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
 
 BY_CRA = """
 import sys, time
@@ -110,7 +110,7 @@ def box(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
     """Corners (m) and sides of a piece."""
     ends = list(zip(piece.low, piece.high, strict=True))
     corners = [[ends[0][x], ends[1][y], ends[2][z]] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
-    return corners, [list(side) for side in SIDES]
+    return corners, [list(side) for side in BOX_SIDES]
 
 
 def at_rest_by_cra(joint: Joint) -> object:

@@ -31,7 +31,7 @@ BRICK = (0.4, 0.2, 0.2)  # m
 DENSITY = 2000.0  # kg/m3
 DRY = FaceMaterial(1e10, 1e10, 0.6, 0.0, 0.0)
 MORTAR = FaceMaterial(1e10, 1e10, 0.6, 1e5, 5e4)
-SIZES = (100, 300, 1000, 3000, 10_000)
+WALL_SIZES = (100, 300, 1000, 3000, 10_000)
 PATIENCE = 120.0  # s of processor time that another program may take
 ARMADILLO_FRICTION = 0.84  # compas_cra's default
 Row = tuple[str, str, float]  # what, unit, value
@@ -125,7 +125,7 @@ def armadillo_figures() -> Iterator[Row]:
 def main() -> None:
     """Command line: walls of more and more blocks, as a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--blocks", type=int, default=SIZES[-1], help="of the largest wall")
+    parser.add_argument("--blocks", type=int, default=WALL_SIZES[-1], help="of the largest wall")
     parser.add_argument(
         "--limit-blocks", type=int, default=3000, help="of the largest wall for limit analysis"
     )
@@ -134,7 +134,7 @@ def main() -> None:
     arguments.table.parent.mkdir(parents=True, exist_ok=True)
     wall_times(10)  # compiles
     rows: list[WallTimes] = []
-    for count in (each for each in SIZES if each <= arguments.blocks):
+    for count in (each for each in WALL_SIZES if each <= arguments.blocks):
         rows.append(wall_times(count, limit=count <= arguments.limit_blocks))
         pd.DataFrame(rows).to_csv(arguments.table, index=False, float_format="%.4g")
         print(rows[-1], flush=True)

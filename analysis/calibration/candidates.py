@@ -37,7 +37,7 @@ PEAK_AIM, WEIGHT_AIM = (
     0.04,
 )  # largest differences of a joint that fits
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
-SIZES = ("a_m", "b_m", "h_m", "H_m")
+SIZE_COLUMNS = ("a_m", "b_m", "h_m", "H_m")
 
 
 @dataclass(frozen=True)
@@ -260,7 +260,7 @@ def size_columns(geometry: Geometry) -> dict[str, float]:
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
     ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
     ratios = {name: round(value, 9) for name, value in ratios.items()}  # as in the grid
-    return dict(zip(SIZES, sizes, strict=True)) | ratios
+    return dict(zip(SIZE_COLUMNS, sizes, strict=True)) | ratios
 
 
 def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:

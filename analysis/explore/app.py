@@ -20,9 +20,15 @@ from analysis.drawing.labels import label_of
 from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
 from analysis.explore.effects import effects
-from analysis.explore.examples import EXAMPLES, Chosen, checked_choice, choice_in, defaults
-from analysis.explore.examples import MODELS as STRUCTURE_MODELS
-from analysis.explore.examples import SLIDERS as STRUCTURE_SLIDERS
+from analysis.explore.examples import (
+    EXAMPLES,
+    STRUCTURE_MODELS,
+    STRUCTURE_SLIDERS,
+    Chosen,
+    checked_choice,
+    choice_in,
+    defaults,
+)
 from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
 from analysis.explore.state import (

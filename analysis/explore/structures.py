@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of
-from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
+from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
@@ -62,7 +62,7 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
 
 def same(chosen: Chosen) -> Chosen:
     """The structure whatever is drawn of it: what results are kept by."""
-    return replace(chosen, model=MODELS[0])
+    return replace(chosen, model=STRUCTURE_MODELS[0])
 
 
 def _lines(rows: dict[str, dict[str, Any]]) -> list[list[Any]]:

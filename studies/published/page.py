@@ -36,7 +36,7 @@ LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
 FITS = "fitted"  # the published numbers, with another friction and geometry
 NONE = "–"
-REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
+RULE_WORDS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
 
 def _comparisons(results: Path) -> list[PublishedSamples]:
@@ -238,7 +238,7 @@ def options(results: Path) -> str:
     """The option of SiDMACIB that fits each model best, by the paper's rule and by the sum."""
     table = table_in(results, FIT)
     leading = table["model"].eq(table["sample"].map(leading_models(table)))
-    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(REDUCTIONS)]
+    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(RULE_WORDS)]
     keys = ["sample", "reduction", "mesh_m"]
     best = table.sort_values([*keys, "misfit"], kind="stable").drop_duplicates(keys)
     return markdown_of(
@@ -246,7 +246,7 @@ def options(results: Path) -> str:
         {
             "sample": lambda row: f"{row.sample}: {row.locks} locks, {label_of(row.model).name}",
             "mesh (m)": lambda row: f"{row.mesh_m:g}",
-            "rule": lambda row: REDUCTIONS[row.reduction],
+            "rule": lambda row: RULE_WORDS[row.reduction],
             "best option": lambda row: row.option.removeprefix("option"),
             "misfit": lambda row: size(row.misfit),
             "unsafe by up to": lambda row: size(row.largest_unsafe_error),

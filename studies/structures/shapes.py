@@ -21,7 +21,7 @@ from studies.structures.samples import dry
 HELD = 3.0  # friction at which nothing slides
 DENSITY = 2000.0  # kg/m3
 GROUND = box("ground", (-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), DENSITY, fixed=True)
-Y, X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
+ABOUT_Y, ABOUT_X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
@@ -48,16 +48,18 @@ def answers(published: Mapping[str, float]) -> Iterator[KnownResult]:
         "whiting",
         published["arch_tilt_degrees"],
         structure(arch(100, 0.2), dry(HELD)),
-        Y,
+        ABOUT_Y,
     )
     yield _point_load(published["arch_point_load_N"])
     for count in (1, 3, 6):
         known = math.degrees(math.atan(0.5 / (0.3 * count)))
         name = f"stack of {count}, 0.5 m wide, each 0.3 m high: overturns"
-        yield _tilted(name, "atan(b / n h)", known, structure(stack(count, 0.0), dry(HELD)), Y)
+        yield _tilted(
+            name, "atan(b / n h)", known, structure(stack(count, 0.0), dry(HELD)), ABOUT_Y
+        )
     known = math.degrees(math.atan(0.25))
     model = structure(stack(3, 0.0), dry(0.25))
-    yield _tilted("stack of 3, friction 0.25: slides", "atan μ", known, model, Y)
+    yield _tilted("stack of 3, friction 0.25: slides", "atan μ", known, model, ABOUT_Y)
     yield from _walls()
     yield _corbel(5, 0.06)
     yield from _flat_arch()
@@ -134,10 +136,12 @@ def _walls() -> Iterator[KnownResult]:
     known = math.degrees(math.atan(thickness / (0.25 * courses)))
     name = f"wall in running bond, {courses} courses, 0.3 m thick: overturns out of its plane"
     model = structure(wall(courses, thickness), dry(0.7))
-    yield _tilted(name, "atan(b / h)", known, model, X)
+    yield _tilted(name, "atan(b / h)", known, model, ABOUT_X)
     known = math.degrees(math.atan(0.3))
     model = structure(wall(courses, thickness), dry(0.3))
-    yield _tilted("the same wall, friction 0.3: slides along its plane", "atan μ", known, model, Y)
+    yield _tilted(
+        "the same wall, friction 0.3: slides along its plane", "atan μ", known, model, ABOUT_Y
+    )
 
 
 def _corbel(count: int, shift: float) -> KnownResult:
@@ -149,7 +153,7 @@ def _corbel(count: int, shift: float) -> KnownResult:
     known = min(angles)
     name = f"corbel of {count} blocks, 0.5 m long, each {shift:g} m further out: turns over"
     source = "least atan(2 (l/2 - d (k + 1)/2) / k h)"
-    return _tilted(name, source, known, structure(stack(count, shift), dry(HELD)), Y)
+    return _tilted(name, source, known, structure(stack(count, shift), dry(HELD)), ABOUT_Y)
 
 
 def _flat_arch() -> Iterator[KnownResult]:
