@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from sidmacib.answers.structure_limit import limit_state
 from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import GRAVITY, Assembly, Floats, Loads
-from sidmacib.mechanics.limit import limit_load, require_standing
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.compas_results import compas_results
 from sidmacib.structure.files.structure_file import assembly_of
@@ -65,13 +65,15 @@ def multilock_solve(
     total = float(np.abs(given[:, :3]).sum() + np.abs(given[:, 3:]).sum() / assembly.length)
     if limit and not total:
         raise ValueError("limit: the problem must have loads on free blocks, to be raised")
-    scale = free_weight(assembly)
-    loads = Loads(weight, given / (total or 1.0), max(scale, total))
-    require_standing(assembly, loads, friction=True)
-    factor = _factor(assembly, loads, total)
-    if not limit and factor is not None and factor < 1.0 - SAME:
-        raise CapacityError(f"no equilibrium: the model carries {factor:.4g} of its loads")
-    state = limit_load(assembly, loads, friction=True, most=None if limit else total)
+    loads = Loads(weight, given / (total or 1.0), max(free_weight(assembly), total))
+    if limit:
+        state = limit_state(assembly, loads)
+        factor: float | None = state.load / total
+    else:
+        factor = _factor(assembly, loads, total)
+        if factor is not None and factor < 1.0 - SAME:
+            raise CapacityError(f"no equilibrium: the model carries {factor:.4g} of its loads")
+        state = limit_state(assembly, loads, most=total)
     metadata = {
         "program": "multilock",
         "analysis": "limit, associated friction",
@@ -103,7 +105,7 @@ def _factor(assembly: Assembly, loads: Loads, total: float) -> float | None:
     if not total:
         return None
     try:
-        return limit_load(assembly, loads, friction=True).load / total
+        return limit_state(assembly, loads).load / total
     except UnboundedError:
         return None
 

@@ -22,7 +22,7 @@ from hypothesis import settings
 
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading
-from sidmacib.joint.pieces import lock_faces
+from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -31,7 +31,6 @@ from sidmacib.mechanics.assembly import (
     Loads,
     NodeLayout,
     self_weight,
-    shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from sidmacib.joint.pieces import shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -10,7 +11,6 @@ from sidmacib.mechanics.assembly import (
     Loads,
     NodeLayout,
     self_weight,
-    shared_face,
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 

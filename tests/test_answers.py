@@ -10,7 +10,7 @@ import pytest
 import yaml
 from campaigns.peaks import block, outcome
 from command_runner import answers, run
-from conftest import ROOT
+from described import FILES, study
 
 from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
@@ -26,33 +26,9 @@ from sidmacib.answers.structure import (
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
 from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.files.structure_file import structure_of
-from sidmacib.yaml_text import read_yaml
 from workflow.steps.structure_solve import solved
-from workflow.structures.case import StructureCase, changed
+from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord
-
-BLOCK = {
-    "blocks": {
-        "base": {"low": [-1, -1, -0.3], "high": [2, 2, 0], "fixed": True},
-        "top": {"low": [0, 0, 0], "high": [0.5, 0.5, 0.4]},
-    },
-    "interfaces": {"friction": 0.5, "cohesion": 1.5e4, "tensile_strength": 1.5e4},
-    "load": {"acceleration": [1, 0, 0]},
-}
-
-
-def study(name: str, **interfaces: float) -> dict[str, Any]:
-    description = read_yaml(ROOT / f"studies/{name}.yaml")
-    return changed(description, {"interfaces": interfaces})
-
-
-FILES = {
-    "bonded block": BLOCK,
-    "bonded arch": study("arch/arch", cohesion=5.0e4, tensile_strength=2.0e4),
-    "mortar wall": study("wall/wall", cohesion=2.0e4, tensile_strength=1.0e4),
-    "trilith": study("structures/trilith"),
-    "dry wall": study("wall/wall"),
-}
 
 
 def record_of(description: dict[str, Any], model: str = "static") -> StructureRecord:

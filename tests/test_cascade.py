@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from sidmacib.joint.pieces import shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -10,7 +11,6 @@ from sidmacib.mechanics.assembly import (
     Kind,
     Loads,
     NodeLayout,
-    shared_face,
 )
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_nodes import contact_nodes

@@ -10,10 +10,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import NoEquilibriumError, SolverError
+from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
-from sidmacib.joint.pieces import assemble
+from sidmacib.joint.pieces import assemble, shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -25,12 +26,11 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     SideLoad,
     self_weight,
-    shared_face,
 )
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.elastic.solver import ElasticSolver
-from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.equilibrium import unbalanced_forces, unbalanced_share
 from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static.model import solver_of, static_first_failure, static_peak
 
@@ -314,3 +314,47 @@ def test_a_load_without_weight_is_not_tried_again_at_another_size(
         with pytest.raises(NoEquilibriumError):
             solver.solve(load, start.unknowns, start.state)
     assert len(tried) == calls
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
+    layout: NodeLayout, capfd: pytest.CaptureFixture[str]
+) -> None:
+    joint = replace(
+        elastic(2, body=UpperBody.MONOLITHIC),
+        hold_down=HoldDown.pressure(5e4),
+        dry=replace(Joint(2).dry, friction=0.0),
+    )
+    assert solved(joint, 0.03, layout).peak.load == pytest.approx(225.0, rel=0.04)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("cells", [2, 3, 4])
+@pytest.mark.parametrize("layout", [NodeLayout.CENTRES, NodeLayout.VERTICES])
+@pytest.mark.parametrize(
+    "hold_down",
+    [HoldDown.weight(), HoldDown.force(500.0), HoldDown.pressure(5e4), HoldDown.plate()],
+    ids=lambda held: str(held.kind),
+)
+def test_stiff_rough_faces_rest_under_what_presses_on_them(
+    hold_down: HoldDown, layout: NodeLayout, cells: int
+) -> None:
+    """Newton's method alone cycles on some of these meshes: there was no equilibrium at 0 N."""
+    joint = Joint(
+        2,
+        a=0.1,
+        inner=FaceMaterial(1e10, 1.05e9, 0.0, 8e4, 3.7e5),
+        dry=FaceMaterial(2.3e12, 7.3e11, 0.148, 0.0, 0.0),
+        upper_body=UpperBody.MONOLITHIC,
+        first=Side.LOWER,
+        hold_down=hold_down,
+        elastic=Elastic(4.9e10),
+    )
+    model, loads = posed(joint, 0.999 * joint.b / cells, layout, 0.3)
+    resting = solver_of(model, loads).start()
+    unbalanced = np.abs(unbalanced_forces(model, loads, 0.0, resting.force))
+    assert unbalanced.max() < 1e-6 * np.abs(loads.permanent).max()
+    pressed, shear = resting.force[:, 0], np.hypot(*resting.force[:, 1:].T)
+    dry = np.array([face.kind is Kind.DRY for face in model.faces])[model.nodes.face]
+    assert (pressed[dry] >= 0.0).all() and pressed[dry].sum() > 0.0
+    assert (shear[dry] <= 0.148 * pressed[dry] * (1.0 + 1e-6) + 1e-6).all()

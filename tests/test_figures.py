@@ -1,19 +1,32 @@
 """Figures: which there are, and the geometry that they draw."""
 
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pandas as pd
 import pytest
 from conftest import ROOT
+from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import figures_of
 from analysis.figures.curves import first_quadrant
-from analysis.figures.draw import DRAWN_BY
+from analysis.figures.draw import DRAWN_BY, KINDS, run
 from analysis.figures.stress_maps import _cells, _thinned
+from analysis.figures.style import of_model
+from analysis.tables.capacity import envelope_rows
+from analysis.tables.collect import models_table, weight_sums, weights_table
+from analysis.tables.variants import variants_table
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.configuration import read_study, read_study_file
-from workflow.models import detailed
+from workflow.engines import ENGINES
+from workflow.joints.case import Case
+from workflow.models import LAWS, detailed
+from workflow.planning.cases import cases_of
+from workflow.results.record import failed_record
+from workflow.results.tables import write_table
 
 
 def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
@@ -108,3 +121,67 @@ def test_rules_without_a_figure_of_their_own_leave_it_out() -> None:
     for reductions, there in ((["none"], False), (["none", "half"], True), (["lower_sum"], True)):
         study = read_study({**config, "sidmacib": {"reductions": reductions}})
         assert ("revised-n3" in figures_of(study, ("static",))) == there
+
+
+# --- cases without a result ----------------------------------------------------------------------
+STUDY = {
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.02, 0.01],
+    "eccentricities": [0, 0.3, "torsion"],
+    "models": ["static", "limit"],
+    "dem": {"engines": ["yade", "liggghts"]},
+    "variants": {
+        "stiff": {"young": 1e9},
+        "tough": {"failure": "softening", "fracture_energy": 10.0},
+    },
+}
+
+
+def drawn_with_failures(fails: Callable[[Case], bool], folder: Path) -> list[str]:
+    """Draw all figures of a study where some cases have no result; returns names of saved ones."""
+    study = read_study(STUDY)
+    cases = [case for case in cases_of(study).values() if case.model not in LAWS]
+    records = [
+        failed_record(case, "no result") if fails(case) else record_with(case, 0.5)
+        for case in cases
+    ]
+    tables = tables_of(study, records) | {"models": models_table(records)}
+    tables["envelopes"] = pd.DataFrame(envelope_rows(study))
+    tables["variants"] = variants_table(
+        study, tables["capacity"], weight_sums(weights_table(records))
+    )
+    inputs = {kind.name: folder / f"{kind.name}.csv" for kind in KINDS}
+    for kind in KINDS:
+        write_table(kind, tables[kind.name], inputs[kind.name])
+    arguments = {"study": study.figures_json(), "detailed_models": detailed(study.model_names)}
+    names = figures_of(study, arguments["detailed_models"])
+    saved = [folder / f"{name}.png" for name in names if not name.startswith(("joint", "options"))]
+    run(arguments, inputs, {"figures": saved})
+    return [path.stem for path in saved if path.exists()]
+
+
+WITHOUT: dict[str, Callable[[Case], bool]] = {
+    "the leading model": lambda case: case.model == "yade",
+    "the finest mesh": lambda case: case.model == "static" and case.mesh == 0.01,
+    "pure shear": lambda case: case.direction.eccentricity == 0.0,
+    "everything": lambda case: True,
+}
+
+
+def test_every_figure_is_drawn_without_any_result_of_an_engine(tmp_path: Path) -> None:
+    drawn = drawn_with_failures(lambda case: case.model == "liggghts", tmp_path)
+    assert {"meshes", "models-n3", "side_by_side", "stiffness", "fracture_energy"} <= set(drawn)
+
+
+@pytest.mark.study
+@pytest.mark.parametrize("without", WITHOUT)
+def test_every_figure_is_drawn_without_the_results_of(without: str, tmp_path: Path) -> None:
+    drawn = drawn_with_failures(WITHOUT[without], tmp_path)
+    assert {"meshes", "models-n3", "side_by_side", "stiffness", "fracture_energy"} <= set(drawn)
+
+
+def test_a_model_has_the_same_look_whichever_models_have_results() -> None:
+    looks = {model: of_model(model) for model in ("static", "limit", *ENGINES, "3dec")}
+    assert [look["linestyle"] for look in looks.values()][:2] == ["-", "--"]
+    assert len({str(sorted(look.items())) for look in looks.values()}) == len(looks)
+    assert {looks[name]["linestyle"] for name in (*ENGINES, "3dec")} == {"none"}

@@ -71,7 +71,7 @@ def test_under_a_plate_only_self_weight_always_acts(joint: Joint) -> None:
 
 
 # --- sliding and rocking of a single piece, by hand ----------------------------------------------
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Side))
 def test_one_lock_alone_slides_at_friction_times_what_presses_it(
     friction: float, force: float, first: Side
@@ -90,7 +90,7 @@ def test_one_lock_alone_slides_at_friction_times_what_presses_it(
     assert limit == pytest.approx(friction * (weight + force), rel=1e-6, abs=1e-6)
 
 
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(st.floats(0.06, 1.0), st.floats(0.0, 5e3), st.sampled_from([0.01, 0.02]))
 def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost_nodes(
     H: float, force: float, mesh: float

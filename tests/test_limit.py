@@ -145,7 +145,7 @@ def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
         assert found == pytest.approx(expected, rel=1e-7)
 
 
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(
     st.floats(-6, 6).map(lambda power: 10**power),
     st.floats(-6, 6).map(lambda power: 10**power),
@@ -205,7 +205,7 @@ def imbalance(model: Assembly, loads: Loads, found: LimitState) -> Floats:
 
 
 def test_joints_of_masonry_have_a_limit_that_admissible_forces_carry() -> None:
-    for joint, eccentricity in masonry(40):
+    for joint, eccentricity in masonry(16):
         model, loads, found = solved(joint, eccentricity, min(joint.a, joint.b) / 2.5)
         contact_law, allowed = ContactLaw.of(model), 1e-7 * joint.T0
         inner = contact_law.cohesive

@@ -1,6 +1,7 @@
 """The influence of jumps while gaps open and close: the same as solved anew."""
 
 import numpy as np
+import pytest
 
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
@@ -62,3 +63,17 @@ def test_digits_that_a_loose_piece_costs_are_won_back() -> None:
     gaps.opened(both)
     found = gaps.opened(one)
     assert np.abs(found - anew(matrix + 1e-12 * np.eye(3), one)).max() < 1e-11
+
+
+def test_no_gap_and_nothing_but_gaps_are_no_error_of_the_linear_algebra(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """LAPACK prints its errors itself, about a matrix of no rows too."""
+    matrix = influence()
+    for first, then in ((True, False), (False, True)):
+        gaps = OpenGaps(matrix, np.zeros(SIZE))
+        for whole in (first, then):
+            which = np.full(SIZE, whole)
+            gaps.accurate = False  # so that it is computed from the start
+            assert np.abs(gaps.opened(which) - anew(matrix, which)).max() < 1e-9
+    assert capfd.readouterr() == ("", "")

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Joint, Side, UpperBody
-from sidmacib.joint.pieces import assemble, lock_faces, upper_block
+from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
 from sidmacib.mechanics.assembly import (
     GRAVITY,
     Cuboid,
@@ -15,7 +15,6 @@ from sidmacib.mechanics.assembly import (
     Kind,
     NodeLayout,
     Rectangle,
-    shared_face,
 )
 
 joints = st.builds(

@@ -51,13 +51,13 @@ def test_the_safe_rule_is_the_law_with_a_margin() -> None:
     ("others", "words"),
     [
         ({"locks": 32}, "locks: 32 is not allowed; it must be from 2 to 31"),
-        ({"a": 0.2}, "a / b: 4 is not allowed"),
-        ({"h": 0.04}, "h / b: 0.8 is not allowed"),
+        ({"a": 0.7}, "a / b: 14 is not allowed"),
+        ({"h": 0.12}, "h / b: 2.4 is not allowed"),
         ({"H": 0.01}, "H / b: 0.2 is not allowed"),
         ({"dry": replace(DRY, friction=0.9)}, "friction: 0.9 is not allowed"),
         ({"dry": replace(DRY, normal_stiffness=1e12)}, "dry over inner faces: 100"),
         ({"inner": replace(INNER, shear_stiffness=1e6)}, "shear over normal stiffness"),
-        ({"inner": replace(INNER, tensile_strength=7e4)}, "tensile strength over cohesion"),
+        ({"inner": replace(INNER, tensile_strength=1e4)}, "tensile strength over cohesion"),
         ({"dry": replace(DRY, shear_stiffness=1e8)}, "shear over normal stiffness of dry faces"),
         (
             {
@@ -82,14 +82,18 @@ def test_what_lies_outside_the_study_is_refused(
 
 def test_the_ends_of_the_spans_are_inside() -> None:
     low = Joint(
-        2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=3e8, shear_stiffness=3e9)
+        2, a=0.025, h=0.003, H=0.015, dry=replace(DRY, normal_stiffness=5e6, shear_stiffness=5e7)
     )
     assert law(low, Direction(0.0)).load > 0.0
 
 
-def test_two_locks_carry_no_eccentricity_beyond_their_only_face() -> None:
-    with pytest.raises(CapacityError, match=r"eccentricity on two locks must be .* \(got 0\.6 a\)"):
-        law(Joint(2), Direction(0.6))
+@pytest.mark.parametrize("hold", [HoldDown.plate(), HoldDown.pressure(2e5)])
+@pytest.mark.parametrize("eccentricity", [0.6, 2.0, math.inf])
+def test_two_locks_are_answered_beyond_their_only_face(eccentricity: float, hold: HoldDown) -> None:
+    pair, direction = Joint(2, hold_down=hold), Direction(eccentricity)
+    first = first_failure(pair, direction)
+    assert law(pair, direction).load == pytest.approx(first, rel=0.05)
+    assert 0.8 * first < safe(pair, direction).load < first
 
 
 @pytest.mark.parametrize("rule", RULES.values(), ids=list(RULES))
@@ -114,26 +118,26 @@ def test_a_joint_that_nothing_but_pressure_holds_down_may_rock(eccentricity: flo
     assert plate.pressing_force is None
 
 
-def test_there_is_no_safe_load_where_only_friction_keeps_a_joint_from_overturning() -> None:
+def test_a_joint_that_is_hardly_pressed_is_answered() -> None:
     light = Joint(3, H=0.08, hold_down=HoldDown.pressure(5e3))
-    with pytest.raises(CapacityError, match=r"safe: V = .* may overturn the joint"):
-        safe(light, Direction(0.0))
+    found = safe(light, Direction(0.0))
+    assert 0.85 * first_failure(light, Direction(0.0)) < found.load
+    assert found.load < first_failure(light, Direction(0.0))
 
 
-def test_friction_of_masonry_is_answered() -> None:
-    rough = Joint(5, dry=replace(DRY, friction=0.7))
-    assert 0.0 < safe(rough, Direction(0.0)).load < peak(rough, Direction(0.0))
+@pytest.mark.parametrize("body", BODIES)
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5, 3.9, math.inf])
+def test_friction_of_masonry_is_answered(eccentricity: float, body: UpperBody) -> None:
+    rough = Joint(5, dry=replace(DRY, friction=0.7), upper_body=body)
+    direction = Direction(eccentricity)
+    assert 0.85 * first_failure(rough, direction) < safe(rough, direction).load
+    assert safe(rough, direction).load < first_failure(rough, direction)
 
 
-def test_one_rigid_piece_that_is_rough_is_refused_in_torsion_only() -> None:
-    """An optimiser found one that snaps at 988 N and fails at 2520 N."""
-    rough = Joint(5, dry=replace(DRY, friction=0.7), upper_body=UpperBody.MONOLITHIC)
-    torsion = Direction(math.inf)
-    with pytest.raises(CapacityError, match=r"friction of at most 0\.5, give the block its Young"):
-        safe(rough, torsion)
-    assert safe(rough, Direction(0.5)).load > 0.0
-    assert safe(replace(rough, upper_body=UpperBody.COLUMNS), torsion).load > 0.0
-    assert safe(replace(rough, elastic=Elastic(1e10)), torsion).load > 0.0
+def first_failure(joint: Joint, direction: Direction) -> float:
+    """The static model's load at first failure (N) on nodes that the rule does not see."""
+    problem = posed(joint, Loading(direction), joint.least_side / 5)
+    return static_first_failure(*problem).point.load
 
 
 def peak(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y, cells: int = 4) -> float:
@@ -189,7 +193,7 @@ def test_friction_has_its_history(
         (5, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 669.2),
         (9, 4.2e9, 1.3e11, UpperBody.MONOLITHIC, 1059.0),
         (9, 2.5e9, 3e11, UpperBody.MONOLITHIC, 953.0),
-        (15, 2.5e9, 3e11, UpperBody.MONOLITHIC, 1103.0),
+        pytest.param(15, 2.5e9, 3e11, UpperBody.MONOLITHIC, 1103.0, marks=pytest.mark.study),
     ],
 )
 def test_blocks_that_bend_share_less_among_many_locks(
@@ -222,10 +226,9 @@ def test_many_locks_in_one_piece_under_torsion_have_a_safe_load() -> None:
     assert 0.0 < safe(joint, torsion).load < law(joint, torsion).load
 
 
-def test_two_locks_are_refused_alike_to_both_sides() -> None:
-    for far in (-5.0, 5.0):
-        with pytest.raises(CapacityError, match=r"at most 0\.5 a"):
-            law(Joint(2), Direction(far))
+def test_two_locks_are_answered_alike_on_both_sides() -> None:
+    far = law(Joint(2), Direction(5.0), Push.PLUS_Y), law(Joint(2), Direction(-5.0), Push.PLUS_Y)
+    assert far[0].load == pytest.approx(far[1].load, rel=0.2)
 
 
 def test_rough_columns_with_stiff_dry_faces_are_safe_on_meshes_that_differ() -> None:

@@ -237,6 +237,7 @@ def test_scatter_costs_more_the_more_there_is() -> None:
     assert left.max(axis=None) < 1.0
 
 
+@pytest.mark.study
 def test_sizes_that_the_paper_does_not_print_leave_three_locks_one_that_works() -> None:
     table = assumed_sizes_table(Joint(3)).set_index(["locks", "friction"])
     assert table.loc[(3, 0.005), "least_working"] == pytest.approx(1.0, abs=0.01)

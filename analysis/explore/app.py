@@ -30,7 +30,7 @@ from analysis.explore.examples import (
     defaults,
 )
 from analysis.explore.guard import HEADERS, in_one_line, require_own
-from analysis.explore.pictures import answers, peak, pictures, ratios, spread_words
+from analysis.explore.pictures import answers, peak, pictures, ratios, which_counts
 from analysis.explore.state import (
     SLIDERS,
     Checked,
@@ -59,7 +59,8 @@ SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 ABOUT = (
-    "Curve: static-model peak (coarse mesh); for elastic blocks, first failure by the law. "
+    "Curve: peak of the static model, on the mesh of the command; for elastic blocks, first "
+    "failure by the law. "
     "Law and safe rule are those of docs/law.md, within the ranges they were tested in: "
     "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
     "the first lock is on the left. An arrow below a slider points to a larger first failure by "
@@ -147,7 +148,7 @@ class Explorer:
             with self._desk.turn(*asked.turn):
                 points.append(peak(state.joint, ratio))
         with self._desk.turn(*asked.turn):
-            spread = spread_words(state.joint, state.eccentricity)
+            counted = which_counts(state)
         with self._desk.turn(*asked.turn):
             pulls = effects(state)
         known = [point for point in points if point is not None]
@@ -156,7 +157,8 @@ class Explorer:
             "values": state.values,
             "shear": [point.shear for point in known],
             "torque": [point.torque for point in known],
-            "spread": spread,
+            "spread": counted.legend,
+            "counts": counted.words,
             "covered": covered(state),
             "effects": pulls,
         }

@@ -6,7 +6,6 @@ import numpy as np
 
 from analysis.explore.state import SLIDERS, Settings
 from sidmacib.errors import CapacityError
-from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import require_covered
 
 MOST_VALUES = 41  # of a slider, that are tried
@@ -32,7 +31,7 @@ def covered(state: Settings) -> dict[str, tuple[float, float] | None]:
 def _is_covered(state: Settings, name: str, value: float) -> bool:
     changed = replace(state, **{name: int(value) if name == "locks" else value})  # type: ignore[arg-type]
     try:
-        require_covered(changed.joint, Direction(changed.eccentricity))
+        require_covered(changed.joint)
     except (CapacityError, ValueError):
         return False
     return True

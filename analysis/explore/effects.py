@@ -2,8 +2,8 @@
 
 from functools import lru_cache
 
-from analysis.explore.pictures import COARSE
 from analysis.explore.state import Settings
+from sidmacib.answers.joint import meshes
 from sidmacib.errors import CapacityError
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.joint import Direction, Joint
@@ -34,9 +34,7 @@ def _effects(joint: Joint, ratio: float, fields: tuple[Field, ...]) -> dict[str,
     if joint.elastic is not None:
         return {}
     try:
-        found = sensitivity(
-            joint, Loading(Direction(ratio)), COARSE * joint.least_side, fields=fields
-        )
+        found = sensitivity(joint, Loading(Direction(ratio)), meshes(joint)[1], fields=fields)
     except CapacityError:
         return {}
     return {each.name: words(each.more) for each in found.effects if each.more is not None}

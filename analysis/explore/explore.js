@@ -64,6 +64,7 @@ function showCurve(curve) {
   showCovered(curve.covered);
   showEffects(curve.number === latest ? curve.effects : {});
   line = curve;
+  shown.words = at("words").textContent = `${shown.words} ${curve.counts}`.trim();
   drawCurve();
   at("curve").ariaBusy = String(curve.number !== latest);
   if (curve.number === latest) for (const act of waitingForCurve.splice(0)) act();

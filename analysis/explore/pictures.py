@@ -8,17 +8,17 @@ from typing import Any
 from analysis.drawing.boxes import boxes
 from analysis.drawing.labels import label_of
 from analysis.explore.state import Settings
+from sidmacib.answers.joint import joint_answer, quick_path
 from sidmacib.drawing import BLUE, GREY, VM_RATIOS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
-from sidmacib.mechanics.static.peak_spread import static_capacity
+from sidmacib.mechanics.assembly import Assembly
+from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES, LawCapacity, law
 
-COARSE = 0.999  # mesh over the shorter side of a lock: nine Lobatto nodes on each root
 SYMBOLS = {"law": "x", "safe": "star"}
 
 
@@ -33,7 +33,7 @@ class Share:
 
 @dataclass(frozen=True)
 class Peak:
-    """The largest load along a direction: shear (N), torque (N m), shares of the locks."""
+    """A load along a direction: shear (N), torque (N m), shares of the locks."""
 
     shear: float
     torque: float
@@ -49,9 +49,18 @@ class Answers:
     words: str
 
 
+@dataclass(frozen=True)
+class Counted:
+    """V (N) of the load that counts, the legend of it, and a sentence where it is no peak."""
+
+    shear: float | None = None
+    legend: str = ""
+    words: str = ""
+
+
 @lru_cache(maxsize=512)
 def peak(joint: Joint, ratio: float) -> Peak | None:
-    """The static model on its coarsest mesh; None if the joint carries nothing.
+    """The static model's peak, at once: whether it counts is open; None if nothing is carried.
 
     Of pieces that bend, where it takes minutes, the law's first failure; None where it refuses.
     """
@@ -72,38 +81,40 @@ def _first_failure(joint: Joint, direction: Direction) -> Peak | None:
     return Peak(state.load * direction.shear, state.load * direction.torque * joint.a, shares)
 
 
-@lru_cache(maxsize=512)
-def spread_words(joint: Joint, ratio: float) -> str:
-    """Spread of the static model's peak along e / a, and the load that counts if it is too large.
+def which_counts(state: Settings) -> Counted:
+    """The load that counts at the chosen eccentricity, as `multilock capacity` prints it.
 
-    It takes longer than the peak: it stands in the legend of the curve, which is drawn last. Empty
-    where there is no such peak.
+    It takes longer than the peak: it comes with the curve, which is drawn last. Nothing of blocks
+    that bend, and where there is no answer.
     """
+    joint, loading = state.joint, Loading(Direction(state.eccentricity))
     if joint.elastic is not None:
-        return ""
-    loading = Loading(Direction(ratio))
+        return Counted()
     try:
-        found = static_capacity(*posed(joint, loading, COARSE * joint.least_side))
+        found = joint_answer(joint, loading)
     except CapacityError:
-        return ""
-    spread = 100.0 * found.spread
-    if found.is_peak:
-        return f" (spread {spread:.1f} % at {ratio:g} a)"
-    return (
-        f" (at {ratio:g} a peaks spread by {spread:.0f} % or more: use the first failure, "
-        f"V = {found.load * loading.direction.shear:.4g} N)"
-    )
+        return Counted()
+    shear = found.load * loading.direction.shear
+    if not found.capacity.is_peak:
+        words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
+        return Counted(shear, f" (first failure counts at {state.eccentricity:g} a)", words)
+    spread = 100.0 * found.capacity.spread
+    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)")
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
     try:
-        assembly, solution = load_path(joint, Loading(direction), COARSE * joint.least_side)
+        assembly, solution = quick_path(joint, Loading(direction))
     except CapacityError:
         return None
-    load = float(solution.peak.load)
+    return _at(joint, direction, assembly, solution.peak)
+
+
+def _at(joint: Joint, direction: Direction, assembly: Assembly, state: Equilibrium) -> Peak:
+    load = float(state.load)
     shares = tuple(
         Share(each.lock, each.block, each.weight)
-        for each in lock_weights(joint, assembly, solution.peak.force)
+        for each in lock_weights(joint, assembly, state.force)
     )
     return Peak(load * direction.shear, load * direction.torque * joint.a, shares)
 

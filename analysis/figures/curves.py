@@ -151,7 +151,7 @@ def model_curve(
     """The V-M curve of a model of the pieces, in the style of the model but for ``changes``."""
     curve = material.curve(model, sample, mesh)
     label = f"{label_of(model).name}, mesh {mesh:g} m"
-    line = style.of_model(model, material.models) | changes
+    line = style.of_model(model) | changes
     vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label, clip_on=False, zorder=3, **line)
 
 

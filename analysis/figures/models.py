@@ -29,6 +29,8 @@ MOST_BEHIND = 40  # points of a path behind its peak
 def models(material: FigureData) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
+    if not material.models:
+        return style.words_only(f"No model has a result of {material.sample}; see the summary.")
     rows = material.in_order(material.table, material.sample, mesh)
     figure = Figure(figsize=(8.6, 8.2), layout="constrained")
     (curves, weights), (moved, friction) = figure.subplots(2, 2)
@@ -102,7 +104,7 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
         if not np.isnan(moved).any():
             places = 1e6 * np.array(moved)
             name = label_of(model).name
-            line = style.of_model(model, models)
+            line = style.of_model(model)
             if model != REFERENCE_MODEL:
                 axes.plot(places, loads, **line, label=name)
     axes.set_xlabel("displacement (µm)")
@@ -146,7 +148,7 @@ def _path(axes: Axes, material: FigureData) -> str:
 def _friction(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> None:
     for model in models:
         curve = rows[(rows["model"] == model) & np.isfinite(rows["eccentricity_m"])]
-        line = style.of_model(model, models)
+        line = style.of_model(model)
         shares = 100 * curve["friction_share"]
         axes.plot(curve["eccentricity_m"], shares, **line, label=label_of(model).name)
     axes.set_xlabel("eccentricity e (m)")

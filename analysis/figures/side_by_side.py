@@ -14,11 +14,7 @@ def side_by_side(material: FigureData) -> Figure:
     """Peaks and weights as bars; the table of validation has all published values."""
     table = material.validation
     if table.empty:
-        figure = Figure(figsize=(8, 2), layout="constrained")
-        figure.text(
-            0.5, 0.5, "The paper has no numbers for the samples of this study.", ha="center"
-        )
-        return figure
+        return style.words_only("The paper has no numbers for the samples of this study.")
     samples = list(dict.fromkeys(table["sample"]))
     height = 2.7 * len(samples) + 1.0
     figure = Figure(figsize=(9, height), layout="constrained")

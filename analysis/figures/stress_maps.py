@@ -67,11 +67,9 @@ def stress_map(material: FigureData) -> Figure:
 
 
 def _without_result(material: FigureData) -> Figure:
-    figure = Figure(figsize=(8, 2), layout="constrained")
     case = material.spec.case
     name = f"{case.name} ({case.model})" if case else material.spec.name
-    figure.text(0.5, 0.5, f"{name} has no result; see the summary.", ha="center")
-    return figure
+    return style.words_only(f"{name} has no result; see the summary.")
 
 
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:

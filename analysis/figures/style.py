@@ -3,7 +3,6 @@
 import os
 import re
 import textwrap
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from analysis.drawing.labels import SERIES, label_of
-from workflow.models import SOLVED
+from workflow.models import MODELS, SOLVED
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = SERIES
@@ -40,15 +39,27 @@ MARKS = (
     {"linestyle": "none", "marker": "o", "markersize": 4, "markerfacecolor": "white"},
     {"linestyle": "none", "marker": "x", "markersize": 4},
     {"linestyle": "none", "marker": "s", "markersize": 4, "markerfacecolor": "white"},
+    {"linestyle": "none", "marker": "D", "markersize": 4, "markerfacecolor": "white"},
 )
 LINES = ({"linestyle": "-", "linewidth": 1.0}, {"linestyle": "--", "linewidth": 1.0})
 
 
-def of_model(model: str, models: Sequence[str]) -> dict[str, Any]:
-    """The style of one of ``models``: distinct elements have marks, others lines."""
-    alike = [name for name in models if (name in SOLVED) == (model in SOLVED)]
-    styles = LINES if model in SOLVED else MARKS
+def of_model(model: str) -> dict[str, Any]:
+    """The style of a model, the same in every figure: models solved here have lines, others marks.
+
+    It hangs on no result: an engine may have none at all.
+    """
+    solved = model in SOLVED
+    alike = [name for name in MODELS if (name in SOLVED) == solved]
+    styles = LINES if solved else MARKS
     return {"color": label_of(model).colour, **styles[alike.index(model) % len(styles)]}
+
+
+def words_only(words: str) -> Figure:
+    """A figure that says in ``words`` why there is nothing to draw."""
+    figure = Figure(figsize=(8, 2), layout="constrained")
+    figure.text(0.5, 0.5, words, ha="center")
+    return figure
 
 
 def caption(figure: Figure, text: str, height: float = 0.2) -> None:

@@ -21,19 +21,29 @@ RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest 
 
 
 def shown_rows(material: FigureData) -> pd.DataFrame:
-    """Rows of the table of variants: the leading model at the finest mesh of the study."""
+    """Rows of the table of variants that are drawn: at the finest mesh of the study."""
     table, study = material.variants, material.study
     return table[
-        (table["model"] == material.detailed[0])
-        & np.isclose(table["mesh_m"], min(study.meshes))
+        np.isclose(table["mesh_m"], min(study.meshes))
         & table["sample"].isin(shown_samples(study))
         & table["upper_body"].isin(BODIES)
     ]
 
 
+def of_one_model(
+    material: FigureData, rows: pd.DataFrame, varied: "pd.Series[bool]"
+) -> pd.DataFrame:
+    """The ``rows`` of the first detailed model that has any of the ``varied``; of none, no rows."""
+    able = set(rows["model"][varied])
+    return rows[rows["model"] == next((m for m in material.detailed if m in able), None)]
+
+
 def stiffness(material: FigureData) -> Figure:
     """Capacity, lower locks' weights and the rule's error against the stiffness of the block."""
     rows = shown_rows(material)
+    rows = of_one_model(material, rows, rows["stiffness_ratio"].notna())
+    if rows.empty:
+        return style.words_only("No block of another stiffness has a result; see the summary.")
     stiffest = rows["stiffness_ratio"].max()
     rows = rows.assign(drawn=rows["stiffness_ratio"].fillna(RIGID * stiffest))
     least = rows[np.isclose(rows["eccentricity_m"], rows["eccentricity_m"].min())]
@@ -58,8 +68,8 @@ def stiffness(material: FigureData) -> Figure:
     _key(figure, rows)
     style.caption(
         figure,
-        f"{material.detailed[0]}, mesh {min(material.study.meshes):g} m. E: Young's modulus of the "
-        "block, Kn b: stiffness of an inner face times the width of a lock. "
+        f"{rows['model'].iloc[0]}, mesh {min(material.study.meshes):g} m. E: Young's modulus of "
+        "the block, Kn b: stiffness of an inner face times the width of a lock. "
         "(n \N{MINUS SIGN} 1)/2: the paper's rule for how many locks count, with the option that "
         "fits that block best, without friction; below the dotted line it is unsafe.",
         height=0.13,
@@ -70,6 +80,9 @@ def stiffness(material: FigureData) -> Figure:
 def fracture_energy(material: FigureData) -> Figure:
     """Capacity against the fracture energy of the bonds, direction by direction."""
     rows = shown_rows(material)
+    rows = of_one_model(material, rows, rows["failure"] == "softening")
+    if rows.empty:
+        return style.words_only("No bond that softens has a result; see the summary.")
     faded = rows[rows["failure"] == "softening"]
     samples = [s for s in shown_samples(material.study) if s in set(faded["sample"])]
     figure = Figure(figsize=(3.3 * max(len(samples), 2), 3.9), layout="constrained")
@@ -97,7 +110,7 @@ def fracture_energy(material: FigureData) -> Figure:
     figure.axes[0].set_ylabel("largest load along the path / T0")
     style.caption(
         figure,
-        f"{material.detailed[0]}, mesh {min(material.study.meshes):g} m. Dotted: brittle bonds, "
+        f"{rows['model'].iloc[0]}, mesh {min(material.study.meshes):g} m. Dotted: brittle bonds, "
         "dashed: ductile ones.",
         height=0.1,
     )

@@ -6,20 +6,13 @@ Models are imported where they are used: a solver takes longer to load than the 
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
 
-if TYPE_CHECKING:
-    from sidmacib.mechanics.solution import StaticSolution
-    from sidmacib.mechanics.static.peak_spread import StaticCapacity
-
 Row = dict[str, Any]
-# Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
-# Elastic pieces take much longer.
-RIGID, ELASTIC = (0.4995, 0.24975), (0.999, 0.4995)
 
 
 @dataclass(frozen=True)
@@ -35,12 +28,6 @@ class Answer:
     first_failure: float | None = None
     mesh_error: float | None = None
     peak_spread: float | None = None
-
-
-def _meshes(joint: Joint) -> tuple[float, float]:
-    """Coarse and fine mesh (m) of a joint."""
-    coarse, fine = RIGID if joint.elastic is None else ELASTIC
-    return coarse * joint.least_side, fine * joint.least_side
 
 
 def usual_models(joint: Joint) -> tuple[str, ...]:
@@ -63,46 +50,19 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
-    from sidmacib.joint.load_path import load_path
-    from sidmacib.joint.loading import posed
-    from sidmacib.mechanics.static.peak_spread import static_capacity
+    from sidmacib.answers.joint import joint_answer, joint_mesh_error
 
-    loading, meshes = Loading(direction, push=push), _meshes(joint)
-    coarse = load_path(joint, loading, meshes[0])[1]
-    fine = static_capacity(*posed(joint, loading, meshes[1]))
-    if not (fine.load > 0.0 and coarse.peak.load > 0.0):
-        return Answer(float(fine.load), "nothing is carried", peak_spread=fine.spread)
-    note = (
-        "peak"
-        if fine.is_peak
-        else f"first failure; peaks behind it spread by {100.0 * fine.spread:.0f} % or more"
-    )
-    first = float(fine.solution.first_failure_load / fine.load)
-    error = _mesh_error(joint, coarse, fine)
-    return Answer(float(fine.load), note, first, float(error), fine.spread)
-
-
-def _mesh_error(joint: Joint, coarse: "StaticSolution", fine: "StaticCapacity") -> float:
-    """Relative mesh error of the capacity on the ``fine`` mesh."""
-    from sidmacib.mechanics.assembly import NodeLayout
-    from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
-
-    both = coarse, fine.solution
-    cells = [cells_of(joint, mesh) for mesh in _meshes(joint)]
-    if fine.is_peak:
-        kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
-        loads = [one.peak.load for one in both]
-    else:
-        kind = LoadKind.FIRST_FAILURE
-        loads = [one.first_failure_load for one in both]
-    return mesh_errors(dict(zip(cells, loads, strict=True)), NodeLayout.LOBATTO, kind)[cells[1]]
+    loading = Loading(direction, push=push)
+    found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
+    return Answer(found.load, found.why, found.first_failure, error, found.capacity.spread)
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
+    from sidmacib.answers.joint import meshes
     from sidmacib.joint.loading import posed
     from sidmacib.mechanics.limit import limit_load
 
-    problem = posed(joint, Loading(direction, push=push), _meshes(joint)[1])
+    problem = posed(joint, Loading(direction, push=push), meshes(joint)[1])
     return Answer(float(limit_load(*problem).load), "bonds that yield, no friction")
 
 
@@ -176,12 +136,14 @@ def reason(error: Exception) -> str:
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
-    """Loads of the locks at the peak of the static model; `CapacityError` if there is none."""
-    from sidmacib.joint.load_path import load_path
+    """Loads of the locks at the load that counts in the static model.
+
+    `CapacityError` if there is none.
+    """
+    from sidmacib.answers.joint import joint_answer
     from sidmacib.joint.weights import lock_weights
 
-    loading = Loading(Direction(ratio), push=push)
-    assembly, solution = load_path(joint, loading, _meshes(joint)[1])
+    found = joint_answer(joint, Loading(Direction(ratio), push=push))
     return [
         {
             "lock": each.lock,
@@ -191,7 +153,7 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
             "Vy (N)": _without_noise(each.shear_y_N, joint),
             "largest shear / cohesion": each.max_shear_ratio,
         }
-        for each in lock_weights(joint, assembly, solution.peak.force)
+        for each in lock_weights(joint, found.assembly, found.state.force)
     ]
 
 
@@ -208,10 +170,11 @@ def effect_rows(
     Effects are of V, in pure torsion of M. ``progress`` is told what is computed next.
     `CapacityError` if the static model has no such failure.
     """
+    from sidmacib.answers.joint import meshes
     from sidmacib.joint.effects import sensitivity
 
     loading = Loading(Direction(ratio), push=push)
-    found = sensitivity(joint, loading, _meshes(joint)[1], progress=progress)
+    found = sensitivity(joint, loading, meshes(joint)[1], progress=progress)
     words = (
         f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: "
         f"{', '.join(found.faces)}."

@@ -36,7 +36,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
 \b
   multilock capacity -n 9 -e 0.3         loads of a joint of nine locks at e = 0.3 a
   multilock envelope --picture vm.png    its V-M curve
-  multilock weights -n 5                 what each lock carries at the peak
+  multilock weights -n 5                 what each lock carries at the load that counts
   multilock sensitivity -n 5 -e 0.3      how its first failure depends on each size
   multilock law -n 9 -H 0.06             how many locks work
   multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
@@ -166,7 +166,7 @@ def envelope(
 @_format
 @_picture
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
-    """Load of each lock at the peak, over its strength (static model)."""
+    """Load of each lock over its strength, at the load that counts (static model)."""
     from sidmacib.command.answers import weight_rows
 
     joint = joint_of(flags)

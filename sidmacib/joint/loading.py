@@ -90,11 +90,17 @@ def _loaded(joint: Joint, loading: Loading) -> set[str]:
 
 
 def posed(
-    joint: Joint, loading: Loading, mesh: float, nodes: NodeLayout = NodeLayout.LOBATTO
+    joint: Joint,
+    loading: Loading,
+    mesh: float,
+    nodes: NodeLayout = NodeLayout.LOBATTO,
+    *,
+    least: int = 1,
 ) -> Problem:
     """The pieces of ``joint`` on cells of at most ``mesh`` (m), under ``loading``.
 
-    Errors of `sidmacib.assemble` and `sidmacib.lateral_load`.
+    ``least``: cells along every side of a face. Errors of `sidmacib.assemble` and
+    `sidmacib.lateral_load`.
     """
-    assembly = assemble(joint, mesh, nodes)
+    assembly = assemble(joint, mesh, nodes, least=least)
     return Problem(assembly, lateral_load(joint, assembly, loading))

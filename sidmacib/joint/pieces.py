@@ -8,6 +8,7 @@ import numpy as np
 from sidmacib.joint.hold_down import Hold
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.mechanics.assembly import (
+    CLOSE,
     Assembly,
     Cuboid,
     FaceMaterial,
@@ -16,7 +17,6 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
     Nodes,
     Rectangle,
-    shared_face,
 )
 from sidmacib.mechanics.contact_nodes import cells_along, contact_nodes, corners
 
@@ -190,3 +190,24 @@ def _faces(joint: Joint, pieces: tuple[Cuboid, ...]) -> Iterator[Rectangle]:
             yield face(Kind.INNER, *pair, inner=between)
     if plate and monolithic:
         yield face(Kind.PLATE, BODY, PLATE, "plate-body")
+
+
+def shared_face(
+    name: str, kind: Kind, material: FaceMaterial, pieces: tuple[Cuboid, ...], pair: tuple[int, int]
+) -> Rectangle:
+    """The rectangle in which the first of ``pair``, indices of pieces, touches the second.
+
+    ValueError if they do not touch across a plane, to 1e-9 of their size.
+    """
+    first, second = pieces[pair[0]], pieces[pair[1]]
+    low = [*map(max, first.low, second.low)]
+    high = [*map(min, first.high, second.high)]
+    near = CLOSE * max(high - low for low, high in zip(first.low, first.high, strict=True))
+    touching = [k for k in range(3) if abs(first.high[k] - second.low[k]) <= near]
+    sides = [k for k in range(3) if high[k] - low[k] > near]
+    if len(touching) != 1 or len(sides) != 2:
+        raise ValueError(f"{name}: {first.name} does not touch {second.name} from below")
+    axis = touching[0]
+    low[axis] = high[axis] = first.high[axis]
+    corners = (low[0], low[1], low[2]), (high[0], high[1], high[2])
+    return Rectangle(name, kind, material, *pair, axis, *corners)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import product
-from typing import Protocol
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +32,7 @@ CLOSE = 1e-9  # over a size: points no further apart than this are the same poin
 Vector = tuple[float, float, float]
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
+_Shape = TypeVar("_Shape", bound="Cuboid | Rectangle")
 
 _AXES = np.eye(3)[(np.arange(3)[:, None] + np.arange(3)) % 3]  # normal and tangents along each axis
 
@@ -308,12 +309,12 @@ class Assembly:
     @property
     def cuboids(self) -> tuple[Cuboid, ...]:
         """The pieces, where a model needs cuboids; ValueError if one has another shape."""
-        return tuple(map(_cuboid, self.pieces))
+        return tuple(_shaped(piece, Cuboid, "cuboid") for piece in self.pieces)
 
     @property
     def rectangles(self) -> tuple[Rectangle, ...]:
         """The faces, where a model needs rectangles; ValueError if one has another outline."""
-        return tuple(map(_rectangle, self.faces))
+        return tuple(_shaped(face, Rectangle, "rectangle") for face in self.faces)
 
     @property
     def without_stiffness(self) -> str | None:
@@ -324,16 +325,10 @@ class Assembly:
         return None
 
 
-def _cuboid(piece: Piece) -> Cuboid:
-    if not isinstance(piece, Cuboid):
-        raise ValueError(f"{piece.name}: must be a cuboid along the axes in this model")
-    return piece
-
-
-def _rectangle(face: Face) -> Rectangle:
-    if not isinstance(face, Rectangle):
-        raise ValueError(f"{face.name}: must be a rectangle along the axes in this model")
-    return face
+def _shaped(part: Piece | Face, shape: type[_Shape], words: str) -> _Shape:
+    if not isinstance(part, shape):
+        raise ValueError(f"{part.name}: must be a {words} along the axes in this model")
+    return part
 
 
 @dataclass(frozen=True)
@@ -402,24 +397,3 @@ def self_weight(pieces: Sequence[Piece]) -> Floats:
     weight = np.zeros((len(pieces), 6))
     weight[:, 2] = [-piece.weight for piece in pieces]
     return weight
-
-
-def shared_face(
-    name: str, kind: Kind, material: FaceMaterial, pieces: tuple[Cuboid, ...], pair: tuple[int, int]
-) -> Rectangle:
-    """The rectangle in which the first of ``pair``, indices of pieces, touches the second.
-
-    ValueError if they do not touch across a plane, to 1e-9 of their size.
-    """
-    first, second = pieces[pair[0]], pieces[pair[1]]
-    low = [*map(max, first.low, second.low)]
-    high = [*map(min, first.high, second.high)]
-    near = CLOSE * max(high - low for low, high in zip(first.low, first.high, strict=True))
-    touching = [k for k in range(3) if abs(first.high[k] - second.low[k]) <= near]
-    sides = [k for k in range(3) if high[k] - low[k] > near]
-    if len(touching) != 1 or len(sides) != 2:
-        raise ValueError(f"{name}: {first.name} does not touch {second.name} from below")
-    axis = touching[0]
-    low[axis] = high[axis] = first.high[axis]
-    corners = (low[0], low[1], low[2]), (high[0], high[1], high[2])
-    return Rectangle(name, kind, material, *pair, axis, *corners)

@@ -82,7 +82,7 @@ def scatter(
     decide; errors of `sidmacib.law`.
     """
     require_positive(variation=variation)
-    require_covered(joint, direction)
+    require_covered(joint)
     state = first_failure(joint, Loading(direction, push=push))
     if state.mode is not Mode.BONDS:
         raise CapacityError(

@@ -2,12 +2,13 @@
 
 In each space (how the joint is held down, and whether its blocks are elastic) differential
 evolution varies everything that a `Joint` can be inside the rule's `SPANS`, and the direction of
-the load. The first failure is the static model's on nodes that the rule does not use; the peak is
-never below it. The worst joint of each start is then solved down to the peak, on two meshes and
-with two layouts of the nodes.
+the load. The worst joint is then put on the limits of the ranges, one by one. The first failure is
+the static model's on nodes that the rule does not use; the peak is never below it. The worst joint
+of each start is then solved down to the peak, on two meshes and with two layouts of the nodes.
 """
 
 import argparse
+import itertools
 import math
 import sys
 from collections.abc import Iterable, Sequence
@@ -155,7 +156,7 @@ def ratio_of(target: Target) -> float | None:
     joint = target.joint
     try:
         cells = CELLS[joint.elastic is not None]
-        problem = posed(joint, target.loading, joint.least_side / cells)
+        problem = posed(joint, target.loading, joint.least_side / cells, least=cells // 2 + 1)
         load = static_first_failure(*problem).point.load
     except CapacityError:
         return None
@@ -209,7 +210,14 @@ def search(space: Space, seed: int, evaluations: int) -> Attack:
         polish=False,
         rng=np.random.default_rng([seed, SPACES.index(space)]),  # a separate one for each space
     )
+    _to_the_limits(ratios)
     return ratios
+
+
+def _to_the_limits(ratios: Attack) -> None:
+    """Put the worst joint on the limits of the ranges, one after the other, where it gets worse."""
+    for dimension, end in itertools.product(range(DIMENSIONS), (0.0, 1.0)):
+        ratios([*ratios.place[:dimension], end, *ratios.place[dimension + 1 :]])
 
 
 def row_of(worst: Attack) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """The static brittle model."""
 
+from sidmacib.answers.joint import on_given_cells
 from sidmacib.mechanics.solution import Equilibrium, StaticSolution
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mechanics.static.peak_spread import static_capacity
 from sidmacib.problem import Problem
 from workflow.outcome import Outcome, State
 
@@ -12,7 +12,7 @@ def solve(problem: Problem) -> Outcome:
 
     `sidmacib.errors.CapacityError` if there is none.
     """
-    found = static_capacity(*problem)
+    found = on_given_cells(problem)
     return _outcome(found.solution, found.path, found.spread)
 
 

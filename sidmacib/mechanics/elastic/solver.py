@@ -37,6 +37,8 @@ RESIDUAL = 1e-9  # of the contact law, over the loads
 FLOOR = 1e-9  # of a node's stiffness: added where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
 LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
+STICKS = 1e6  # times friction: at so much, hardly a node slides
+LEAST_RATIO = 1.01  # of friction that is lowered from there, to that of the next step
 LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
@@ -88,7 +90,8 @@ class ElasticSolver:
 
     def start(self) -> Equilibrium:
         """Equilibrium under the permanent loads alone."""
-        return self.solve(0.0, np.zeros(len(self.kept)), NodeState.initial(self.contact_law))
+        initial = NodeState.initial(self.contact_law)
+        return self.solve(0.0, np.zeros(len(self.kept)), initial, thorough=True)
 
     def solve(
         self, load: float, guess: Floats, state: NodeState, *, thorough: bool = False
@@ -96,15 +99,16 @@ class ElasticSolver:
         """Equilibrium at ``load`` (N), from a ``guess`` of the jumps and the nodes' state.
 
         Raises `NoEquilibriumError` where Newton's method finds none and, if ``thorough``, none from
-        the equilibrium without friction either, at once or with friction raised in steps: from
-        there it also converges where all dry nodes begin without any force.
+        the equilibrium without friction either, at once or with friction raised in steps, from
+        where it also converges if all dry nodes begin without any force; nor from that with so much
+        friction that nothing slides, which is then lowered: stiff dry faces need that.
         """
         found, from_nothing = None, self._from_nothing(guess, state)
         if not (from_nothing and self.cycles_from_nothing):
             found = self._newton(load, guess, state, self.contact_law.friction)
             self.cycles_from_nothing |= from_nothing and found is None and not self.flew_off
         if found is None and thorough:
-            found = self._roughened(load, guess, state)
+            found = self._roughened(load, guess, state) or self._loosened(load, guess, state)
             if found is None and from_nothing and self.cycles_from_nothing:
                 raise SolverError(
                     "no equilibrium of elastic blocks was found from no force at all; give them a "
@@ -139,6 +143,24 @@ class ElasticSolver:
                 step /= 2
             else:
                 found, share, step = rougher, further, 2 * step
+        return found
+
+    def _loosened(self, load: float, guess: Floats, state: NodeState) -> Equilibrium | None:
+        """Equilibrium from that where friction holds all, which is then lowered; None if it fails.
+
+        The ratio of a step that fails becomes its square root, of one that succeeds its square.
+        """
+        friction, times, ratio = self.contact_law.friction, STICKS, STICKS
+        found = self._newton(load, guess, state, times * friction)
+        while found is not None and times > 1.0:
+            if ratio < LEAST_RATIO:
+                return None
+            lower = max(times / ratio, 1.0)
+            looser = self._newton(load, found.unknowns, state, lower * friction)
+            if looser is None:
+                ratio = math.sqrt(ratio)
+            else:
+                found, times, ratio = looser, lower, min(ratio**2, STICKS)
         return found
 
     def _newton(

@@ -1,0 +1,31 @@
+"""Structures as a file describes them, to ask several doors about."""
+
+from typing import Any
+
+from conftest import ROOT
+
+from sidmacib.yaml_text import read_yaml
+from workflow.structures.case import changed
+
+BLOCK = {
+    "blocks": {
+        "base": {"low": [-1, -1, -0.3], "high": [2, 2, 0], "fixed": True},
+        "top": {"low": [0, 0, 0], "high": [0.5, 0.5, 0.4]},
+    },
+    "interfaces": {"friction": 0.5, "cohesion": 1.5e4, "tensile_strength": 1.5e4},
+    "load": {"acceleration": [1, 0, 0]},
+}
+
+
+def study(name: str, **interfaces: float) -> dict[str, Any]:
+    description = read_yaml(ROOT / f"studies/{name}.yaml")
+    return changed(description, {"interfaces": interfaces})
+
+
+FILES = {
+    "bonded block": BLOCK,
+    "bonded arch": study("arch/arch", cohesion=5.0e4, tensile_strength=2.0e4),
+    "mortar wall": study("wall/wall", cohesion=2.0e4, tensile_strength=1.0e4),
+    "trilith": study("structures/trilith"),
+    "dry wall": study("wall/wall"),
+}

@@ -1,0 +1,85 @@
+"""One question has one answer: which load of a joint counts, at every door."""
+
+from dataclasses import replace
+
+import pytest
+from command_runner import answers
+from conftest import a_case
+
+from analysis.explore import pictures
+from analysis.explore.pictures import answers as explored
+from analysis.explore.pictures import peak, which_counts
+from analysis.explore.state import Settings
+from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
+from sidmacib.joint.joint import Direction
+from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.weights import lock_weights
+from sidmacib.mechanics.assembly import NodeLayout
+from workflow.results.record import record_of
+from workflow.solvers.static import solve
+
+JOINTS = {
+    "published": Settings(),
+    "pure shear": Settings(locks=3, eccentricity=0.0),
+    "one piece": Settings(locks=4, one_piece=True),
+    "under pressure": Settings(locks=2, pressure=50.0, eccentricity=0.2),
+    "bonds that fail one by one": Settings(locks=7, eccentricity=1.0),
+}
+
+
+def flags(state: Settings) -> list[str]:
+    joint = state.joint
+    given = {
+        **{"-n": joint.locks, "-a": joint.a, "-b": joint.b, "-h": joint.h, "-H": joint.H},
+        **{"-e": state.eccentricity, "--upper-body": str(joint.upper_body)},
+        "--hold-down": f"pressure:{1e3 * state.pressure:g}" if state.pressure else "plate",
+    }
+    return [str(part) for pair in given.items() for part in pair]
+
+
+def answer(state: Settings) -> JointAnswer:
+    return joint_answer(state.joint, Loading(Direction(state.eccentricity)))
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
+    state = JOINTS[name]
+    joint, direction, found = state.joint, Direction(state.eccentricity), answer(state)
+    shear = found.load * direction.shear
+    (printed,) = answers("capacity", *flags(state), "-m", "static")
+    assert printed["V (N)"] == pytest.approx(shear, rel=1e-9)
+    case = a_case("static", joint, Loading(direction), meshes(joint)[1], NodeLayout.LOBATTO)
+    problem = posed(joint, case.loading, case.mesh)
+    record = record_of(case, problem, solve(problem), {})
+    assert record.shear_N == pytest.approx(shear, rel=1e-9)
+    assert which_counts(state).shear == pytest.approx(shear, rel=1e-9)
+    if found.capacity.is_peak:
+        assert f"peak at V = {shear:.4g} N" in explored(state).words
+        at = peak(joint, state.eccentricity)
+        assert at is not None and at.shear == pytest.approx(shear, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["published", "bonds that fail one by one"])
+def test_locks_have_the_same_weights_at_every_door(name: str) -> None:
+    state = JOINTS[name]
+    found = answer(state)
+    expected = [
+        each.weight for each in lock_weights(state.joint, found.assembly, found.state.force)
+    ]
+    assert [row["weight"] for row in answers("weights", *flags(state))] == pytest.approx(expected)
+    assert found.state.load == pytest.approx(found.load)
+
+
+def test_the_first_failure_counts_where_peaks_spread(monkeypatch: pytest.MonkeyPatch) -> None:
+    state = JOINTS["bonds that fail one by one"]
+    peaked = answer(state)
+    found = replace(peaked, capacity=replace(peaked.capacity, spread=0.08))
+    assert found.why == "first failure; peaks behind it spread by 8 % or more"
+    assert found.first_failure == 1.0
+    assert found.load == pytest.approx(peaked.capacity.solution.first_failure_load)
+    assert found.load == found.state.load < 0.95 * peaked.load
+    monkeypatch.setattr(pictures, "joint_answer", lambda *_: found)
+    shown = which_counts(state)
+    assert shown.shear == pytest.approx(found.load * Direction(1.0).shear)
+    assert found.why in shown.words and f"V = {shown.shear:.4g} N" in shown.words
+    assert "first failure counts" in shown.legend
