@@ -11,6 +11,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.files.structure_file import structure_of
+from workflow.run.step import step
 from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord, read_structure_records
 
@@ -93,3 +94,7 @@ def run(
         assembly, record = structure_of(case.description).assembly, found[case.id]
         for part, mesh in (("blocks", blocks_mesh), ("interfaces", interfaces_mesh)):
             mesh(assembly, record).write(paths[f"{case.name}-{case.model}-{part}.vtu"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -28,15 +28,16 @@ from benchmarks.usage import seconds, used
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mechanics.static.peak_spread import static_capacity
 from sidmacib.problem import Problem
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
+from workflow.engines import ENGINES
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.sampling import Sampling, sampled_joints
-from workflow.planning.closure import ROOT
-from workflow.run.job import read_times
+from workflow.results.files import read_times
+from workflow.run.closure import ROOT
 from workflow.steps.sampling import solved_rows
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
@@ -81,16 +82,16 @@ def static_load(number: int) -> float:
 
 
 def capacities(count: int) -> None:
-    """Solve the static model of many joints, with the spreads of their peaks."""
+    """Find the lowest peaks of many joints by the static model."""
     for number in range(count):
-        static_capacity(*numbered(number))
+        lowest_peak(*numbered(number))
 
 
 def library_figures() -> Iterator[Figure]:
     """The static model, SiDMACIB, law and safe rule."""
     static_load(0)  # compiles
     each = 1e3 * seconds(lambda: capacities(100)) / 100
-    yield Figure("static case with its spread, 5 locks", "ms CPU", each)
+    yield Figure("static case with its lowest peak, 5 locks", "ms CPU", each)
     with ProcessPoolExecutor(2) as pool:
         list(pool.map(static_load, range(20)))
         cases = partial(pool.map, static_load, range(1000), chunksize=50)
@@ -166,27 +167,28 @@ def process_figures(folder: Path) -> Iterator[Figure]:
     batch = study({**many, "eccentricities": RATIOS}, folder, "batch")
     used(batch, ROOT)
     alone = seconds(lambda: capacities(500))
-    added = (own_seconds(folder / "batch", "static") - alone) / 500
+    added = (job_seconds(folder / "batch", "static") - alone) / 500
     yield Figure("added to a static case", "ms CPU", 1e3 * added)
     for engine in ("yade", "liggghts"):
         used(study({**ENGINE, **ONE, "dem": {"engines": [engine]}}, folder, engine), ROOT)
-        yield Figure(f"added to a case of {engine}", "CPU-s", own_seconds(folder / engine, engine))
+        yield Figure(f"a case of {engine}", "CPU-s", job_seconds(folder / engine, engine))
     case = [sys.executable, "-m", "analysis", "case", *one[4:], "--case", "n3-mesh0.02-e0a"]
     used(case, ROOT)
     yield Figure("make case of a finished case", "s", used(case, ROOT).wall)
 
 
-def own_seconds(results: Path, kind: str) -> float:
-    """CPU-s of a study's jobs of a kind, without the programs that they start."""
-    return sum(times["own_cpu_s"] for each, times in read_times(results) if each == kind)
+def job_seconds(results: Path, kind: str) -> float:
+    """CPU-s of a study's jobs of a kind, with the programs that they start."""
+    return sum(cpu for found, _, cpu in read_times(results) if found == kind)
 
 
 def study_figures(results: Path) -> Iterator[Figure]:
-    """Times of a study's jobs in their last run; time steps of guided and unguided searches."""
-    frame = pd.DataFrame([times for _, times in read_times(results)])
-    if len(frame):
-        yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
-        yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
+    """Times of a study's cases in their last run; time steps of guided and unguided searches."""
+    times = pd.DataFrame(read_times(results), columns=["kind", "wall", "cpu"])
+    if len(times):
+        yield Figure("study: all cases", "CPU-s", times["cpu"].sum())
+        engines = times["kind"].isin(ENGINES)
+        yield Figure("study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum())
     for engine in ("yade", "liggghts"):
         found = sorted((results / "cases" / engine).glob(f"*/{RESULT}"))
         steps = {path.parent.name: json.loads(path.read_text())["time_steps"] for path in found}

@@ -32,6 +32,7 @@ from .mechanics.assembly import Loads as Loads
 from .mechanics.assembly import NodeLayout as NodeLayout
 from .mechanics.limit import limit_load as limit_load
 from .mechanics.limit_sensitivity import limit_derivatives as limit_derivatives
+from .mechanics.static.lowest_peak import lowest_peak as lowest_peak
 from .mechanics.static.model import static_first_failure as static_first_failure
 from .mechanics.static.model import static_peak as static_peak
 from .rule.demand import Candidate as Candidate

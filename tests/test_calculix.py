@@ -16,7 +16,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised
 from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
-from workflow.configuration import ConfigError, installed_engines, read_study
+from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.engines import ENGINES
 from workflow.engines.calculix.deck import CalculixDeck, line_weights
 from workflow.engines.calculix.process import read_state
@@ -245,7 +245,7 @@ def test_a_study_continues_without_an_engine_that_is_not_installed(
 ) -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
     monkeypatch.setenv("PATH", "")
-    assert installed_engines(study) == []
+    assert with_installed_engines(study).dem.engines == ()
     note = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
     assert note in capsys.readouterr().err
 

@@ -131,8 +131,11 @@ def test_peaks_fall_with_the_eccentricity() -> None:
     assert shears == sorted(shears, reverse=True)
 
 
-def test_the_curve_states_the_spread_of_the_peak() -> None:
-    assert which_counts(Settings(eccentricity=0.3)).legend == " (spread 0.0 % at 0.3 a)"
+def test_the_curve_states_the_lowest_peak_found_where_it_is_below_the_curve() -> None:
+    near = which_counts(Settings(eccentricity=0.3))
+    assert (near.legend, near.words) == (" (no lower peak found at 0.3 a)", "")
+    far = which_counts(Settings(locks=11, eccentricity=1.0))
+    assert far.words.startswith("The load that counts is the lowest peak found: V = ")
     assert which_counts(Settings(young=10.0)) == Counted()
 
 

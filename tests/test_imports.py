@@ -47,11 +47,7 @@ def test_solvers_are_loaded_with_the_first_programme() -> None:
 
 
 def test_planning_a_study_loads_no_compiled_model() -> None:
-    assert "numba" not in loaded_by("import workflow.planning.plan")
-
-
-def test_a_case_in_an_engine_loads_no_compiled_model() -> None:
-    assert "numba" not in loaded_by("import workflow.run.job, workflow.steps.engine")
+    assert "numba" not in loaded_by("import workflow.planning.batches, workflow.run.closure")
 
 
 def test_every_public_name_is_there_and_listed() -> None:

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from analysis.tables.collect import ResultErrors, errors_of
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.joints.case import Case
 from workflow.planning.cases import second_mesh
@@ -160,17 +160,6 @@ def test_a_first_failure_has_an_error_of_its_own() -> None:
     assert found.load > 0.1
 
 
-def test_the_error_of_a_peak_that_spreads_is_that_of_the_first_failure() -> None:
-    records = [
-        replace(made_up(mesh), first_failure_load_N=LIMIT, peak_spread=spread)
-        for mesh, spread in ((0.02, 0.0), (0.01, 0.03))
-    ]
-    found = errors_of(records)
-    finer = found["static", "n-mesh0.01"]
-    assert finer.load == finer.first_failure
-    assert found["static", "n-mesh0.02"].load != found["static", "n-mesh0.02"].first_failure
-
-
 # --- of the static model -------------------------------------------------------------------------
 def random_joint(rng: np.random.Generator) -> tuple[Joint, Direction]:
     """Any sizes, stiffnesses, friction and direction; ratios are spread in their logarithm."""
@@ -203,7 +192,8 @@ def loads_of(
     joint: Joint, direction: Direction, parts: int, nodes: NodeLayout
 ) -> tuple[float, float]:
     """First failure and peak (N) on a mesh of the shorter side of a lock over ``parts``."""
-    found = load_path(joint, Loading(direction), 0.999 * joint.least_side / parts, nodes)[1]
+    mesh = 0.999 * joint.least_side / parts
+    found = static_peak(*posed(joint, Loading(direction), mesh, nodes))
     return found.first_failure_load, found.peak.load
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from analysis.explore.state import SLIDERS, Settings
-from sidmacib.errors import CapacityError
 from sidmacib.rule.law import require_covered
 
 MOST_VALUES = 41  # of a slider, that are tried
@@ -32,6 +31,6 @@ def _is_covered(state: Settings, name: str, value: float) -> bool:
     changed = replace(state, **{name: int(value) if name == "locks" else value})  # type: ignore[arg-type]
     try:
         require_covered(changed.joint)
-    except (CapacityError, ValueError):
+    except ValueError:
         return False
     return True

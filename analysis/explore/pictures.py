@@ -51,7 +51,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Counted:
-    """V (N) of the load that counts, the legend of it, and a sentence where it is no peak."""
+    """V (N) of the load that counts, its legend, and a sentence where others were found."""
 
     shear: float | None = None
     legend: str = ""
@@ -95,11 +95,10 @@ def which_counts(state: Settings) -> Counted:
     except CapacityError:
         return Counted()
     shear = found.load * loading.direction.shear
-    if not found.capacity.is_peak:
-        words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
-        return Counted(shear, f" (first failure counts at {state.eccentricity:g} a)", words)
-    spread = 100.0 * found.capacity.spread
-    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)")
+    if not (spread := 100.0 * found.solution.spread):
+        return Counted(shear, f" (no lower peak found at {state.eccentricity:g} a)")
+    words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
+    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)", words)
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:

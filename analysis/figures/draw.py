@@ -19,6 +19,7 @@ from workflow.results.tables import (
     VARIANTS,
     read_table,
 )
+from workflow.run.step import step
 from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
@@ -79,3 +80,7 @@ def run(
         )
         figure = DRAWN_BY[spec.kind](material)
         style.save(figure, [path for path in outputs["figures"] if path.stem == name])
+
+
+if __name__ == "__main__":
+    step(run)

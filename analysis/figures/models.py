@@ -17,7 +17,7 @@ from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
 from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, REFERENCE_MODEL
 from workflow.planning.cases import cases_of
@@ -125,7 +125,7 @@ def _path(axes: Axes, material: FigureData) -> str:
     case = first[0]
     try:
         problem = posed(case.joint, case.loading, case.mesh, case.nodes)
-        path = static_peak(*problem).path
+        path = lowest_peak(*problem).path
     except CapacityError:
         return ""
     behind = [path[-1], *islice(after_peak(*problem, path[-1]), MOST_BEHIND)]

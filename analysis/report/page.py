@@ -13,6 +13,7 @@ from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYL
 from analysis.report.provenance import as_yaml
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
+from workflow.run.step import step
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 
@@ -83,3 +84,7 @@ def run(
     configuration = as_yaml(json.loads(arguments["configuration"]))
     summaries = [inputs[name].read_text() for name in SUMMARIES if name in inputs]
     outputs["page"].write_text(page(data, configuration, "\n".join(summaries)))
+
+
+if __name__ == "__main__":
+    step(run)

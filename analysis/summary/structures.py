@@ -9,6 +9,7 @@ import pandas as pd
 from sidmacib.answers.structure import FIRST_FAILURE
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
+from workflow.run.step import step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
@@ -86,3 +87,7 @@ def run(
     """Write the summary."""
     rows = read_table(STRUCTURES, inputs["structures"])
     outputs["summary"].write_text(summary(arguments["results"], rows))
+
+
+if __name__ == "__main__":
+    step(run)

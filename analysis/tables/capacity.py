@@ -26,6 +26,7 @@ from workflow.results.tables import (
     read_table,
     write_table,
 )
+from workflow.run.step import step
 from workflow.schema import Study
 
 NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
@@ -183,3 +184,7 @@ def run(
     write_table(CAPACITY, capacity_table(study, cases, weights), outputs["capacity"])
     envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
     write_table(ENVELOPES, envelopes, outputs["envelopes"])
+
+
+if __name__ == "__main__":
+    step(run)

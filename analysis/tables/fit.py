@@ -23,6 +23,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
+from workflow.run.step import step
 from workflow.schema import Study
 
 
@@ -128,3 +129,7 @@ def run(
     capacity = read_table(CAPACITY, inputs["capacity"])
     write_table(FIT, fit_table(capacity), outputs["fit"])
     write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])
+
+
+if __name__ == "__main__":
+    step(run)

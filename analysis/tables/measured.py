@@ -9,6 +9,7 @@ import pandas as pd
 
 from analysis.tables.study_points import study_points
 from workflow.results.tables import CAPACITY, MEASURED, read_table, write_table
+from workflow.run.step import step
 from workflow.schema import Study
 
 
@@ -55,3 +56,7 @@ def run(
     study = Study.model_validate_json(arguments["study"])
     capacity = read_table(CAPACITY, inputs["capacity"])
     write_table(MEASURED, measured_table(study, capacity), outputs["measured"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, write_table
+from workflow.run.step import step
 
 
 def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -23,3 +24,7 @@ def run(
     """Put the batches of all samplings together."""
     table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
     write_table(SAMPLINGS, table, outputs["samplings"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -19,6 +19,7 @@ from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
+from workflow.run.step import step
 from workflow.structures.record import (
     InterfaceRow,
     StructureRecord,
@@ -181,3 +182,7 @@ def run(
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
     write_table(INTERFACES, interfaces_table(records), outputs["interfaces"])
     write_table(BLOCKS, blocks_table(records), outputs["blocks"])
+
+
+if __name__ == "__main__":
+    step(run)

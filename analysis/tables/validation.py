@@ -15,6 +15,7 @@ from analysis.tables.study_points import pure_shear_weights, study_points
 from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
+from workflow.run.step import step
 from workflow.schema import Study
 
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
@@ -213,3 +214,7 @@ def run(
     )
     table = validation_table(study, capacity, weights, fit, read_published())
     write_table(VALIDATION, table, outputs["validation"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -11,6 +11,7 @@ import pandas as pd
 
 from analysis.tables.misfit import LoadErrors, misfit
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
+from workflow.run.step import step
 from workflow.schema import Study
 
 FEWEST = 3  # directions that an option is judged by
@@ -75,3 +76,7 @@ def run(
     study = Study.model_validate_json(arguments["study"])
     capacity, sums = (read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHT_SUMS))
     write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])
+
+
+if __name__ == "__main__":
+    step(run)

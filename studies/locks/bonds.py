@@ -10,6 +10,7 @@ import pandas as pd
 from sidmacib.mechanics.assembly import Failure
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import step
 
 ENERGIES = (
     (1.0, 10.0),
@@ -66,3 +67,7 @@ def run(
 ) -> None:
     """Write the table."""
     write_table(BONDS, bonds_table(read_table(POINTS, inputs["points"])), outputs["bonds"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -14,6 +14,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import step
 
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
@@ -175,3 +176,7 @@ def run(
     points = read_table(POINTS, inputs["points"])
     write_table(LAW, law_table(points), outputs["law"])
     write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -16,6 +16,7 @@ from sidmacib.rule.pairs import Pairs
 from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
 from studies.locks.points import POINTS
 from workflow.results.tables import read_table
+from workflow.run.step import step
 
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn
@@ -220,3 +221,7 @@ def run(
     points = read_table(POINTS, inputs["points"])
     for name, draw in DRAWN.items():
         style.save(draw(points), [path for path in outputs["figures"] if path.stem == name])
+
+
+if __name__ == "__main__":
+    step(run)

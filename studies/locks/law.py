@@ -13,6 +13,7 @@ from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.joints.sampling import SampledJoint
+from workflow.run.step import step
 from workflow.steps.joints import joints_of, write_rows
 
 MANY = 41  # locks
@@ -68,3 +69,7 @@ def _saturation(joint: Joint) -> float | None:
         return first_failure(long, Loading(Direction(0.0))).load / long.T0
     except (CapacityError, ValueError):
         return None
+
+
+if __name__ == "__main__":
+    step(run)

@@ -18,6 +18,7 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
+from workflow.run.step import step
 
 SCATTERED_LOCKS = (3, 5, 9, 15)
 RATIOS = (0.0, 0.3)  # e / a
@@ -116,3 +117,7 @@ def run(
     base = dataclass_from(Joint, arguments["base"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
     write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
+from workflow.run.step import step
 
 POINTS = Table(  # loads over T0; sampling, number: which joint
     "points",
@@ -37,3 +38,7 @@ def run(
     solved = read_table(SAMPLINGS, inputs["samplings"])
     points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
     write_table(POINTS, points, outputs["points"])
+
+
+if __name__ == "__main__":
+    step(run)

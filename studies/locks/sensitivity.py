@@ -20,6 +20,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.joints.sampling import Sampling, with_ratios
 from workflow.results.tables import Table, write_table
+from workflow.run.step import step
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
@@ -96,3 +97,7 @@ def run(
     sampling = dataclass_from(Sampling, arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
+
+
+if __name__ == "__main__":
+    step(run)

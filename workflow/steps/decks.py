@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from workflow.joints.case import Case
+from workflow.run.step import step
 from workflow.threedec import deck
 
 
@@ -14,3 +15,7 @@ def run(
     """Write the deck of each case."""
     for data, path in zip(arguments["cases"], outputs["decks"], strict=True):
         path.write_text(deck(Case.from_json(data)))
+
+
+if __name__ == "__main__":
+    step(run)

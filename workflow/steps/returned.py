@@ -7,6 +7,7 @@ from typing import Any
 from workflow.joints.case import Case
 from workflow.results.files import write_record
 from workflow.results.record import ResultError, failed_record, record_of
+from workflow.run.step import step
 from workflow.threedec import read_returned
 
 
@@ -22,3 +23,7 @@ def run(
         record = failed_record(case, f"{case.model}: {error}")
     write_record(record, outputs["record"])
     return None if record.error is None else f"{case.name}: {record.error}"
+
+
+if __name__ == "__main__":
+    step(run)

@@ -14,6 +14,7 @@ from sidmacib.mechanics.assembly import NodeLayout
 from workflow.joints.case import REFERENCE, Case, case_name
 from workflow.joints.sampling import SampledJoint
 from workflow.results.record import CaseRecord, ResultError
+from workflow.run.step import step
 from workflow.solvers import limit, static
 from workflow.steps.joints import joints_of, write_rows
 from workflow.steps.solve import solved
@@ -112,3 +113,7 @@ def _loads(joint: Joint, coarse: CaseRecord, fine: CaseRecord) -> dict[str, Any]
         "weight_sum": math.fsum(each["weight"] for each in weights),
         "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
     }
+
+
+if __name__ == "__main__":
+    step(run)

@@ -18,6 +18,7 @@ from workflow.joints.problem import problem_of
 from workflow.outcome import Outcome
 from workflow.results.files import NODE_COLUMNS, force_to_stress
 from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+from workflow.run.step import step
 
 HISTORY_COLUMNS = ("load_N", "displacement_m")
 
@@ -93,3 +94,7 @@ def _repeated(text: str, count: int) -> pa.Array:
 def _named(names: Iterable[str], index: Any) -> pa.Array:
     plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
     return plain.cast(pa.string())
+
+
+if __name__ == "__main__":
+    step(run)

@@ -11,6 +11,7 @@ from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.model import Ability
 from workflow.models import MODELS
 from workflow.results.record import ResultError
+from workflow.run.step import step
 from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
 
@@ -43,3 +44,7 @@ def solved(case: StructureCase, module: str) -> StructureRecord:
     except (CapacityError, ResultError, ValueError, MemoryError) as error:
         reason = str(error) or "out of memory"
         return record_without_result(case, error=f"{case.model}: {reason}")
+
+
+if __name__ == "__main__":
+    step(run)
