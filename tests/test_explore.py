@@ -24,7 +24,7 @@ from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.problem import Problem
-from sidmacib.rule.law import MOST_ECCENTRIC_PAIR, law
+from sidmacib.rule.law import law
 from workflow.configuration import read_study
 
 STATES = (
@@ -155,17 +155,14 @@ def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_be
                 law(replace(state, **{name: beyond}).joint, Direction(0.3))
 
 
-def test_two_locks_are_covered_within_their_only_dry_face() -> None:
-    assert covered(Settings(locks=2, eccentricity=0.3))["eccentricity"] == (
-        0.0,
-        MOST_ECCENTRIC_PAIR,
-    )
+def test_two_locks_are_covered_at_every_eccentricity() -> None:
+    assert covered(Settings(locks=2, eccentricity=0.3))["eccentricity"] == (0.0, 3.0)
 
 
 def test_nothing_of_one_size_brings_a_joint_back_that_another_size_takes_out() -> None:
-    flat = Settings(h=40.0, b=20.0)
-    assert covered(flat)["eccentricity"] is None
-    assert covered(flat)["h"] is not None
+    high = Settings(H=150.0, b=20.0)
+    assert covered(high)["eccentricity"] is None
+    assert covered(high)["H"] is not None
 
 
 # --- effects ------------------------------------------------------------------------------------

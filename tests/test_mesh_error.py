@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.tables.collect import MeshErrors, errors_of
+from analysis.tables.collect import ResultErrors, errors_of
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
@@ -123,7 +123,7 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     found = errors_of(records)
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
-    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(expected))
+    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(expected))
     assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
 
 
@@ -132,7 +132,7 @@ def test_a_model_at_two_meshes_has_its_own_error() -> None:
     records = [made_up(mesh, model, load) for (model, mesh), load in loads.items()]
     found = errors_of([*records, made_up(0.01, "yade", 100.0)])
     least = 0.02 / math.sqrt(30.0)
-    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(least))
+    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(least))
     assert found["yade", "n-mesh0.02"].load == pytest.approx(
         least + 0.02 + 0.02 / (math.sqrt(30.0) / 3.0 - 1.0)
     )

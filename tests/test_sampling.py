@@ -27,7 +27,7 @@ from studies.locks.freedoms import freedoms_table, minimax
 from studies.locks.interaction import curve, interaction_table
 from studies.locks.paper_joint import assumed_sizes_table, characteristic_table
 from studies.locks.points import points_of
-from studies.locks.sensitivity import PARAMETERS, sensitivity_table
+from studies.locks.sensitivity import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.joints.sampling import SampledJoint, sampled_joints
 from workflow.schema.sampling import SamplingSection
@@ -288,7 +288,7 @@ def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
     """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
     section = SamplingSection(joints=2, friction=(0.0, 1e-9))
     table = sensitivity_table(section.sampling(), Joint(3), draws=2)
-    assert len(table) == 2 * 2 * 2 * len(PARAMETERS)
+    assert len(table) == 2 * 2 * 2 * len(VARIED)
     total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
     assert total.loc[(slice(None), "friction")].abs().max() < 0.05
     assert total.loc[(0.0, "a_over_b")].abs().max() < 0.05

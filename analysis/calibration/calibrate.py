@@ -12,7 +12,7 @@ import pandas as pd
 import yaml
 
 from analysis.calibration.candidates import (
-    Candidate,
+    Trial,
     best_rows,
     candidate_of,
     candidate_study,
@@ -83,7 +83,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 Tables = tuple[Study, pd.DataFrame, pd.DataFrame]
 
 
-def ranked(best: Sequence[Candidate]) -> dict[str, Candidate]:
+def ranked(best: Sequence[Trial]) -> dict[str, Trial]:
     """Candidates by rank."""
     return {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
 

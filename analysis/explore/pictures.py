@@ -42,7 +42,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class Answers:
-    """What models say of a joint at the chosen eccentricity, and why some do not."""
+    """Answers of the models at the chosen eccentricity, and reasons where there are none."""
 
     peak: Peak | None
     rules: dict[str, LawCapacity]
@@ -147,7 +147,7 @@ def ratios(state: Settings) -> tuple[float, ...]:
 
 
 def pictures(state: Settings, results: Answers) -> dict[str, Any]:
-    """What the page draws: points in the V-M plane, weights, the joint from the side (mm)."""
+    """Drawings of the page: points in the V-M plane, weights, the joint from the side (mm)."""
     name = "static" if state.joint.elastic is None else "law"
     kind = "peak" if state.joint.elastic is None else "first failure"
     return {

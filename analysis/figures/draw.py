@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
-from analysis.figures.material import Material, Stresses
+from analysis.figures.material import FigureData, Stresses
 from workflow.results.files import BATCH_NODES, read_records
 from workflow.results.tables import (
     CAPACITY,
@@ -22,13 +22,13 @@ from workflow.results.tables import (
 from workflow.run.step import step
 from workflow.schema import Study
 
-DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
+DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "joint": joint.joint,
     "options": curves.options,
     "meshes": curves.meshes,
     "revised": curves.revised,
-    "shear_stress": stress_maps.shear_stress,
-    "torsion_stress": stress_maps.torsion_stress,
+    "shear_stress": stress_maps.stress_map,
+    "torsion_stress": stress_maps.stress_map,
     "models": models.models,
     "side_by_side": side_by_side.side_by_side,
     "stiffness": variants.stiffness,
@@ -38,7 +38,7 @@ KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
 def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
-    """What the figure shows, ``records`` being the file with the case's record; None if it failed.
+    """Stresses of the case whose record is in the file ``records``; None if it failed.
 
     The nodes are in the case's own folder, or in those of the batch that it was solved in.
     """
@@ -67,7 +67,7 @@ def run(
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
         stresses = stresses_of(spec, inputs[name]) if name in inputs else None
-        material = Material(
+        material = FigureData(
             spec,
             study,
             detailed_models,

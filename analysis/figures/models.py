@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point, rule_curve
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
@@ -26,7 +26,7 @@ from workflow.schema import Study
 MOST_BEHIND = 40  # points of a path behind its peak
 
 
-def models(material: Material) -> Figure:
+def models(material: FigureData) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
     if not material.models:
@@ -110,7 +110,7 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
     axes.set_xlabel("displacement (µm)")
 
 
-def _path(axes: Axes, material: Material) -> str:
+def _path(axes: Axes, material: FigureData) -> str:
     """The static model's whole path, to the peak and behind it; the sentence on it."""
     study, mesh = material.study, min(material.study.meshes)
     first = [

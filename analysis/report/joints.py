@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
-from analysis.report.json_values import json_value
+from analysis.report.json_values import finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
 from analysis.report.provenance import sizes_of
 from analysis.summary.summary import AGREEMENT
@@ -40,20 +40,19 @@ def law_of(joint: Joint) -> dict[str, list[Any]]:
 
 
 def joints_verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dict[str, str]]:
-    """Findings: ``title``, ``text``, and ``kind``: good, bad or note."""
+    """Findings on the joints of a study."""
     return [
         *_failed(tables["cases"]),
         *_published(tables["validation"]),
         *_agreement(tables["cases"]),
         *verdict_of_spread(tables["capacity"]),
-        {
-            "title": "What is assumed",
-            "text": "The positions of the contact points."
+        finding(
+            "What is assumed",
+            "The positions of the contact points."
             if tables["validation"].empty
             else "The positions of the contact points, and a, b, h and H of the published samples: "
             "the paper's text gives a·b only.",
-            "kind": "note",
-        },
+        ),
     ]
 
 
@@ -61,38 +60,27 @@ def _failed(cases: pd.DataFrame) -> list[dict[str, str]]:
     failed = cases[cases["error"].notna()]
     if failed.empty:
         return []
-    return [
-        {
-            "title": "Cases without a result",
-            "text": f"{len(failed)} of {len(cases)}: they are listed at the end.",
-            "kind": "bad",
-        }
-    ]
+    text = f"{len(failed)} of {len(cases)}: they are listed at the end."
+    return [finding("Cases without a result", text, "bad")]
 
 
 def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
     peaks = validation[validation["quantity"].eq(PEAK) & validation["model"].ne("limit")]
     peaks = peaks.dropna(subset=["relative_difference"])
     if peaks.empty:
-        return [
-            {
-                "title": "Published numbers",
-                "text": "There are none for the samples of this study.",
-                "kind": "note",
-            }
-        ]
+        return [finding("Published numbers", "There are none for the samples of this study.")]
     found = []
     for setting, part in peaks.groupby("setting", sort=True):
         worst = part.loc[part["relative_difference"].abs().idxmax()]
         size = abs(float(worst["relative_difference"]))
         found.append(
-            {
-                "title": f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                "text": f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
+            finding(
+                f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
+                f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
                 f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
                 f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
-                "kind": "good" if size < NEAR else "note",
-            }
+                "good" if size < NEAR else "note",
+            )
         )
     return found
 
@@ -102,13 +90,9 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
     if compared.empty:
         return []
     worst = float(compared["difference_to_static"].abs().max())
-    return [
-        {
-            "title": "Engines against the static model",
-            "text": f"{len(compared)} cases on the same nodes, at most {100 * worst:.2f} % apart.",
-            "kind": "good" if worst < AGREEMENT else "bad",
-        }
-    ]
+    text = f"{len(compared)} cases on the same nodes, at most {100 * worst:.2f} % apart."
+    kind = "good" if worst < AGREEMENT else "bad"
+    return [finding("Engines against the static model", text, kind)]
 
 
 def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
@@ -126,7 +110,7 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
-    """What the page's charts of joints are drawn from, beside the tables."""
+    """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
     samples = {case.sample: case for case in cases}
     return {

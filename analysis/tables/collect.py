@@ -26,7 +26,7 @@ SHARED = (
 
 
 @dataclass(frozen=True)
-class MeshErrors:
+class ResultErrors:
     """Relative mesh errors of a result's load and of its first failure; None: not known."""
 
     load: float | None = None
@@ -68,7 +68,7 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
         row["peak_N"] = None if first_failure_only(record.model) else record.peak_N
         row["static_load_N"] = compared
         row["difference_to_static"] = load / compared - 1.0 if compared and load else None
-        errors = mesh_errors.get((record.model, record.name), MeshErrors())
+        errors = mesh_errors.get((record.model, record.name), ResultErrors())
         row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
@@ -125,7 +125,7 @@ def models_table(
             columns
             | {
                 "load_N": record.load_N,
-                "mesh_error": mesh_errors.get((record.model, record.name), MeshErrors()).load,
+                "mesh_error": mesh_errors.get((record.model, record.name), ResultErrors()).load,
                 "first_failure_load_N": failure,
                 "peak_spread": record.peak_spread,
                 "friction_share": friction_share(record),
@@ -169,7 +169,7 @@ def run(
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors]:
+def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], ResultErrors]:
     """Mesh errors of results by model and name of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
@@ -180,7 +180,7 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors
     for r in records:
         series.setdefault((r.model, r.variant, r.series), []).append(r)
     by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
-    lendable: dict[tuple[str, float], MeshErrors] = {}
+    lendable: dict[tuple[str, float], ResultErrors] = {}
     for lender in SOLVED:
         for (model, _, joint), errors in by_series.items():
             if model == lender:
@@ -196,7 +196,7 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors
     return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
-def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
+def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, ResultErrors]:
     """Mesh errors of results of one joint and model, by mesh (m)."""
     records = list(records)
     layout = NodeLayout(records[0].nodes)
@@ -206,7 +206,7 @@ def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
     known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {
-        r.mesh_m: MeshErrors(load.get(r.cells), first.get(r.cells))
+        r.mesh_m: ResultErrors(load.get(r.cells), first.get(r.cells))
         for r in records
         if r.cells in load
     }

@@ -134,7 +134,7 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
 
 
 @dataclass(frozen=True)
-class Line:
+class PublishedLine:
     """A published number and the rows of the validation table that belong to it, by sample."""
 
     quantity: str
@@ -144,15 +144,15 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PublishedSamples:
     """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
 
     locks: int
     samples: Mapping[str, str]
-    lines: tuple[Line, ...]
+    lines: tuple[PublishedLine, ...]
 
 
-def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Comparison]:
+def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[PublishedSamples]:
     """The validation table by number of locks; ``leading``: the model that is shown, by sample.
 
     SiDMACIB's numbers are those without friction along the locks; with it they are the same.
@@ -170,10 +170,10 @@ def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Com
             for row in rows.drop_duplicates("sample").itertuples()
         }
         lines = tuple(
-            Line(quantity, mesh, next(iter(line.values())).published, line)
+            PublishedLine(quantity, mesh, next(iter(line.values())).published, line)
             for (quantity, mesh), line in by_line.items()
         )
-        yield Comparison(int(str(locks)), samples, lines)
+        yield PublishedSamples(int(str(locks)), samples, lines)
 
 
 QUANTITIES = (  # of the validation table: pattern and label

@@ -136,7 +136,7 @@ def reason(error: Exception) -> str:
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
-    """What each lock carries at the load that counts in the static model.
+    """Loads of the locks at the load that counts in the static model.
 
     `CapacityError` if there is none.
     """
@@ -196,7 +196,7 @@ def effect_rows(
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
-    """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    """Numbers of working locks in pure shear: the closed form, the law, the safe rule."""
     from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)

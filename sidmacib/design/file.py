@@ -12,7 +12,7 @@ import yaml
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
-from sidmacib.design.model import Case, Site, Structure
+from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
@@ -66,9 +66,9 @@ class CaseText:
         flow = yaml.safe_dump({self.name: values}, default_flow_style=True, width=1000)
         return flow.strip().removeprefix("{").removesuffix("}")
 
-    def of(self, assembly: Assembly) -> Case:
+    def of(self, assembly: Assembly) -> LoadCase:
         """The case on an ``assembly``, whose locks may be cut out; ValueError."""
-        return Case(self.name, self.loads(assembly), self.amount(assembly))
+        return LoadCase(self.name, self.loads(assembly), self.amount(assembly))
 
     def loads(self, assembly: Assembly) -> Loads:
         """ValueError that names the case."""
@@ -98,7 +98,7 @@ class Task:
 
     description: Mapping[str, Any]
     folder: Path
-    structure: Structure
+    structure: DesignProblem
     cases: tuple[CaseText, ...]
     factor: float
     first_failure: bool
@@ -130,7 +130,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     option = given.get("option", "option3")
     if not isinstance(option, str) or option not in OPTIONS:
         raise refused("design.option", option, f"one of {', '.join(OPTIONS)}")
-    structure = Structure(
+    structure = DesignProblem(
         assembly,
         sites,
         tuple(case.of(assembly) for case in cases),

@@ -69,7 +69,7 @@ def collapse(points: pd.DataFrame) -> Figure:
 
 
 def _origin(points: pd.DataFrame) -> str:
-    """How many joints of which samplings there are, as a sentence."""
+    """A sentence with the number of joints of each sampling."""
     counts = points.groupby("sampling", sort=True)["number"].nunique()
     listed = ", ".join(f"{count} of {name}" for name, count in counts.items())
     return f"Joints of the samplings: {listed}. "
@@ -104,7 +104,7 @@ def _errors(axes: Axes, points: pd.DataFrame) -> None:
 
 
 def margins(points: pd.DataFrame) -> Figure:
-    """How far law and safe rule are from what they stand for."""
+    """Margins of law and safe rule over the loads that they stand for."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
     held = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
     kinds = (
@@ -136,7 +136,7 @@ def margins(points: pd.DataFrame) -> Figure:
 
 
 def rules(points: pd.DataFrame) -> Figure:
-    """How far each rule is from the peak, as percentiles over the number of locks."""
+    """Errors of each rule against the peak, as percentiles over the number of locks."""
     odd = brittle_odd_joints(points)
     pure = odd[odd["eccentricity_over_a"].eq(0.0)]
     errors = rule_errors(odd, "option4")

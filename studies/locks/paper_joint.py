@@ -28,7 +28,7 @@ LOCKS = (3, 5, 7, 15)
 AREA = 0.003  # a b in m2; Table 1 of the paper
 SLENDERNESS = (0.8, 1.2, 2.0, 3.0)  # a / b
 HEIGHTS = (0.08, 0.16, 0.3, 0.6)  # h / b
-BODIES = (0.4, 0.54, 1.0, 2.0)  # H / b
+BODY_HEIGHTS = (0.4, 0.54, 1.0, 2.0)  # H / b
 FRICTIONS = (0.005, 0.3)
 
 CHARACTERISTIC = Table(
@@ -78,7 +78,10 @@ def assumed_sizes_table(base: Joint) -> pd.DataFrame:
     for locks, friction in product(LOCKS, FRICTIONS):
         joint = replace(base, locks=locks, dry=replace(base.dry, friction=friction))
         working = np.array(
-            [_working(_sized(joint, *sizes)) for sizes in product(SLENDERNESS, HEIGHTS, BODIES)]
+            [
+                _working(_sized(joint, *sizes))
+                for sizes in product(SLENDERNESS, HEIGHTS, BODY_HEIGHTS)
+            ]
         )
         half = (locks - 1) / 2
         rows.append(

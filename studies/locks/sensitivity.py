@@ -29,7 +29,7 @@ RATIO_NAMES = (
     *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
 )
 COHESIONS = (1.0 / 1.5, 1.5)  # over the study's: a scatter of some 25 %
-PARAMETERS = (*RATIO_NAMES, "cohesion")
+VARIED = (*RATIO_NAMES, "cohesion")
 SENSITIVITY = Table(
     "sensitivity",
     (
@@ -59,7 +59,7 @@ def sensitivity_table(sampling: Sampling, base: Joint, draws: int = DRAWS) -> pd
         )
         values = loads(np.array([spread.rvs(draws, random_state=1) for spread in spreads]))
         for direction, ratio in enumerate(RATIOS):
-            for place, name in enumerate(PARAMETERS):
+            for place, name in enumerate(VARIED):
                 rows.append(
                     {
                         "locks": locks,

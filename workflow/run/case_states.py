@@ -15,6 +15,7 @@ from workflow.structures.record import StructureRecord, read_structure_records
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
 REFUSED = "refused"  # by a model that cannot do such a structure
+NONE = (None, False)
 CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 
 
@@ -26,7 +27,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     """
     study = read_study_file(config, results)
     current, records = _current(config, study.results), Path(study.results)
-    found: dict[Any, tuple[CaseRecord | StructureRecord, bool]] = {}
+    found: dict[Any, tuple[CaseRecord | StructureRecord | None, bool]] = {}
     for path in current:
         read = (
             read_structure_records if path.is_relative_to(records / "structures") else read_records
@@ -35,9 +36,9 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
             found |= {record.id: (record, current[path]) for record in read([path])}
         except (OSError, ResultError):
             continue
-    cases = [*case_jobs(study).cases.values(), *structure_jobs(study).cases.values()]
+    cases: list[Any] = [*case_jobs(study).cases.values(), *structure_jobs(study).cases.values()]
     return [
-        {"model": case.model, "case": case.name, **_state(*found.get(case.id, (None, False)))}
+        {"model": case.model, "case": case.name, **_state(*found.get(case.id, NONE))}
         for case in cases
     ]
 

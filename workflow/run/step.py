@@ -12,21 +12,23 @@ import __main__
 
 PR_SET_PDEATHSIG = 1
 
-Step = Callable[[Mapping[str, Any], Mapping[str, Any], Mapping[str, Any]], str | None]
+Arguments = Mapping[str, Any]
+Files = Mapping[str, Path]
+FileLists = Mapping[str, list[Path]]
 
 
 class KilledError(SystemExit):
     """A program that the job started was killed from outside; a cluster may try again."""
 
 
-def step(run: Step) -> None:
+def step(run: Callable[[Arguments, Any, Any], str | None]) -> None:
     """Call ``run`` with the parameters, inputs and outputs of the job that runs this script.
 
     ``run`` takes parameters and resources by name, and paths by name: each a path or a list of
     paths. It may return why a case has no result, which its outputs say too. All that is printed
     goes to the job's log. The job ends with the process that started it, however that ends.
     """
-    job = __main__.snakemake  # type: ignore[attr-defined]  # Snakemake puts it there
+    job = __main__.snakemake  # which Snakemake puts there
     _end_with_parent()
     log = os.open(job.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
     for stream in (1, 2):

@@ -1,4 +1,4 @@
-"""What each interface of a structure carries: resultants and utilisation, from forces at nodes."""
+"""Resultants and utilisation of each interface of a structure, from forces at nodes."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhe
 
 @dataclass(frozen=True)
 class InterfaceForce:
-    """What an interface carries.
+    """Forces that an interface carries.
 
     ``normal``: compression in N, negative in tension; ``shear``: size of the resultant along the
     interface, N. ``eccentricity``: of the resultant from the centroid, over the distance to the
@@ -42,7 +42,7 @@ class InterfaceForce:
 def interface_forces(
     assembly: Assembly, force: Floats, state: NodeState | None = None
 ) -> tuple[InterfaceForce, ...]:
-    """What each face of ``assembly`` carries under node forces, (N, 3) in N as in `Equilibrium`.
+    """Resultants of each face of ``assembly`` under node forces, (N, 3) in N as in `Equilibrium`.
 
     ``state``: of the nodes; by default all bonds are whole.
     """
@@ -113,7 +113,7 @@ def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: fl
 
 
 def _centre(places: Floats, normal: Floats) -> Vector | None:
-    """Where normal forces, (N,) in N, act at ``places``, (N, 3) in m; None if they add up to 0."""
+    """Centre of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
     whole = float(normal.sum())
     if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
         return None

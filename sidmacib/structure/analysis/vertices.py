@@ -1,4 +1,4 @@
-"""How the limit load of a structure depends on where the vertices of its blocks are."""
+"""Effect of the positions of blocks' vertices on the limit load of a structure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
