@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
+from sidmacib.mechanics.utilisation import utilisation
 
 from analysis.report.joints import verdict_of_spread
 from analysis.summary.summary import spread_lines
@@ -31,7 +32,6 @@ from sidmacib.mechanics.static.lowest_peak import (
     lowest_peak,
 )
 from sidmacib.mechanics.static.model import another_peak, solver_of, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.problem import Problem
 from workflow.joints.case import Case
 from workflow.results.record import CaseRecord

@@ -1,8 +1,7 @@
 """Draw all figures of a study."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
@@ -19,7 +18,7 @@ from workflow.results.tables import (
     VARIANTS,
     read_table,
 )
-from workflow.run.step import step
+from workflow.run.step import Arguments, FileLists, Files, step
 from workflow.schema import Study
 
 DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
@@ -55,9 +54,7 @@ def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
     return Stresses(case, record, nodes)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     """Draw every figure into the files that are named after it.
 
     ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.

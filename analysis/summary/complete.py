@@ -1,18 +1,14 @@
 """The last step of a study, which fails unless every case has a result."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
 from workflow.results.tables import CASES, STRUCTURES, read_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
     joints = "cases" in inputs
     kind, names = (CASES, "name") if joints else (STRUCTURES, "case")

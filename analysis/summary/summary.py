@@ -1,8 +1,6 @@
 """The summary of a study in words: how the results compare, and where they are."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,7 +28,7 @@ from workflow.results.tables import (
     Table,
     read_table,
 )
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 ACROSS = 4  # samples in one block of the list of loads
@@ -315,9 +313,7 @@ def _change(sample: object, rows: pd.DataFrame) -> str:
     return f"{sample} {low:+.1f}" + (" %" if len(rows) == 1 else f" to {high:+.1f} %")
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the summary."""
     kinds: tuple[Table, ...] = (VALIDATION, FIT, BEST_FIT, CAPACITY, CASES)
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in kinds}

@@ -1,9 +1,8 @@
 """Collect the records of all cases in tables."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, FileLists, Files, step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
 SHARED = (
@@ -156,9 +155,7 @@ def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> It
     return (by_case[model, name] for model, name in names)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables."""
     every = read_records(inputs["records"])
     records = list(ordered(every, arguments["cases"]))

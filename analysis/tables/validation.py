@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -15,7 +14,7 @@ from analysis.tables.study_points import pure_shear_weights, study_points
 from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
@@ -204,9 +203,7 @@ def difference_text(row: Any) -> str:
     return f"{100 * row.relative_difference:+.2f} %"
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table of published and computed numbers."""
     study = Study.model_validate_json(arguments["study"])
     capacity, weights, fit = (

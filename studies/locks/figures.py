@@ -1,8 +1,6 @@
 """Figures of the campaign: the law on one curve, its errors, the rules, and a nomogram."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -16,7 +14,7 @@ from sidmacib.rule.pairs import Pairs
 from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
 from studies.locks.points import POINTS
 from workflow.results.tables import read_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, FileLists, Files, step
 
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn
@@ -214,9 +212,7 @@ DRAWN: dict[str, Callable[[pd.DataFrame], Figure]] = {
 }
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     """Draw every figure into the files that are named after it."""
     points = read_table(POINTS, inputs["points"])
     for name, draw in DRAWN.items():

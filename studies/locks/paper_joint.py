@@ -4,11 +4,8 @@ The paper prints a b = 0.003 m2. The law gives the number of locks that work ove
 and H that such joints may have, with friction as printed and as fitted.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,7 +15,7 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 
 SCATTERED_LOCKS = (3, 5, 9, 15)
 RATIOS = (0.0, 0.3)  # e / a
@@ -110,9 +107,7 @@ def _working(joint: Joint) -> float:
     return law(joint, Direction(0.0)).load / joint.T0
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write both tables."""
     base = dataclass_from(Joint, arguments["base"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])

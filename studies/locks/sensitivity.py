@@ -3,11 +3,9 @@
 A load is proportional to the bonds' strength, whose span is about its scatter in masonry.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,7 +18,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.joints.sampling import Sampling, with_ratios
 from workflow.results.tables import Table, write_table
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
@@ -90,9 +88,7 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     return loads
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     sampling = dataclass_from(Sampling, arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])

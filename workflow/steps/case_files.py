@@ -1,9 +1,6 @@
 """Write the files of one case that was solved in a batch, like those in an engine's folder."""
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
@@ -17,7 +14,7 @@ from workflow.results.files import (
     read_records,
     write_record,
 )
-from workflow.run.step import step
+from workflow.run.step import Arguments, Files, step
 
 LOADS = {
     "peak_load_N": "load_N",
@@ -29,9 +26,7 @@ LOADS = {
 }
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the description, nodes, history, loads and record of the case."""
     case, records, result = Case.from_json(arguments["case"]), inputs["records"], outputs["result"]
     folder = result.parent

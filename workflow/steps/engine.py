@@ -1,9 +1,6 @@
 """Run an engine on a case, check what it returns, and write the record."""
 
 import json
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 from sidmacib.errors import CapacityError
 from workflow.engines import ENGINES
@@ -21,12 +18,10 @@ from workflow.results.record import (
     failed_record,
     record_of,
 )
-from workflow.run.step import KilledError, step
+from workflow.run.step import Arguments, Files, KilledError, step
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the record and, if the engine succeeds, its files; returns the error message."""
     case = Case.from_json(arguments["case"])
     record, result = outputs["record"], outputs["result"]

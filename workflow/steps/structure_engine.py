@@ -1,8 +1,6 @@
 """Run an engine on a case of a structure, check what it returns, and write the record."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
@@ -15,7 +13,7 @@ from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.engines.scripts.records import HISTORY, OUTPUTS
 from workflow.results.files import CASE, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
-from workflow.run.step import KilledError, step
+from workflow.run.step import Arguments, Files, KilledError, step
 from workflow.steps.engine import in_short
 from workflow.structures.case import StructureCase
 from workflow.structures.found import Found
@@ -24,9 +22,7 @@ from workflow.structures.record import StructureRecord, record_without_result, s
 BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the record, and beside it the engine's files; returns the error message."""
     case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
     folder = path.parent
