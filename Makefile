@@ -142,9 +142,9 @@ format: .venv/test.ready
 	@sh workflow/install.sh $<
 	@touch $@
 
-# Errors in the configuration are reported before anything is installed.
+# Nothing is installed for a file that is not there.
 early:
-	@"$$PYTHON" workflow/run/before_install.py "$$CONFIG"
+	@test -f "$$CONFIG" || { echo "$$CONFIG: not a file" >&2; exit 1; }
 
 system: early
 	@sh workflow/system.sh

@@ -58,9 +58,7 @@ def multilock_solve(
             blocks["density"] = density
         else:
             _require_densities(model)
-        assembly = assembly_of(
-            {**described, "blocks": {NAME: blocks}, "load": None}, "laws", Path(folder)
-        )
+        assembly = assembly_of({**described, "blocks": {NAME: blocks}}, Path(folder))
     weight, given = weight_of_free(assembly), _loads(problem, model, assembly)
     total = float(np.abs(given[:, :3]).sum() + np.abs(given[:, 3:]).sum() / assembly.length)
     if limit and not total:

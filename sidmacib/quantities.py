@@ -6,7 +6,7 @@ dataclasses, the command, its files, and the configuration of a study.
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from numbers import Integral
@@ -50,9 +50,56 @@ def shown(value: Any) -> str:
     return words
 
 
+class Read:
+    """Annotates a field that pydantic reads by `read` and describes by `schema`.
+
+    Plain data: pydantic, which takes long to import, is not needed here.
+    """
+
+    read: Any  # a function of the value
+    schema: Any
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> dict[str, Any]:
+        function = {"type": "no-info", "function": self.read}
+        found = {"type": "function-before", "function": function, "schema": handler(source)}
+        if write := getattr(self, "write", None):
+            found["serialization"] = {
+                "type": "function-plain",
+                "function": write,
+                "when_used": "json",
+            }
+        return found
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        return dict(self.schema)
+
+
+@dataclass(frozen=True, eq=False)
+class ReadBy(Read):
+    """A field that a function reads, and perhaps another writes as JSON."""
+
+    read: Callable[[Any], Any]
+    schema: Mapping[str, Any]
+    write: Callable[[Any], Any] | None = None
+
+
+def one_of(names: Iterable[str]) -> ReadBy:
+    """An annotation of text that must be one of ``names``."""
+
+    def read(value: Any) -> Any:
+        if value not in [*names]:
+            raise ValueError(f"{shown(value)} is not allowed; it must be one of {', '.join(names)}")
+        return value
+
+    return ReadBy(read, {"enum": [*names]})
+
+
 @dataclass(frozen=True)
-class Number:
-    """A range of finite numbers; ``unit`` is for messages. true and false are not numbers."""
+class Number(Read):
+    """A range of finite numbers; true and false are not numbers.
+
+    ``unit`` is for messages. Outside ``likely`` a number seems to be in another unit.
+    """
 
     above: float = -math.inf
     at_least: float = -math.inf
@@ -60,6 +107,7 @@ class Number:
     below: float = math.inf
     unit: str = ""
     whole: bool = False
+    likely: tuple[float, float] = (0.0, math.inf)
 
     def read(self, value: Any) -> float:
         """``value``, from a file or a command line, as a number; ValueError if it is not allowed.
@@ -111,13 +159,24 @@ class Number:
             words = f"{'a whole number' if self.whole else 'a number'} {of}{words}"
         return f"{words}{f' ({self.unit})' if self.unit else ''}"
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """The schema by which pydantic reads a field with this annotation."""
-        return _read_before(self.read, source, handler)
+    @property
+    def schema(self) -> dict[str, Any]:
+        """The range as JSON schema, and in words for people."""
+        bounds = {
+            "exclusiveMinimum": self.above,
+            "minimum": self.at_least,
+            "maximum": self.at_most,
+            "exclusiveMaximum": self.below,
+        }
+        return {
+            "type": "integer" if self.whole else "number",
+            **{key: bound for key, bound in bounds.items() if math.isfinite(bound)},
+            "allowed": self.range(kind=True),
+        }
 
 
 @dataclass(frozen=True)
-class Span:
+class Span(Read):
     """The least and the largest value that a ``number`` may have."""
 
     number: Number
@@ -137,15 +196,12 @@ class Span:
             )
         return least, largest
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """The schema by which pydantic reads it, as for a `Number`."""
-        return _read_before(self.read, source, handler)
-
-
-def _read_before(read: Callable[[Any], Any], source: Any, handler: Any) -> dict[str, Any]:
-    """A pydantic schema: ``read``, then that of the field. Plain data, without pydantic."""
-    function = {"type": "no-info", "function": read}
-    return {"type": "function-before", "function": function, "schema": handler(source)}
+    @property
+    def schema(self) -> dict[str, Any]:
+        """Two such numbers, as JSON schema and in words."""
+        words = f"the least and the largest, each {self.number.range(kind=True)}"
+        items = {"type": "array", "items": self.number.schema, "minItems": 2, "maxItems": 2}
+        return {**items, "allowed": words}
 
 
 def choice(kind: type[Choice], value: Any) -> Choice:
@@ -158,14 +214,15 @@ def choice(kind: type[Choice], value: Any) -> Choice:
         raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}") from None
 
 
+# Far beyond any lock of stone, concrete or timber, and any printed model; friction is 0.5 to 1.
 Count = Annotated[int, Number(at_least=1, whole=True)]
-Length = Annotated[float, Number(above=0, unit="m")]
-Density = Annotated[float, Number(at_least=0, unit="kg/m3")]
-Stiffness = Annotated[float, Number(above=0, unit="Pa/m")]
-Modulus = Annotated[float, Number(above=0, unit="Pa")]
+Length = Annotated[float, Number(above=0, unit="m", likely=(1e-3, 10.0))]
+Density = Annotated[float, Number(at_least=0, unit="kg/m3", likely=(10.0, 3e4))]
+Stiffness = Annotated[float, Number(above=0, unit="Pa/m", likely=(1e6, 1e15))]
+Modulus = Annotated[float, Number(above=0, unit="Pa", likely=(1e6, 1e13))]
 Poisson = Annotated[float, Number(at_least=0, below=0.5)]
-Strength = Annotated[float, Number(at_least=0, unit="Pa")]
+Strength = Annotated[float, Number(at_least=0, unit="Pa", likely=(100.0, 1e9))]
 FractureEnergy = Annotated[float, Number(at_least=0, unit="J/m2")]
-Friction = Annotated[float, Number(at_least=0)]
+Friction = Annotated[float, Number(at_least=0, likely=(0.0, 1.2))]
 Part = Annotated[float, Number(at_least=0, at_most=1)]
 Share = Annotated[float, Number(above=0, below=1)]  # neither nothing nor all

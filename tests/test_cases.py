@@ -331,25 +331,25 @@ def test_a_case_survives_json_exactly(
 
 
 @pytest.mark.parametrize(
-    ("change", "message"),
+    "change",
     [
-        (lambda data: data.pop("mesh"), "Case must have the keys name, model, "),
-        (lambda data: data.update(more=1), "Case must have the keys name, model, "),
-        (lambda data: data.update(mesh="0.02"), "'0.02' is not of the kind float"),
-        (lambda data: data.update(mesh=True), "'True' is not of the kind float"),
-        (lambda data: data.update(mesh=math.nan), "NaN is not a number"),
-        (lambda data: data["joint"].update(locks=3.0), "'3.0' is not of the kind int"),
-        (lambda data: data["joint"].update(failure="soft"), "'soft' is not a valid Failure"),
-        (lambda data: data.update(joint=None), "Joint must have the keys locks, "),
-        (lambda data: data["joint"].update(different={}), "'{}' is not a list"),
-        (lambda data: data["joint"].update(different=[[2]]), "zip"),
-        (lambda data: data["joint"].update(different=[[2, {}]]), "OwnLock must have the keys"),
+        lambda data: data.pop("mesh"),
+        lambda data: data.update(more=1),
+        lambda data: data.update(mesh="0.02"),
+        lambda data: data.update(mesh=True),
+        lambda data: data.update(mesh=math.nan),
+        lambda data: data["joint"].update(locks=3.0),
+        lambda data: data["joint"].update(failure="soft"),
+        lambda data: data.update(joint=None),
+        lambda data: data["joint"].update(different={}),
+        lambda data: data["joint"].update(different=[[2]]),
+        lambda data: data["joint"].update(different=[[2, {}]]),
     ],
 )
-def test_what_is_not_a_case_is_refused(change: Any, message: str) -> None:
+def test_what_is_not_a_case_is_refused(change: Any) -> None:
     data = json.loads(cases_of(read_study(ONE))["yade", "n3-mesh0.02-e0a"].to_json())
     change(data)
-    with pytest.raises(ValueError, match=f"^not a case: {message}"):
+    with pytest.raises(ValueError, match=r"^not a case: "):
         Case.from_json(json.dumps(data))
 
 

@@ -88,20 +88,20 @@ def test_the_python_prints_the_law_of_the_same_joint(
 
 
 def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:
-    state = Settings(a=150.0, b=20.0)
+    state = Settings(H=150.0, b=20.0)
     answer = answers(state)
     assert answer.rules == {}
-    assert "No safe rule: a / b: 7.5" in answer.words
+    assert "No safe rule: H / b: 7.5" in answer.words
     assert answer.peak is not None
     assert pictures(state, answer)["pieces"]
 
 
 def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
-    state = Settings(locks=3, young=10.0, b=20.0, h=40.0)
+    state = Settings(locks=3, young=10.0, b=20.0, H=150.0)
     answer = answers(state)
     assert answer.peak is None
     assert answer.words.startswith(
-        "3 locks, e = 0.3 a: no first failure is known. No safe rule: h / b"
+        "3 locks, e = 0.3 a: no first failure is known. No safe rule: H / b"
     )
     assert pictures(state, answer)["curve"]["shear"] == []
     assert answers(Settings(locks=3, young=10.0)).peak is not None

@@ -110,6 +110,6 @@ def test_condensed_locks_work_by_the_safe_rule_unless_another_number_is_given() 
 
 def test_a_number_of_working_locks_is_a_number_or_all() -> None:
     with pytest.raises(
-        ValueError, match=r"locks\[0\].condensed.working: 'most' is not allowed; .* or all"
+        ValueError, match=r"locks\.1\.condensed\.working: 'most' is not allowed; .* or all"
     ):
         structure_of(block_on_locks(7, {"working": "most"}))

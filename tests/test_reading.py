@@ -46,12 +46,6 @@ def written(folder: Path, text: str | bytes) -> Path:
     return path
 
 
-def bomb(levels: int) -> str:
-    lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
-    lines += [f"a{i}: &a{i} [{', '.join([f'*a{i - 1}'] * 10)}]" for i in range(1, levels)]
-    return "\n".join([STUDY, *lines])
-
-
 # --- texts ---------------------------------------------------------------------------------------
 NASTY: list[tuple[str | bytes, str]] = [
     ("# caf\xe9\nsamples: {}".encode("latin-1"), "line 1: not UTF-8 text; save the file as UTF-8"),
@@ -62,8 +56,8 @@ NASTY: list[tuple[str | bytes, str]] = [
     ("meshes: " + "[" * 100_000, "line 1: nested too deeply; at most 20 levels are allowed"),
     ("meshes: " + "{a: " * 100_000, "line 1: nested too deeply"),
     ("- " * 100_000, "line 1: nested too deeply"),
-    (bomb(12), "line [78]: too many values; at most 200,000 are allowed"),
-    ("a: &a [*a]", r"line 1: \*a is an alias of an undefined anchor"),
+    ("a: &a [*a]", "line 1: not YAML: found unconstructable recursive node"),
+    ("a: *b", "line 1: not YAML: found undefined alias"),
     (f"{STUDY}geometry: {{a: 0.06}}\ngeometry: {{a: 0.07}}", "line 3: 'geometry' appears twice"),
     ("samples: {n3: {locks: 3, locks: 5}}", "line 1: 'locks' appears twice; each key must appear"),
     ("samples: !!python/object/apply:os.system [ls]", "line 1: the tag tag:yaml.org.* not allowed"),
@@ -74,12 +68,11 @@ NASTY: list[tuple[str | bytes, str]] = [
     ("samples", "'samples' is not a study"),
     ("42", "42 is not a study"),
     ("? [1, 2]\n: 3", "line 1: a list or mapping as a key; keys must be plain words"),
-    (f"{STUDY}---\n{STUDY}", "line 2: a second document; a file must hold only one"),
+    (f"{STUDY}---\n{STUDY}", "line 2: not YAML: expected a single document"),
     ("samples: {n3: {locks: 3}", "line [12]: not YAML: "),
     ("samples: @n3", "line 1: not YAML: "),
-    ("x" * 5_000_000, "too long; at most 4,000,000 bytes are allowed"),
-    ("", "samples: missing; this key is required"),
-    ("# nothing", "samples: missing; this key is required"),
+    ("", "samples: missing; it must name at least one, unless structures does"),
+    ("# nothing", "samples: missing"),
     ("---\n...\n", "samples: missing"),
 ]
 
@@ -115,7 +108,7 @@ VALUES = [
     ("variants:", "variants: null is not allowed; it must be a mapping"),
     ("dem:", "dem: null is not allowed; it must be a mapping"),
     ("dem: {engines: yade}", "dem.engines: 'yade' is not allowed; it must be a list"),
-    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list of at least one value"),
+    ("meshes: {0.02}", "meshes: a mapping is not allowed; it must be a list"),
     ("eccentricities: [yes]", "eccentricities.1: 'yes' is not allowed; .*, or torsion"),
     ("eccentricities: [true]", "eccentricities.1: true is not allowed; it must be .* at least 0"),
     ("eccentricities: [.nan]", "eccentricities.1: nan is not allowed"),
@@ -129,7 +122,7 @@ VALUES = [
     ),
     ('samples: {"n\\n": {locks: 3}}', r"samples: 'n\\n' is not allowed as a name"),
     ("samples: {..: {locks: 3}}", r"samples: '\.\.' is not allowed as a name; it must be made of"),
-    ("samples: {}", "samples: an empty mapping is not allowed; .* of at least one name"),
+    ("samples: {}", "samples: missing; it must name at least one"),
     ("results: {x}", "results: a mapping is not allowed; it must be the name of a folder"),
     ('results: "{x}"', "results: '{x}' is not allowed; .* must be made of letters"),
     ("results: -rf", "results: '-rf' is not allowed; .* not begin with -"),
@@ -153,7 +146,7 @@ VALUES = [
         "calibration: {meshes: [1e-6]}",
         "calibration.meshes: 1e-06 m is too fine .* at least 0.0001 m",
     ),
-    ("models: [[static]]", "models.1: a list is not allowed; it must be a name"),
+    ("models: [[static]]", "models.1: a list is not allowed; it must be a text"),
     ("overrides: {[x]: {}}", "line 2: a list or mapping as a key"),
 ]
 
@@ -196,7 +189,7 @@ def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
 def test_a_file_that_may_not_be_read_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object) -> None:
+    def refuse(*_: object, **__: object) -> None:
         raise PermissionError(13, "Permission denied")
 
     path = written(tmp_path, STUDY)

@@ -10,8 +10,6 @@ import pytest
 from conftest import INSTALLED, ROOT
 
 from workflow.configuration import ConfigError
-from workflow.run import before_install
-from workflow.schema import Study
 
 SMALL = (
     "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\nmodels: [static]\n"
@@ -72,48 +70,14 @@ def test_a_case_is_run_in_a_locale_that_is_not_utf_8(tmp_path: Path) -> None:
     assert "V = 24" in found.stdout
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        (SMALL.replace("meshes", "meshs"), "meshs: unknown key; allowed keys: results, sam"),
-        (SMALL + "meshes: [0.01]\n", "line 7: 'meshes' appears twice; each key must"),
-        ("samples: [\n", "line 2: not YAML"),
-        ("\u00b5".encode("latin-1"), "not UTF-8 text; save the file as UTF-8"),
-    ],
-)
-def test_a_faulty_configuration_is_seen_before_anything_is_installed(
-    tmp_path: Path, text: str | bytes, words: str
-) -> None:
-    path = tmp_path / "study.yaml"
-    path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    message = before_install.fault(path)
-    assert message is not None
-    assert message.startswith(f"{path}: {words}")
-
-
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [("/none.yaml", "No such file or directory"), ("/dev/zero", "not a file"), ("/", "not a file")],
-)
-def test_what_is_no_file_is_seen_before_anything_is_installed(path: str, words: str) -> None:
-    assert before_install.fault(Path(path)) == f"{path}: {words}"
-
-
-def test_every_study_of_this_checkout_passes_the_first_look() -> None:
-    for path in ROOT.glob("[a-z]*.yaml"):
-        assert before_install.fault(path) is None
-    assert before_install.keys() == list(Study.model_fields)
-
-
-def test_make_looks_at_the_configuration_first() -> None:
+def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
     command = ["make", "--dry-run", "--always-make", "study", "CONFIG=my.yaml"]
     printed = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
-    lines = [
-        line
-        for line in printed.splitlines()
-        if re.search(r"before_install\.py|environment\.sh", line)
-    ]
-    assert "before_install.py" in lines[0] and "environment.sh" in lines[1]
+    first, *_ = [line for line in printed.splitlines() if re.search("not a file|environment", line)]
+    early = subprocess.run(
+        ["sh", "-c", first], env={"CONFIG": "my.yaml"}, check=False, capture_output=True, text=True
+    )
+    assert (early.returncode, early.stderr) == (1, "my.yaml: not a file\n")
 
 
 def test_a_fault_is_reported_with_the_files_name_once() -> None:

@@ -117,11 +117,11 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
     ("keys", "words"),
     [
         ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; allowed keys: file, "),
-        ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be the name of a file"),
-        ({"description": []}, r"trilith\.description: .* must be a mapping with blocks and load"),
+        ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be a text"),
+        ({"description": []}, r"trilith\.description: .* must be a mapping of keys"),
         (
             {"description": {**TRILITH, "lode": 1}},
-            r"trilith\.description: the description: unknown key 'lode'; valid keys: blocks, load",
+            r"trilith\.description: lode: unknown key; allowed keys: blocks, load",
         ),
         (
             {"description": changed(TRILITH, {"blocks": {"free": FREE}})},
@@ -133,7 +133,7 @@ FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
         ),
         (
             {"loads": {"up": {"lift": 1}}},
-            r"trilith\.loads\.up: load: unknown key 'lift'; valid keys: acceleration, force",
+            r"trilith\.loads\.up: load.lift: unknown key; allowed keys: acceleration, force",
         ),
         ({"loads": {"up": 1}}, r"trilith\.loads\.up: 1 is not allowed; it must be a mapping"),
         ({"models": ["law"]}, r"trilith\.models: 'law' is not allowed; it must be yade or "),

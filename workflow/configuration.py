@@ -1,20 +1,19 @@
 """Read a study's configuration from a mapping or a YAML file; one line reports each error."""
 
 import sys
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from sidmacib.quantities import shown
+from sidmacib.reading import faults, shown_key
 from sidmacib.yaml_text import TextError, read_yaml
-from workflow.consistency import faults, requirements
+from workflow.consistency import inconsistencies, requirements
 from workflow.engines import ENGINES
 from workflow.models import LAWS, MODELS, SOLVED
 from workflow.schema import Study
-from workflow.schema.values import shown_key
 
 MAX_LINES, MAX_LINE = 20, 380
 
@@ -85,12 +84,12 @@ def read_study(config: Mapping[str, Any]) -> Study:
     try:
         study = _with_able_models(Study.model_validate(_with_all_models(config)), config)
     except ValidationError as error:
-        found = error.errors(include_url=False)
-        lines = [_one_line(fault) for fault in found[:MAX_LINES]]
-        raise ConfigError(*lines, *_others(len(found))) from None
-    lines = [*faults(study), *_unfit_folder(Path(study.results))]
+        lines = [line if ": " in line else f"study: {line}" for line in faults(error)]
+    else:
+        lines = [*inconsistencies(study), *_unfit_folder(Path(study.results))]
     if lines:
-        raise ConfigError(*lines[:MAX_LINES], *_others(len(lines)))
+        more = f"and {len(lines) - MAX_LINES} more faults"
+        raise ConfigError(*lines[:MAX_LINES], *[more] * (len(lines) > MAX_LINES))
     return study
 
 
@@ -101,11 +100,6 @@ def with_installed_engines(study: Study) -> Study:
         print(f"{reason}. The study continues without it.", file=sys.stderr)
     engines = tuple(name for name, reason in missing.items() if reason is None)
     return study.model_copy(update={"dem": study.dem.model_copy(update={"engines": engines})})
-
-
-def _others(count: int) -> list[str]:
-    """A line for the faults, of ``count``, that are not shown."""
-    return [f"and {count - MAX_LINES} more faults"] if count > MAX_LINES else []
 
 
 def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -185,63 +179,6 @@ def _unfit_folder(folder: Path) -> list[str]:
         except OSError as error:
             return [f"results: {shown(str(path))}: {error.strerror}"]
     return []
-
-
-_MAPPING = "it must be a mapping of keys to values"
-_EXPECTED = {
-    "model_type": _MAPPING,
-    "model_attributes_type": _MAPPING,
-    "dict_type": _MAPPING,
-    "string_type": "it must be a name",
-}
-
-
-def _one_line(fault: Any) -> str:
-    place = list(fault["loc"])
-    if place[-1:] == ["[key]"]:
-        place = place[:-2]
-    kind, message = fault["type"], f"{shown(fault['input'])} is not allowed"
-    if kind == "value_error":  # raised by this project's readers
-        message = str(fault["ctx"]["error"])
-    elif kind == "extra_forbidden":
-        keys = _sections(place[:-1])[-1].get("properties", ())
-        message = f"unknown key; allowed keys: {', '.join(keys)}"
-    elif kind == "missing":
-        message = "missing; this key is required"
-    elif kind == "enum":
-        message += f"; it must be {fault['ctx']['expected'].replace(chr(39), '')}"
-    else:
-        message += f"; {_EXPECTED.get(kind, fault['msg'])}"
-    return f"{'.'.join(map(shown_key, _counted(place))) or 'study'}: {message}"
-
-
-_schema = cache(Study.model_json_schema)
-
-
-def _sections(place: Sequence[Any]) -> list[dict[str, Any]]:
-    """The schema of the study and of each part of ``place``, from the outside in."""
-    found = [_schema()]
-    for part in place:
-        node = found[-1]
-        of_any_name = node.get("patternProperties", {"": node.get("additionalProperties")})
-        below = node.get("properties", {}).get(part) or node.get("items")
-        found.append(_plain(below or next(iter(of_any_name.values())) or {}))
-    return found
-
-
-def _plain(node: dict[str, Any]) -> dict[str, Any]:
-    """A schema that a reference stands for, or the first of several, as of a section or null."""
-    node = node.get("anyOf", [node])[0]
-    return _schema()["$defs"][node["$ref"].rsplit("/", 1)[1]] if "$ref" in node else node
-
-
-def _counted(place: Sequence[Any]) -> list[str]:
-    """``place`` with the entries of lists counted from 1; keys stay as they are."""
-    around = _sections(place)
-    return [
-        str(part + 1) if isinstance(part, int) and node.get("type") == "array" else str(part)
-        for part, node in zip(place, around, strict=False)
-    ]
 
 
 def _named(path: Path) -> str:

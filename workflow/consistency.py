@@ -10,6 +10,7 @@ from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
 from sidmacib.quantities import shown
+from sidmacib.reading import shown_key
 from workflow.engines import ENGINES
 from workflow.joints.case import REFERENCE
 from workflow.model import Ability, Requirement
@@ -19,7 +20,6 @@ from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.campaign import required_sections
 from workflow.schema.dem import NumericsSection
 from workflow.schema.joint import PartSection, changed
-from workflow.schema.values import shown_key
 from workflow.structures.cases import structure_faults
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
@@ -32,7 +32,7 @@ MAX_GEOMETRIES = 100_000  # of the calibration
 MAX_CELLS_ALONG = 1000  # a lock, in the calibration
 
 
-def faults(study: Study) -> Iterator[str]:
+def inconsistencies(study: Study) -> Iterator[str]:
     """Everything that is wrong with ``study``, one line each."""
     joints: dict[str, Joint] = {}
     for name in study.samples:

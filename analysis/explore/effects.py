@@ -1,19 +1,23 @@
 """Direction of each slider for a larger first failure, by the static model."""
 
+from dataclasses import replace
 from functools import lru_cache
 
-from analysis.explore.state import Settings
+from analysis.explore.state import SLIDERS, Settings
 from sidmacib.answers.joint import meshes
 from sidmacib.errors import CapacityError
+from sidmacib.joint.effects import FIELDS as OF_JOINTS
 from sidmacib.joint.effects import Field, sensitivity
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 
 # What a slider changes; the tensile strength goes with the cohesion.
-FIELDS = (
-    *(Field(name, (name,), "m") for name in ("a", "b", "h", "H")),
-    Field("cohesion", ("inner.cohesion", "inner.tensile_strength"), "Pa"),
-    Field("friction", ("dry.friction",), ""),
+FIELDS = tuple(
+    replace(each, places=(*each.places, "inner.tensile_strength"))
+    if each.name == "cohesion"
+    else each
+    for each in OF_JOINTS
+    if each.name in SLIDERS
 )
 PRESSURE = Field("pressure", ("hold_down.amount",), "Pa")
 

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 from urllib.parse import parse_qsl, urlencode
 
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import INNER, Joint, UpperBody
-from sidmacib.joint.parameters import with_parameters
+from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
 
 FIRST = Joint(5)
 MOST_NAMES = 40  # in a link
@@ -34,19 +34,23 @@ class Slider:
         return round(self.least + round((inside - self.least) / self.step) * self.step, 9)
 
 
+LABELS = {"locks": "locks n", "H": "height of the body H (mm)", "young": "E (GPa), 0: rigid"}
+
+
+def _slider(parameter: Parameter, span: tuple[float, float, float], unit: str = "") -> Slider:
+    words = parameter.words.partition(" (")[0] if len(parameter.name) == 1 else ""
+    label = f"{words} {parameter.name}{f' ({unit})' if unit else ''}".strip()
+    return Slider(*span, LABELS.get(parameter.name, label))
+
+
+_SHOWN = {each: each.slider for each in PARAMETERS.values() if each.slider}
 SLIDERS = {
-    "locks": Slider(2, 31, 1, "locks n"),
-    "a": Slider(15, 150, 1, "length of a lock a (mm)"),
-    "b": Slider(20, 100, 1, "width of a lock b (mm)"),
-    "h": Slider(3, 40, 0.5, "height of a lock h (mm)"),
-    "H": Slider(15, 150, 1, "height of the body H (mm)"),
-    "cohesion": Slider(10, 300, 5, "cohesion (kPa)"),
-    "friction": Slider(0, 0.8, 0.01, "friction"),
-    "young": Slider(0, 50, 1, "E (GPa), 0: rigid"),
+    **{each.name: _slider(each, slider[:3], *slider[3:4]) for each, slider in _SHOWN.items()},
     "pressure": Slider(0, 200, 5, "pressure on top (kPa), 0: fixed plate"),
     "eccentricity": Slider(0, 3, 0.05, "eccentricity e / a"),
     "one_piece": Slider(0, 1, 1, "upper body", ("cut into columns", "one piece")),
 }
+UNITS = {each.name: slider[4] if slider[3:] else 1.0 for each, slider in _SHOWN.items()}  # in SI
 
 
 @dataclass(frozen=True)
@@ -68,17 +72,18 @@ class Settings:
     @property
     def joint(self) -> Joint:
         """The joint; pressure 0 stands for the fixed plate. ValueError as for a `Joint`."""
-        pressed = HoldDown.pressure(1e3 * self.pressure) if self.pressure else HoldDown.plate()
-        cohesion = 1e3 * self.cohesion
-        values = {
-            "locks": self.locks,
-            **{name: getattr(self, name) / 1e3 for name in ("a", "b", "h", "H")},
-            "cohesion": cohesion,
-            "tensile_strength": cohesion * INNER.tensile_strength / INNER.cohesion,
-            "friction": self.friction,
+        given = {name: getattr(self, name) * unit for name, unit in UNITS.items()}
+        values: dict[str, Any] = {name: float(f"{value:.12g}") for name, value in given.items()}
+        values["locks"] = self.locks
+        if not values["young"]:
+            del values["young"]
+        strength = values["cohesion"] * INNER.tensile_strength / INNER.cohesion
+        values |= {
+            "tensile_strength": strength,
             "upper_body": UpperBody.MONOLITHIC if self.one_piece else UpperBody.COLUMNS,
-            "hold_down": pressed,
-            **({"young": 1e9 * self.young} if self.young else {}),
+            "hold_down": (
+                HoldDown.pressure(1e3 * self.pressure) if self.pressure else HoldDown.plate()
+            ),
         }
         return with_parameters(FIRST, values)
 
@@ -206,7 +211,7 @@ def as_python(state: Settings) -> str:
     joint = state.joint
     given = [
         f"{state.locks}",
-        *(f"{name}={getattr(joint, name):g}" for name in ("a", "b", "h", "H")),
+        *(f"{name}={getattr(joint, name):g}" for name in SIZES),
         "inner=inner",
         "dry=dry",
     ]

@@ -23,10 +23,10 @@ def verdict(design: Design) -> str:
     for check in design.failing:
         found = "no answer" if check.factor is None else f"{_short(check.factor)} times"
         reasons.append(f"{check.model}, {check.case}: {found}")
-    if design.task.buildable and design.order.stuck:
+    if design.task.asked.buildable and design.order.stuck:
         stuck = _names(design, design.order.stuck)
         reasons.append(f"{', '.join(stuck[:5])} cannot be placed")
-    asked = f"{design.task.factor:g} times all cases are asked for"
+    asked = f"{design.task.asked.factor:g} times all cases are asked for"
     if not design.cost:
         what = "the design's model needs no locks, but other models do"
     else:

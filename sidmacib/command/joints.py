@@ -10,7 +10,7 @@ import click
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
-from sidmacib.joint.parameters import PARAMETERS, Parameter, with_parameters
+from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_parameters
 from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
@@ -129,7 +129,7 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
 
 def _require_stout(joint: Joint) -> None:
     """`click.UsageError` for a joint of more cells than a command line should wait for."""
-    for name in ("a", "b", "h", "H"):
+    for name in SIZES:
         size, most = getattr(joint, name), SLENDER * joint.least_side
         if size > most:
             raise click.UsageError(

@@ -72,16 +72,18 @@ def _of_case(
 ) -> Iterator[tuple[str, float | None, str, bool]]:
     """Model, load (N), note, whether it decides; ``amount``: of the case (N)."""
     yield LIMIT, *_answer(lambda: _limit(assembly, loads)), True
-    if task.no_dilation:
+    if task.asked.no_dilation:
         # Its rounds need not settle: without an answer it counts neither way.
         load, words = _answer(lambda: _sliding(assembly, loads))
         yield SLIDING, load, words, load is not None
     try:
-        yield from _static(Problem(assembly, loads), task.first_failure, amount * task.factor)
+        yield from _static(
+            Problem(assembly, loads), task.asked.first_failure, amount * task.asked.factor
+        )
     except CapacityError as error:
         unlimited = math.inf if isinstance(error, UnboundedError) else None
-        yield FIRST, unlimited, _line(error), task.first_failure
-        yield PEAK, unlimited, _line(error), not task.first_failure
+        yield FIRST, unlimited, _line(error), task.asked.first_failure
+        yield PEAK, unlimited, _line(error), not task.asked.first_failure
 
 
 def _static(

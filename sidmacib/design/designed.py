@@ -51,12 +51,12 @@ class Design:
     @property
     def failing(self) -> tuple[Check, ...]:
         """The checks that speak against the design."""
-        return tuple(check for check in self.checks if not check.passes(self.task.factor))
+        return tuple(check for check in self.checks if not check.passes(self.task.asked.factor))
 
     @property
     def passes(self) -> bool:
         """Whether all checks pass and all blocks can be placed."""
-        return not self.failing and not (self.task.buildable and self.order.stuck)
+        return not self.failing and not (self.task.asked.buildable and self.order.stuck)
 
 
 def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Design:
@@ -68,7 +68,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
     best: Design | None = None
     last: Design | None = None
     demand = dict.fromkeys((case.name for case in task.cases), 1.0)
-    for raised in range(task.raised + 1):
+    for raised in range(task.asked.raised + 1):
         try:
             found = _once(task, demand, last, raised, note)
         except InfeasibleError as error:
@@ -81,7 +81,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
             note("each row gets the next stronger one")
             found = _with(task, last, stronger, raised, note)
         except SolverError as error:  # of this demand; the next one may be solved
-            if best is None and raised == task.raised:
+            if best is None and raised == task.asked.raised:
                 raise
             note(f"no answer where {_words(demand)}: {error}")
             demand = {case: LEAST_RISE * each for case, each in demand.items()}
@@ -96,7 +96,7 @@ def design_of(task: Task, note: Callable[[str], None] = lambda _: None) -> Desig
             break
         note(f"{_reason(found)}; now {_words(demand)}")
     if best is None:
-        raise SolverError(f"design: no answer in {task.raised + 1} rounds")
+        raise SolverError(f"design: no answer in {task.asked.raised + 1} rounds")
     return best
 
 
@@ -105,7 +105,7 @@ def _raised(design: Design) -> dict[str, float]:
     demand = dict(design.demand)
     for case in {check.case for check in design.failing}:
         factors = [check.factor or 0.0 for check in design.failing if check.case == case]
-        missing = design.task.factor / max(min(factors), design.task.factor / MOST_RISE)
+        missing = design.task.asked.factor / max(min(factors), design.task.asked.factor / MOST_RISE)
         demand[case] *= max(LEAST_RISE, missing)
     return demand
 
@@ -131,7 +131,7 @@ def _with(
         choice=tuple(choice),
         cost=float(structure.costs @ structure.chosen(choice)),
         states=carried(structure, choice),
-        needed=needed(structure, choice, task.factor),
+        needed=needed(structure, choice, task.asked.factor),
         order=order_of(structure.assembly, structure.sites, choice),
         checks=checks_of(task, choice, note),
         raised=raised,
@@ -166,15 +166,19 @@ def _once(
     """A design for a ``demand`` on each case; ``last``: of the round before."""
     structure = with_demand(task, demand).structure
     try:
-        search = RowSearch(structure, task.factor)
+        search = RowSearch(structure, task.asked.factor)
     except (InfeasibleError, SolverError) as error:
         # Proofs that no strengths do are often inexact; a largest factor says it as well.
-        raise _why_not(structure, task.factor) or error from None
+        raise _why_not(structure, task.asked.factor) or error from None
     barred: list[Directions] = []
     while True:
         mixed, whole = (
             search.cheapest(
-                whole=kind, barred=barred, gap=task.gap, time_limit=task.time_limit, note=note
+                whole=kind,
+                barred=barred,
+                gap=task.asked.gap,
+                time_limit=task.asked.time_limit,
+                note=note,
             )
             for kind in (False, True)
         )
@@ -184,7 +188,7 @@ def _once(
         )
         choice = choice_of(structure, whole.parts)
         assembly, sites = structure.assembly, structure.sites
-        blocking = conflict(assembly, sites, choice) if task.buildable else None
+        blocking = conflict(assembly, sites, choice) if task.asked.buildable else None
         if not blocking or len(barred) == MOST_BARRED:
             break
         note(f"{len(blocking)} rows of locks leave a block no way to its place: barred")
@@ -198,7 +202,7 @@ def _once(
         whole,
         dict(demand),
         carried(task.structure, choice),
-        needed(task.structure, choice, task.factor),
+        needed(task.structure, choice, task.asked.factor),
         order_of(assembly, sites, choice),
         last.checks if last and last.choice == choice else checks_of(task, choice, note),
         raised,

@@ -4,66 +4,178 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal, Self
 from urllib.parse import quote
 
 import numpy as np
 import yaml
+from pydantic import BeforeValidator, StrictBool, model_validator
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
 from sidmacib.design.model import DesignProblem, LoadCase, Site
-from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import Length, Number, shown
+from sidmacib.reading import Keys, Label, Some, Way
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.files.keys import (
-    MATERIAL,
-    POSITIVE,
-    listed,
-    mapping,
-    named,
-    read_material,
-    read_number,
-    vector,
+from sidmacib.structure.files.sections import (
+    NUMBERS,
+    DrySection,
+    ForceSection,
+    InnerSection,
+    Option,
+    Positive,
+    StructureFile,
 )
-from sidmacib.structure.files.selection import ALL
+from sidmacib.structure.files.selection import two_blocks
 from sidmacib.structure.files.structure_file import assembly_of, description_in, loads_of
 from sidmacib.structure.loads import free_weight
 from sidmacib.validation import refused
 
-KEYS = (
-    *("angles", "runs", "between", "weights", "factor", "first_failure", "no_dilation"),
-    *("buildable", "raised", "gap", "time_limit", "option"),
-)
 DIGITS = 9  # of lengths (m) in the file that is written
 MOST = 25  # locks that work in an interface, unless the file names fewer
-_ANGLE = Number(at_least=-360, at_most=360, unit="degrees")
-_WHOLE = Number(at_least=1, at_most=500, whole=True)
-_NOT_NEGATIVE = Number(at_least=0)
-_ROUNDS = Number(at_least=0, at_most=20, whole=True)
-_GAP = Number(at_least=1e-6, at_most=1)
+_NotNegative = Annotated[float, Number(at_least=0)]
+
+
+class CaseSection(Keys):
+    """A load case: a direction or a force, and how much of it is to be carried."""
+
+    acceleration: Way | None = None
+    """as in `load`"""
+    force: ForceSection | None = None
+    """as in `load`"""
+    newtons: Positive | None = None
+    """how much is to be carried, N"""
+    over_weight: Positive | None = None
+    """or that over the weight of what can move"""
+
+    @model_validator(mode="after")
+    def _has_one_of_each(self) -> Self:
+        for one, other in (("acceleration", "force"), ("newtons", "over_weight")):
+            if (getattr(self, one) is None) == (getattr(self, other) is None):
+                raise ValueError(f"must have either {one} or {other}")
+        return self
+
+
+def _listed(value: Any) -> Any:
+    return value if isinstance(value, list | tuple) else [value]
+
+
+class LockKindSection(Keys):
+    """The locks that a design is made of."""
+
+    width: Annotated[
+        tuple[Length, ...],
+        Some,
+        BeforeValidator(_listed, json_schema_input_type=Length | tuple[Length, ...]),
+    ]
+    """width of a lock, or a list of those that it may have"""
+    height: Length
+    """h: half in either block"""
+    most: Annotated[int, Number(at_least=1, at_most=500, whole=True)] = MOST
+    """locks that work in an interface"""
+    inner: InnerSection = InnerSection()
+    """the law of the roots"""
+    dry: DrySection = DrySection()
+    """the law of the other faces of locks"""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.kind()
+        return self
+
+    def kind(self) -> LockKind:
+        """The section as the model takes it; ValueError if the roots have no strength."""
+        return LockKind(self.width, self.height, self.inner.material, self.dry.material)
+
+
+class WeightsSection(Keys):
+    """What is to be small; with any of these keys, the others are 0."""
+
+    number: _NotNegative = 0.0
+    """cost of each lock that works, by default 1"""
+    area: _NotNegative = 0.0
+    """cost of each m² of their roots"""
+    volume: _NotNegative = 0.0
+    """cost of each m³ of them"""
+
+    def weights(self) -> Weights:
+        """The section as the model takes it; ValueError if all are 0."""
+        return Weights(**(self.model_dump() if self.model_fields_set else {}))
+
+
+def _pairs(value: Any) -> Any:
+    if isinstance(value, list | tuple):
+        return tuple(map(two_blocks, value))
+    return value
+
+
+class DesignSection(Keys):
+    """What `multilock design` is to find; docs/howto/design.md describes the keys."""
+
+    cases: Annotated[dict[Label, CaseSection], Some]
+    """the load cases by name"""
+    locks: LockKindSection
+    """the locks that a design is made of"""
+    angles: Annotated[
+        tuple[Annotated[float, Number(at_least=-360, at_most=360, unit="degrees")], ...], Some
+    ] = (0.0, 90.0)
+    """directions in which locks may run, from the level direction of an interface"""
+    runs: Annotated[tuple[Way, ...], Some] | None = None
+    """directions in which locks may run, in place of `angles`"""
+    between: Annotated[Literal["all"] | tuple[tuple[str, str], ...], BeforeValidator(_pairs)] = (
+        "all"
+    )
+    """pairs of blocks that may get locks"""
+    weights: WeightsSection = WeightsSection()
+    """what is to be small; by default the number of locks"""
+    factor: Positive = 1.0
+    """by which all cases are to be carried"""
+    first_failure: StrictBool = False
+    """whether the first failure of the static model is to carry them, and not the peak"""
+    no_dilation: StrictBool = False
+    """whether limit analysis without dilation is a check, too"""
+    buildable: StrictBool = True
+    """whether the blocks must have an order of placing"""
+    raised: Annotated[int, Number(at_least=0, at_most=20, whole=True)] = 5
+    """how often more may be demanded after a check that fails"""
+    gap: Annotated[float, Number(at_least=1e-6, at_most=1)] = 0.01
+    """largest distance of the cost from the least"""
+    time_limit: Positive = 60.0
+    """longest time of a search, s"""
+    option: Option = "option3"
+    """where the forces of locks act"""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.runs is not None and "angles" in self.model_fields_set:
+            raise ValueError("must have either angles or runs")
+        self.weights.weights()
+        return self
+
+
+class DesignFile(StructureFile):
+    """A structure without locks, and the `design` that is to find them."""
+
+    design: DesignSection | None = None
+    """the task of `multilock design`; the other commands ignore it"""
 
 
 @dataclass(frozen=True)
 class CaseText:
-    """A load case as the file has it: plain values of a key ``load``, and how much is carried.
-
-    ``newtons``, or ``over_weight`` of what can move.
-    """
+    """A load case as the file has it: the key ``load`` in plain values, and its section."""
 
     name: str
-    load: Any
-    newtons: float | None
-    over_weight: float | None
+    load: Mapping[str, Any]
+    section: CaseSection
 
     @property
     def line(self) -> str:
         """The case in a line of YAML."""
-        amount = "newtons" if self.over_weight is None else "over_weight"
-        values = {**self.load, amount: getattr(self, amount)}
-        flow = yaml.safe_dump({self.name: values}, default_flow_style=True, width=1000)
+        amount = self.section.model_dump(include={"newtons", "over_weight"}, exclude_none=True)
+        values = {self.name: {**self.load, **amount}}
+        flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
         return flow.strip().removeprefix("{").removesuffix("}")
 
     def of(self, assembly: Assembly) -> LoadCase:
@@ -79,10 +191,8 @@ class CaseText:
 
     def amount(self, assembly: Assembly) -> float:
         """What is to be carried, in N."""
-        if self.over_weight is None:
-            assert self.newtons is not None
-            return self.newtons
-        return self.over_weight * free_weight(assembly)
+        over_weight = self.section.over_weight or 0.0
+        return self.section.newtons or over_weight * free_weight(assembly)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,23 +200,14 @@ class Task:
     """What a file asks to be designed.
 
     ``description``: the structure without locks, as in a file; ``folder``: that its paths start
-    from. ``factor``: that all cases are to be carried by; by the ``first_failure`` or the peak of
-    the static model. ``no_dilation``: whether limit analysis without dilation, which takes up to 60
-    rounds, is a check, too. ``buildable``: whether an order of placing is needed. ``raised``: how
-    often more may be demanded after a check that fails.
+    from. ``asked``: how the cases are to be carried.
     """
 
     description: Mapping[str, Any]
     folder: Path
     structure: DesignProblem
     cases: tuple[CaseText, ...]
-    factor: float
-    first_failure: bool
-    no_dilation: bool
-    buildable: bool
-    raised: int
-    gap: float
-    time_limit: float
+    asked: DesignSection
 
 
 def read_task(path: Path) -> Task:
@@ -116,133 +217,41 @@ def read_task(path: Path) -> Task:
 
 def task_of(description: Any, folder: Path = Path()) -> Task:
     """The task in a ``description``, plain values as in a file; ValueError that names the key."""
-    if not isinstance(description, dict) or "design" not in description:
-        raise ValueError("the file: lacks the key design")
-    plain = {key: value for key, value in description.items() if key != "design"}
-    if "locks" in plain:
+    given = DesignFile.read(description)
+    if given.design is None:
+        raise ValueError("design: missing; this key is required")
+    if "locks" in given.model_fields_set:
         raise ValueError("locks: must not be there, as the design finds them")
-    given = mapping("design", description["design"], ("cases", "locks"), KEYS)
-    cases = _cases(given["cases"])
+    design = given.design
+    plain = {key: value for key, value in description.items() if key != "design"}
+    cases = tuple(
+        CaseText(name, {k: v for k, v in text.items() if k in ("acceleration", "force")}, section)
+        for text, (name, section) in zip(
+            description["design"]["cases"].values(), design.cases.items(), strict=True
+        )
+    )
     plain.setdefault("load", cases[0].load)
-    assembly = assembly_of(plain, folder=folder)
-    kind, most = _kind(given["locks"])
-    sites = _sites(assembly, given, kind, most)
-    option = given.get("option", "option3")
-    if not isinstance(option, str) or option not in OPTIONS:
-        raise refused("design.option", option, f"one of {', '.join(OPTIONS)}")
+    assembly = assembly_of(given, folder)
     structure = DesignProblem(
         assembly,
-        sites,
+        _sites(assembly, design),
         tuple(case.of(assembly) for case in cases),
-        _weights(given.get("weights", {})),
-        option=OPTIONS[option],
+        design.weights.weights(),
+        option=OPTIONS[design.option],
     )
-    numbers = {
-        name: read_number(f"design.{name}", given.get(name, default), allowed)
-        for name, default, allowed in (
-            ("factor", 1.0, POSITIVE),
-            ("raised", 5, _ROUNDS),
-            ("gap", 0.01, _GAP),
-            ("time_limit", 60.0, POSITIVE),
-        )
-    }
-    flags = {
-        name: _flag(f"design.{name}", given.get(name, default))
-        for name, default in (("first_failure", False), ("no_dilation", False), ("buildable", True))
-    }
-    return Task(
-        plain,
-        folder,
-        structure,
-        cases,
-        numbers["factor"],
-        flags["first_failure"],
-        flags["no_dilation"],
-        flags["buildable"],
-        int(numbers["raised"]),
-        numbers["gap"],
-        numbers["time_limit"],
-    )
+    return Task(plain, folder, structure, cases, design)
 
 
-def _cases(value: Any) -> tuple[CaseText, ...]:
-    found = []
-    for name, each in named("design.cases", value).items():
-        key = f"design.cases.{name}"
-        given = mapping(key, each, (), ("acceleration", "force", "newtons", "over_weight"))
-        load = {k: given[k] for k in ("acceleration", "force") if k in given}
-        if len(load) != 1:
-            raise ValueError(f"{key}: must have either acceleration or force")
-        amounts = {
-            k: read_number(f"{key}.{k}", given[k], POSITIVE)
-            for k in ("newtons", "over_weight")
-            if k in given
-        }
-        if len(amounts) != 1:
-            raise ValueError(f"{key}: must have either newtons or over_weight")
-        found.append(CaseText(name, load, amounts.get("newtons"), amounts.get("over_weight")))
-    return tuple(found)
-
-
-def _kind(value: Any) -> tuple[LockKind, int]:
-    key = "design.locks"
-    given = mapping(key, value, ("width", "height"), ("most", "inner", "dry"))
-    widths = given["width"] if isinstance(given["width"], list) else [given["width"]]
-    materials = {
-        name: read_material(
-            f"{key}.{name}",
-            given.get(name, {}),
-            {field: getattr(default, field) for field in MATERIAL},
-        )
-        for name, default in (("inner", INNER), ("dry", DRY))
-    }
-    try:
-        kind = LockKind(
-            tuple(read_number(f"{key}.width", each, POSITIVE) for each in widths),
-            read_number(f"{key}.height", given["height"], POSITIVE),
-            materials["inner"],
-            materials["dry"],
-        )
-    except ValueError as error:
-        raise ValueError(str(error) if str(error).startswith(key) else f"{key}: {error}") from None
-    return kind, int(read_number(f"{key}.most", given.get("most", MOST), _WHOLE))
-
-
-def _weights(value: Any) -> Weights:
-    given = mapping("design.weights", value, (), ("number", "area", "volume"))
-    numbers = {k: read_number(f"design.weights.{k}", v, _NOT_NEGATIVE) for k, v in given.items()}
-    try:
-        return Weights(**({"number": 0.0, **numbers} if numbers else {}))
-    except ValueError as error:
-        raise ValueError(f"design.{error}") from None
-
-
-def _sites(
-    assembly: Assembly, given: Mapping[str, Any], kind: LockKind, most: int
-) -> tuple[Site, ...]:
+def _sites(assembly: Assembly, design: DesignSection) -> tuple[Site, ...]:
     """The interfaces that may get locks: those that are dry, whole and between convex blocks."""
-    if "angles" in given and "runs" in given:
-        raise ValueError("design: must have either angles or runs")
-    for name in ("angles", "runs"):
-        if name in given and not listed(f"design.{name}", given[name]):
-            raise ValueError(f"design.{name}: must have at least one direction")
-    angles = [
-        read_number("design.angles", each, _ANGLE)
-        for each in listed("design.angles", given.get("angles", [0.0, 90.0]))
-    ]
-    runs = [
-        vector(f"design.runs[{k}]", each)
-        for k, each in enumerate(listed("design.runs", given.get("runs", [])))
-    ]
-    for run in runs:
-        if not any(run):
-            raise refused("design.runs", list(run), "three numbers, not all 0")
-    wanted = _pairs(given.get("between", ALL))
+    kind = design.locks.kind()
+    wanted = None if design.between == "all" else {frozenset(pair) for pair in design.between}
     names = [piece.name for piece in assembly.pieces]
     pairs = [frozenset((names[face.below], names[face.above])) for face in assembly.faces]
     for pair in wanted or ():
         if pair not in pairs:
             raise refused("design.between", " and ".join(sorted(pair)), "two blocks that touch")
+    angles, runs = (design.angles, ()) if design.runs is None else ((), design.runs)
     found = []
     for number, (face, pair) in enumerate(zip(assembly.faces, pairs, strict=True)):
         assert isinstance(face, Polygon)
@@ -251,8 +260,8 @@ def _sites(
         whole = pairs.count(pair) == 1 and not len(face.outline.interiors)
         if convex and whole and face.kind is Kind.DRY and (wanted is None or pair in wanted):
             _require_room(face, solids, kind.height)
-            ways = directions_of(face, angles=() if runs else angles, runs=runs)
-            found.append(Site(number, layouts_of(face, kind, ways, most)))
+            ways = directions_of(face, angles=angles, runs=runs)
+            found.append(Site(number, layouts_of(face, kind, ways, design.locks.most)))
     return tuple(found)
 
 
@@ -263,24 +272,6 @@ def _require_room(face: Polygon, solids: Sequence[Any], height: float) -> None:
         if height / 2 >= depth * (1.0 - CLOSE):
             allowed = f"less than {2.0 * depth:g} m, as {solid.name} is {depth:g} m deep there"
             raise refused("design.locks.height", height, allowed)
-
-
-def _pairs(value: Any) -> set[frozenset[str]] | None:
-    if value == ALL:
-        return None
-    found = set()
-    for number, each in enumerate(listed("design.between", value)):
-        pair = listed(f"design.between[{number}]", each)
-        if len(pair) != 2:
-            raise ValueError(f"design.between[{number}]: must be a list of two blocks")
-        found.add(frozenset(map(str, pair)))
-    return found
-
-
-def _flag(key: str, value: Any) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{key}: {shown(value)} is not allowed; it must be true or false")
-    return value
 
 
 def with_demand(task: Task, demand: Mapping[str, float]) -> Task:
@@ -348,4 +339,4 @@ def beside(path: Path, case: CaseText) -> Path:
 
 
 def _numbers(material: FaceMaterial) -> dict[str, float]:
-    return {name: getattr(material, name) for name in MATERIAL}
+    return {name: getattr(material, name) for name in NUMBERS}

@@ -14,6 +14,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import AMOUNTS
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
+from sidmacib.joint.parameters import PARAMETERS
 from sidmacib.joint.pieces import reassemble
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.static.model import static_first_failure
@@ -58,17 +59,16 @@ def _value(joint: Joint, place: str) -> float:
     return float(getattr(getattr(joint, part) if part else joint, field))
 
 
-FIELDS = (
-    *(Field(name, (name,), "m") for name in ("a", "b", "h", "H")),
-    Field("cohesion", ("inner.cohesion",), "Pa"),
-    Field("tensile_strength", ("inner.tensile_strength",), "Pa", 1e5),
-    Field("normal_stiffness", ("inner.normal_stiffness",), "Pa/m"),
-    Field("shear_stiffness", ("inner.shear_stiffness",), "Pa/m"),
-    Field("bond_friction", ("inner.bond_friction",), ""),
-    Field("dry_normal_stiffness", ("dry.normal_stiffness",), "Pa/m"),
-    Field("dry_shear_stiffness", ("dry.shear_stiffness",), "Pa/m"),
-    Field("friction", ("dry.friction",), ""),
-    Field("density", ("density",), "kg/m3", 1e3),
+FIELDS = tuple(
+    Field(
+        place.replace(".", "_") if parameter.fields[1:] else parameter.name,
+        (place,),
+        parameter.number.unit,
+        parameter.size,
+    )
+    for parameter in PARAMETERS.values()
+    if parameter.size and parameter.number
+    for place in parameter.fields
 )
 
 

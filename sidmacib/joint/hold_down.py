@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from itertools import islice
-from typing import Any
+from typing import Annotated, Any
 
-from sidmacib.quantities import Number, shown
+from sidmacib.quantities import Number, ReadBy, shown
 from sidmacib.validation import require_member
 
 
@@ -93,6 +93,30 @@ class HoldDown:
         if self.kind is Hold.PLATE:
             return None
         return self.amount * area if self.kind is Hold.PRESSURE else self.amount
+
+
+HeldDown = Annotated[
+    HoldDown,
+    ReadBy(
+        HoldDown.read,
+        {
+            "anyOf": [
+                {"enum": [str(kind) for kind in Hold if kind not in AMOUNTS]},
+                *(
+                    {
+                        "type": "object",
+                        "properties": {str(kind): number.schema},
+                        "required": [str(kind)],
+                        "additionalProperties": False,
+                    }
+                    for kind, number in AMOUNTS.items()
+                ),
+            ],
+            "allowed": "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
+        },
+        lambda hold_down: hold_down.spelled,
+    ),
+]
 
 
 def _shown(value: Any) -> str:

@@ -1,13 +1,14 @@
-"""The parameters of a joint by one name each: flags, keys of a joint's file, sliders, ratios.
+"""The parameters of a joint, one row each: flags, keys of a joint's file, sensitivities, sliders.
 
 A parameter is one field of a `Joint`, or of its faces or its elastic material, or two fields that
-are set together. Ranges, units and defaults are those of the fields.
+are set together. Ranges, units, likely values and defaults are those of the fields.
 """
 
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cached_property
 from typing import Any
 
 from sidmacib.fields import kinds_of, number_of
@@ -21,11 +22,23 @@ PARTS = {"": Joint, "inner": FaceMaterial, "dry": FaceMaterial, "elastic": Elast
 
 @dataclass(frozen=True)
 class Parameter:
-    """A parameter: its description and the fields that it sets, such as ``inner.cohesion``."""
+    """A parameter: its description and the fields that it sets, such as ``inner.cohesion``.
+
+    ``places``: of the fields, with {} for its name. ``size``: that it has, for sensitivities, where
+    its value is 0; None if the first failure has none to it. ``slider``: its least and largest
+    value and its step, and their unit with its size in SI units.
+    """
 
     name: str
     words: str
-    fields: tuple[str, ...]
+    places: str = "{}"
+    size: float | None = None
+    slider: Any = None
+
+    @cached_property
+    def fields(self) -> tuple[str, ...]:
+        """The fields that it sets."""
+        return tuple(self.places.format(self.name).split())
 
     @property
     def kind(self) -> Any:
@@ -58,34 +71,36 @@ class Parameter:
         return None if self.number or self.kind is HoldDown else self.kind
 
 
-PARAMETERS = {
-    name: Parameter(name, words, tuple(fields))
-    for name, words, *fields in (
-        ("locks", "number of locks", "locks"),
-        ("a", "length of a lock (x)", "a"),
-        ("b", "width of a lock (y)", "b"),
-        ("h", "height of a lock (z)", "h"),
-        ("H", "height of the body above the locks", "H"),
-        ("cohesion", "cohesion of inner faces (tau_k)", "inner.cohesion"),
-        ("tensile_strength", "tensile strength of inner faces", "inner.tensile_strength"),
-        ("normal_stiffness", "normal stiffness of inner faces", "inner.normal_stiffness"),
-        ("shear_stiffness", "shear stiffness of inner faces", "inner.shear_stiffness"),
-        ("fracture_energy", "fracture energy of bonds that soften", "inner.fracture_energy"),
-        ("bond_friction", "friction of bonds under compression", "inner.bond_friction"),
-        (
-            "dry_stiffness",
-            "stiffness of dry faces, normal and shear",
-            *("dry.normal_stiffness", "dry.shear_stiffness"),
-        ),
-        ("friction", "coefficient of friction of dry faces", "dry.friction"),
-        ("density", "density", "density"),
-        ("young", "Young's modulus of elastic pieces", "elastic.young"),
-        ("poisson", "Poisson's ratio of elastic pieces", "elastic.poisson"),
-        ("upper_body", "how the upper body is cut", "upper_body"),
-        ("failure", "failure of the bonds of inner faces", "failure"),
-        ("hold_down", "what holds the joint down", "hold_down"),
-    )
-}
+MM, KPA, GPA = ("mm", 1e-3), ("kPa", 1e3), ("GPa", 1e9)
+INNER, DRY, ELASTIC = "inner.{}", "dry.{}", "elastic.{}"
+_TABLE = (
+    Parameter("locks", "number of locks", slider=(2, 31, 1)),
+    Parameter("a", "length of a lock (x)", size=1.0, slider=(15, 150, 1, *MM)),
+    Parameter("b", "width of a lock (y)", size=1.0, slider=(20, 100, 1, *MM)),
+    Parameter("h", "height of a lock (z)", size=1.0, slider=(3, 40, 0.5, *MM)),
+    Parameter("H", "height of the body above the locks", size=1.0, slider=(15, 150, 1, *MM)),
+    Parameter("cohesion", "cohesion of inner faces (tau_k)", INNER, 1.0, (10, 300, 5, *KPA)),
+    Parameter("tensile_strength", "tensile strength of inner faces", INNER, 1e5),
+    Parameter("normal_stiffness", "normal stiffness of inner faces", INNER, 1.0),
+    Parameter("shear_stiffness", "shear stiffness of inner faces", INNER, 1.0),
+    Parameter("fracture_energy", "fracture energy of bonds that soften", INNER),
+    Parameter("bond_friction", "friction of bonds under compression", INNER, 1.0),
+    Parameter(
+        "dry_stiffness",
+        "stiffness of dry faces, normal and shear",
+        "dry.normal_stiffness dry.shear_stiffness",
+        1.0,
+    ),
+    Parameter("friction", "coefficient of friction of dry faces", DRY, 1.0, (0, 0.8, 0.01)),
+    Parameter("density", "density", size=1e3),
+    Parameter("young", "Young's modulus of elastic pieces", ELASTIC, slider=(0, 50, 1, *GPA)),
+    Parameter("poisson", "Poisson's ratio of elastic pieces", ELASTIC),
+    Parameter("upper_body", "how the upper body is cut"),
+    Parameter("failure", "failure of the bonds of inner faces"),
+    Parameter("hold_down", "what holds the joint down"),
+)
+PARAMETERS = {parameter.name: parameter for parameter in _TABLE}
+SIZES = ("a", "b", "h", "H")
 
 
 def with_parameters(joint: Joint, values: Mapping[str, Any]) -> Joint:

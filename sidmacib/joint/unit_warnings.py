@@ -1,56 +1,46 @@
 """Warnings about values that are allowed but look as if they were in another unit."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
+from sidmacib.fields import kinds_of, number_of
 from sidmacib.joint.joint import Joint
-
-# Far beyond any lock of stone, concrete or timber, and any printed model.
-LENGTH = (1e-3, 10.0)
-STRENGTH = (100.0, 1e9)
-STIFFNESS = (1e6, 1e15)
-MODULUS = (1e6, 1e13)
-DENSITY = (10.0, 3e4)
-Value = tuple[str, float, tuple[float, float], str]  # what it is of, itself, its range, its unit
-ROUGHEST = 1.2  # friction of masonry and concrete is 0.5 to 1
+from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.mechanics.assembly import FaceMaterial
+from sidmacib.quantities import Number
 
 
 def unit_warnings(joint: Joint) -> Iterator[str]:
-    """One line, with its unit, for each value of ``joint`` outside these ranges."""
-    inner, dry = joint.inner, joint.dry
-    values: list[Value] = [
-        *((name, getattr(joint, name), LENGTH, "m") for name in "abhH"),
-        ("cohesion", inner.cohesion, STRENGTH, "Pa"),
-        ("tensile strength", inner.tensile_strength, STRENGTH, "Pa"),
-        ("normal stiffness of inner faces", inner.normal_stiffness, STIFFNESS, "Pa/m"),
-        ("shear stiffness of inner faces", inner.shear_stiffness, STIFFNESS, "Pa/m"),
-        ("stiffness of dry faces", dry.normal_stiffness, STIFFNESS, "Pa/m"),
-        ("density", joint.density, DENSITY, "kg/m3"),
-    ]
-    if joint.elastic is not None:
-        values.append(("Young's modulus", joint.elastic.young, MODULUS, "Pa"))
-    yield from beyond(values)
-    yield from rough({"friction": dry.friction, "friction of inner faces": inner.friction})
+    """One line, with its unit, for each value of ``joint`` that is unlikely."""
+    parameters = [each for each in PARAMETERS.values() if each.number]
+    yield from beyond((each.name, each.of(joint), each.number) for each in parameters)
+    yield from material_warnings("inner faces: ", joint.inner, "friction")
 
 
-def beyond(values: Iterable[Value]) -> Iterator[str]:
-    """One line for each of ``values`` that is outside its range; 0 counts as none."""
-    for name, value, (least, most), unit in values:
-        if value and not least <= value <= most:
-            what = "small" if value < least else "large"
-            yield f"{name}: {value:g} {unit} is very {what}; is it in {unit}?"
+def material_warnings(what: str, material: FaceMaterial, *names: str) -> Iterator[str]:
+    """The same of numbers of a ``material``, all or those with these ``names``."""
+    kinds = kinds_of(FaceMaterial)
+    yield from beyond(
+        (f"{what}{name}", getattr(material, name), number_of(kinds[name]))
+        for name in names or kinds
+    )
 
 
-def rough(frictions: Mapping[str, float]) -> Iterator[str]:
-    """One line for each coefficient of friction that is unusually large, by its description."""
-    for name, friction in frictions.items():
-        if friction > ROUGHEST:
-            yield f"{name}: {friction:g} is very large; {_angle(friction)}"
+def beyond(values: Iterable[tuple[str, float | None, Number | None]]) -> Iterator[str]:
+    """One line for each of ``values`` that is unlikely; 0 counts as none."""
+    for name, value, number in values:
+        if not value or not number or number.likely[0] <= value <= number.likely[1]:
+            continue
+        what = f"very {'small' if value < number.likely[0] else 'large'}"
+        if number.unit:
+            yield f"{name}: {value:g} {number.unit} is {what}; is it in {number.unit}?"
+        else:
+            yield f"{name}: {value:g} is {what}; {_angle(value, number.likely[1])}"
 
 
-def _angle(friction: float) -> str:
+def _angle(friction: float, most: float) -> str:
     """The likely meaning: an angle in degrees, if it is below 90."""
     if not friction < 90.0:
-        return f"a coefficient of friction is hardly ever above {ROUGHEST:g}"
+        return f"a coefficient of friction is hardly ever above {most:g}"
     coefficient = math.tan(math.radians(friction))
-    return f"is it an angle in degrees? tan({friction:g}°) = {coefficient:.3g}"
+    return f"is it an angle in degrees? tan({friction:g}\N{DEGREE SIGN}) = {coefficient:.3g}"

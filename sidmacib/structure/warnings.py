@@ -3,14 +3,15 @@
 from collections import Counter
 from collections.abc import Iterator
 
-from sidmacib.joint.unit_warnings import STIFFNESS, STRENGTH, Value, beyond, rough
+from sidmacib.joint.unit_warnings import beyond, material_warnings
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
+from sidmacib.quantities import Number
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.interfaces import mean_size, touching
 
-BLOCK = (1e-3, 50.0)  # m, diagonal of a block
-DENSITY = (100.0, 3e4)  # kg/m3: below are kN/m3 and t/m3
+BLOCK = Number(unit="m", likely=(1e-3, 50.0))  # diagonal of a block
+DENSITY = Number(unit="kg/m3", likely=(100.0, 3e4))  # below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
 NEARLY = 1e-3  # over the mean size of the blocks: faces no further apart nearly touch
 
@@ -20,11 +21,11 @@ def structure_warnings(assembly: Assembly) -> list[str]:
 
     The first few of each kind.
     """
-    values: list[Value] = []
+    values: list[tuple[str, float, Number]] = []
     for piece in assembly.pieces:
         if isinstance(piece, Block) and not piece.fixed:
-            values.append((f"{piece.name}: diagonal", piece.size, BLOCK, "m"))
-            values.append((f"{piece.name}: density", piece.density, DENSITY, "kg/m3"))
+            values.append((f"{piece.name}: diagonal", piece.size, BLOCK))
+            values.append((f"{piece.name}: density", piece.density, DENSITY))
     units = [*beyond(values), *_of_faces(assembly)]
     return [*units[:MOST], *list(_near_misses(assembly))[:MOST]]
 
@@ -61,14 +62,4 @@ def _of_faces(assembly: Assembly) -> Iterator[str]:
     """Warnings of each material of a face, named after the first that has it."""
     named = {face.material: face.name for face in reversed(assembly.faces)}
     for law, name in named.items():
-        yield from beyond(
-            [
-                (f"{name}: cohesion", law.cohesion, STRENGTH, "Pa"),
-                (f"{name}: tensile strength", law.tensile_strength, STRENGTH, "Pa"),
-                (f"{name}: normal stiffness", law.normal_stiffness, STIFFNESS, "Pa/m"),
-                (f"{name}: shear stiffness", law.shear_stiffness, STIFFNESS, "Pa/m"),
-            ]
-        )
-        yield from rough(
-            {f"{name}: friction": law.friction, f"{name}: bond_friction": law.bond_friction}
-        )
+        yield from material_warnings(f"{name}: ", law)

@@ -16,6 +16,7 @@ import yaml
 
 FILES = {blocks: Path(__file__).parent / f"vault{blocks}.yaml" for blocks in (3, 5)}
 HEAD = """\
+# yaml-language-server: $schema=../../docs/structure.schema.json
 # A flat vault of {0} x {0} of Abeille's blocks, 0.15 m thick, between kerb stones on walls, loaded
 # at the middle: written by studies/flat_vault/geometry.py, which says how the blocks lean. Lengths
 # in m, densities in kg/m3.

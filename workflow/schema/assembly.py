@@ -1,17 +1,16 @@
 """Cuts, loads, hold-down and failure of the joint, in every model of its pieces."""
 
 from enum import StrEnum
-from typing import Annotated, Any
+from typing import Any
 
-from pydantic import BeforeValidator, PlainSerializer
-
-from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.hold_down import HeldDown, HoldDown
 from sidmacib.joint.joint import UpperBody
 from sidmacib.joint.loading import LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.quantities import FractureEnergy, Modulus
+from sidmacib.reading import Section, changes_to
 from workflow.schema.dem import NumericsChanges
-from workflow.schema.values import Eccentricities, Lengths, Section, changes_to
+from workflow.schema.values import Eccentricities, Lengths
 
 
 class Pieces(StrEnum):
@@ -19,15 +18,6 @@ class Pieces(StrEnum):
 
     RIGID = "rigid"
     ELASTIC = "elastic"  # with the material of the block
-
-
-def _spelled(hold_down: HoldDown) -> str | dict[str, float]:
-    return hold_down.spelled
-
-
-_HeldDown = Annotated[
-    HoldDown, BeforeValidator(HoldDown.read), PlainSerializer(_spelled, when_used="json")
-]
 
 
 class AssemblySection(Section):
@@ -38,7 +28,7 @@ class AssemblySection(Section):
     load_share: LoadShare = LoadShare.FACE
     upper_body: UpperBody = UpperBody.COLUMNS
     push: Push = Push.PLUS_Y
-    hold_down: _HeldDown = HoldDown()
+    hold_down: HeldDown = HoldDown()
 
 
 _CHANGES: Any = changes_to(AssemblySection)

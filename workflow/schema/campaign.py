@@ -2,24 +2,14 @@
 
 import importlib
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import BeforeValidator
-
-from sidmacib.quantities import shown
+from sidmacib.quantities import one_of
 
 STUDIES = Path(__file__).parents[2] / "studies"
 
 
-def campaign(value: Any) -> str:
-    """A folder of ``studies`` with additional rules."""
-    known = sorted(path.parent.name for path in STUDIES.glob("*/rules.smk"))
-    if value not in known:
-        raise ValueError(f"{shown(value)} is not allowed; it must be one of {', '.join(known)}")
-    return str(value)
-
-
-Campaign = Annotated[str, BeforeValidator(campaign)]
+Campaign = Annotated[str, one_of(sorted(path.parent.name for path in STUDIES.glob("*/rules.smk")))]
 
 
 def required_sections(name: str) -> tuple[str, ...]:

@@ -3,8 +3,8 @@
 from typing import Annotated, Any
 
 from sidmacib.quantities import Number
+from sidmacib.reading import Section, changes_to, section_of
 from workflow.engines.numerics import Numerics
-from workflow.schema.values import Section, Several, changes_to, section_of
 
 _KEYS: Any = section_of(Numerics)
 
@@ -27,6 +27,6 @@ class NumericsChanges(_CHANGES):
 class DemSection(Section):
     """Engines by name, the longest time for one case (s), and the engines' numerics."""
 
-    engines: Annotated[tuple[str, ...], Several]
+    engines: tuple[str, ...]
     time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
     numerics: NumericsSection = NumericsSection()

@@ -10,21 +10,13 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from sidmacib.joint.joint import DRY, INNER, Joint, OwnLock, Side
+from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length, Modulus, Number, Poisson
-from workflow.schema.values import (
-    Eccentricities,
-    Lengths,
-    Name,
-    Section,
-    Several,
-    Some,
-    changes_to,
-    section_of,
-)
+from sidmacib.reading import Section, Some, changes_to, section_of
+from workflow.schema.values import Eccentricities, Lengths, Name
 
 MOST_LOCKS = 101
-SIZES = ("a", "b", "h", "H")
 STIFFNESSES = ("normal_stiffness", "shear_stiffness")
 STRENGTHS = ("cohesion", "tensile_strength")
 
@@ -108,7 +100,7 @@ class PartSection(Section):
 
     meshes: Lengths | None = None
     eccentricities: Eccentricities | None = None
-    variants: Annotated[tuple[Name, ...], Several] | None = None
+    variants: tuple[Name, ...] | None = None
 
 
 class SampleSection(_OWN_SIZES):

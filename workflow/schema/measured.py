@@ -6,7 +6,8 @@ from typing import Annotated, Any, Self
 from pydantic import BeforeValidator, model_validator
 
 from sidmacib.quantities import FORMULA, Number, shown
-from workflow.schema.values import Eccentricity, Name, Section, Several
+from sidmacib.reading import Section
+from workflow.schema.values import Eccentricity, Name
 
 LONGEST = 500  # letters of a source
 
@@ -74,4 +75,4 @@ class MeasuredSection(Section):
 
     source: Words
     digitised: Words
-    loads: Annotated[tuple[MeasuredLoad, ...], Several]
+    loads: tuple[MeasuredLoad, ...]

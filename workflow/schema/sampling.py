@@ -3,9 +3,10 @@
 from typing import Annotated, Any
 
 from sidmacib.quantities import Friction, Number, Share, Span
+from sidmacib.reading import Section, Some, section_of
 from workflow.joints.sampling import Sampling
 from workflow.schema.joint import MOST_LOCKS
-from workflow.schema.values import Eccentricities, Lengths, Positive, Section, Some, section_of
+from workflow.schema.values import Eccentricities, Lengths, Positive
 
 MOST_JOINTS = 1_000_000
 

@@ -7,8 +7,9 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
 from sidmacib.contact_points.reductions import REDUCTIONS
-from sidmacib.quantities import Number, Part, shown
-from workflow.schema.values import Entries, Name, Section, Some
+from sidmacib.quantities import Number, Part, one_of, shown
+from sidmacib.reading import Section, Some
+from workflow.schema.values import Name
 
 
 class OptionSection(Section):
@@ -25,12 +26,6 @@ class OptionSection(Section):
     def contact_option(self) -> ContactOption:
         """The section as the models take it; ValueError if positions and portions do not match."""
         return ContactOption(self.positions, self.portions)
-
-
-def _reduction(name: object) -> object:
-    if name not in [*REDUCTIONS]:
-        raise ValueError(f"{shown(name)} is not allowed; it must be one of {', '.join(REDUCTIONS)}")
-    return name
 
 
 _READY = {
@@ -66,9 +61,11 @@ class SidmacibSection(Section):
     """The overload on the upper block (N), contact points, and rules for which locks count."""
 
     overload: Annotated[float, Number(at_least=0, unit="N")] = 1000.0
-    options: Annotated[dict[Name, OptionSection], Entries, BeforeValidator(_with_ready)] = Field(
-        default={name: _READY[name] for name in OPTIONS}
-    )
-    reductions: Annotated[tuple[Annotated[str, BeforeValidator(_reduction)], ...], Some] = tuple(
-        REDUCTIONS
-    )
+    options: Annotated[
+        dict[Name, OptionSection],
+        Some,
+        BeforeValidator(
+            _with_ready, json_schema_input_type=list[Name] | dict[Name, OptionSection | None]
+        ),
+    ] = Field(default={name: _READY[name] for name in OPTIONS})
+    reductions: Annotated[tuple[Annotated[str, one_of(REDUCTIONS)], ...], Some] = tuple(REDUCTIONS)

@@ -1,14 +1,14 @@
 """A whole study."""
 
 import math
-from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Length
+from sidmacib.reading import Section
 from workflow.joints.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.campaign import Campaign
@@ -22,16 +22,8 @@ from workflow.schema.joint import (
 from workflow.schema.measured import MeasuredSection
 from workflow.schema.sampling import CalibrationSection, SamplingSection
 from workflow.schema.sidmacib import SidmacibSection
-from workflow.schema.structures import NO_JOINTS, SomeOrStructures, StructureSection
-from workflow.schema.values import (
-    Eccentricities,
-    Folder,
-    Lengths,
-    Name,
-    Positive,
-    Section,
-    Several,
-)
+from workflow.schema.structures import StructureSection
+from workflow.schema.values import Eccentricities, Folder, Lengths, Name, Positive
 
 
 class FiguresSection(Section):
@@ -53,14 +45,14 @@ class Study(Section):
     """A whole study: joints, meshes, directions of loading, and the models that are run on them."""
 
     results: Folder = "results"
-    samples: Annotated[dict[Name, SampleSection], SomeOrStructures]
+    samples: dict[Name, SampleSection] = Field(default_factory=dict)
     geometry: GeometrySection = GeometrySection()
     materials: MaterialsSection = MaterialsSection()
     meshes: Lengths = (0.02, 0.005)
     nodes: NodeLayout = NodeLayout.LOBATTO
     eccentricities: Eccentricities = (0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf)
     assembly: AssemblySection = AssemblySection()
-    models: Annotated[tuple[str, ...], Several]
+    models: tuple[str, ...]
     sidmacib: SidmacibSection = SidmacibSection()
     dem: DemSection
     variants: dict[Name, VariantSection] = Field(default_factory=dict)
@@ -72,12 +64,11 @@ class Study(Section):
     measured: MeasuredSection | None = None
     structures: dict[Name, StructureSection] = Field(default_factory=dict)
 
-    @model_validator(mode="before")
-    @classmethod
-    def _of_structures_alone(cls, given: Any) -> Any:
-        if isinstance(given, Mapping) and given.get("structures") and "samples" not in given:
-            return {**given, "samples": NO_JOINTS}
-        return given
+    @model_validator(mode="after")
+    def _of_something(self) -> Self:
+        if not self.samples and not self.structures:
+            raise ValueError("samples: missing; it must name at least one, unless structures does")
+        return self
 
     @property
     def model_names(self) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""Values of the configuration that no joint has, with range and message; the base of sections.
+"""Values of the configuration that no joint has, with range and message.
 
 A bad value raises a ValueError whose text follows the key's name: "-1 is not allowed; it must
 be ...".
@@ -7,35 +7,19 @@ be ...".
 import math
 import os
 import re
-from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, PlainSerializer, create_model
+from pydantic import BeforeValidator, Field, PlainSerializer
 
-from sidmacib.fields import kinds_of
 from sidmacib.quantities import Length, Number, shown
+from sidmacib.reading import Some
 
 NAME_LENGTH = 64  # a folder's name, at most 255 letters, is made of two names and more
 PATH_LENGTH, PART_LENGTH = 1000, 200
 
 
-def shown_key(key: Any) -> str:
-    """A key as shown in a message: unchanged if it is a short word."""
-    plain = isinstance(key, int) or (isinstance(key, str) and re.fullmatch(r"[\w.+-]{1,80}", key))
-    return str(key) if plain else shown(key)
-
-
 Positive = Annotated[float, Number(above=0)]
-
-
-def switch(value: Any) -> bool:
-    """``value`` if it is true or false; ValueError if it is neither."""
-    if not isinstance(value, bool):
-        raise ValueError(f"{shown(value)} is not allowed; it must be true or false")
-    return value
-
-
-Switch = Annotated[bool, BeforeValidator(switch)]
+NotNegative = Annotated[float, Number(at_least=0)]
 
 
 def eccentricity(value: Any) -> float:
@@ -55,7 +39,9 @@ def _spelled(value: float) -> float | str:
 
 
 Eccentricity = Annotated[
-    float, BeforeValidator(eccentricity), PlainSerializer(_spelled, when_used="json")
+    float,
+    BeforeValidator(eccentricity, json_schema_input_type=Literal["torsion"] | NotNegative),
+    PlainSerializer(_spelled, when_used="json"),
 ]
 
 
@@ -73,7 +59,11 @@ def name(value: Any) -> str:
     return value
 
 
-Name = Annotated[str, BeforeValidator(name)]
+Name = Annotated[
+    str,
+    BeforeValidator(name),
+    Field(description="letters, digits, _ and ., beginning with a letter or digit"),
+]
 
 
 def folder(value: Any) -> str:
@@ -98,65 +88,8 @@ def folder(value: Any) -> str:
     return path
 
 
-Folder = Annotated[str, BeforeValidator(folder)]
+Folder = Annotated[str, BeforeValidator(folder), Field(description="the name of a folder")]
 
 
-def some(value: Any) -> Any:
-    """A list with at least one item."""
-    if not isinstance(value, list | tuple) or not value:
-        raise ValueError(f"{shown(value)} is not allowed; it must be a list of at least one value")
-    return value
-
-
-def several(value: Any) -> Any:
-    """A list, perhaps empty."""
-    if not isinstance(value, list | tuple):
-        raise ValueError(f"{shown(value)} is not allowed; it must be a list")
-    return value
-
-
-def entries(value: Any) -> Any:
-    """A mapping of at least one name."""
-    if not isinstance(value, Mapping) or not value:
-        raise ValueError(
-            f"{shown(value)} is not allowed; it must be a mapping of at least one name"
-        )
-    return value
-
-
-Some = BeforeValidator(some)
-Several = BeforeValidator(several)
-Entries = BeforeValidator(entries)
 Lengths = Annotated[tuple[Length, ...], Some]
 Eccentricities = Annotated[tuple[Eccentricity, ...], Some]
-
-
-class Section(BaseModel):
-    """A part of the configuration, without unknown keys; it does not change after reading."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, ser_json_inf_nan="strings")
-
-
-def section_of(source: Any, *keys: str, **kinds: Any) -> Any:
-    """A section of some fields of the dataclass ``source``, or all, with its defaults.
-
-    ``source`` may be an instance, whose values are the defaults then. ``kinds``: annotations that
-    are narrower than those of the dataclass. Where it has a ``bool``, the section takes nothing
-    but true and false.
-    """
-    dataclass: Any = source if isinstance(source, type) else type(source)
-    fields_of = {key: Switch if kind is bool else kind for key, kind in kinds_of(dataclass).items()}
-    annotations = {**fields_of, **kinds}
-    chosen: dict[str, Any] = {
-        key: (annotations[key], getattr(source, key, ...)) for key in keys or annotations
-    }
-    return create_model(f"{dataclass.__name__}Keys", __base__=Section, **chosen)
-
-
-def changes_to(section: type[Section]) -> Any:
-    """``section`` with every key optional: None means no change."""
-    keys: dict[str, Any] = {
-        key: (field.rebuild_annotation() | None, None)
-        for key, field in section.model_fields.items()
-    }
-    return create_model(f"{section.__name__}Changes", __base__=Section, **keys)

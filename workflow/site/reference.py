@@ -1,37 +1,18 @@
-"""Pages in Markdown that are made from the code: keys of the configuration, columns of tables."""
+"""What is made from the code: pages of keys and of columns, and schemas of files for editors."""
 
+import json
 import math
-import types
-import typing
 from collections.abc import Iterator, Mapping
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from pydantic import BeforeValidator
-from pydantic.fields import FieldInfo
-from pydantic_core import PydanticUndefined
-
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.quantities import Number, Span
+from sidmacib.design.file import DesignFile
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
 from workflow.schema import Study
-from workflow.schema.measured import words
-from workflow.schema.structures import samples
-from workflow.schema.values import Section, eccentricity, entries, folder, name, several, some
+from workflow.schema.structures import FILE
 
-WORDS = {  # of checks that are functions
-    eccentricity: "a number of at least 0 (e / a), or torsion",
-    folder: "the name of a folder",
-    HoldDown.read: "`plate`, `weight`, `{force: N}` or `{pressure: Pa}`",
-    some: "at least one",
-    several: "perhaps none",
-    entries: "at least one name",
-    samples: "at least one name, unless there are structures",
-    words: "text",
-    name: "letters, digits, _ and ., beginning with a letter or digit",
-}
+Schema = dict[str, Any]
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
 INTRODUCTION = """# Every key of the configuration
 
@@ -49,10 +30,21 @@ a campaign of `studies` writes are not listed.
 """
 
 
+STRUCTURE_INTRODUCTION = """# Every key of the file of a structure
+
+The YAML file that `multilock assembly`, `multilock design` and the `structures` of a study read;
+for examples see [Arches, walls, any blocks](howto/structure.md). Lengths are in m, forces in N,
+stresses in Pa, stiffnesses in Pa/m.
+"""
+
+
 def write_pages(folder: Path) -> None:
-    """Write all pages into ``folder``."""
+    """Write all pages, and the schemas for editors, into ``folder``."""
     (folder / "configuration.md").write_text(page())
+    (folder / "structure_file.md").write_text(structure_page())
     (folder / "columns.md").write_text(columns_page())
+    for name, text in schemas().items():
+        (folder / name).write_text(text)
 
 
 def columns_page() -> str:
@@ -70,107 +62,128 @@ def _section(table: Table) -> list[str]:
 
 
 def page() -> str:
-    """The page of keys, a section for each section of the configuration."""
-    lines = [INTRODUCTION]
-    places: dict[type[Section], list[str]] = {}
-    for path, section in sections(Study, ""):
-        places.setdefault(section, []).append(path)
-    for section, paths in places.items():
-        heading, *others = (path or "The study" for path in paths)
-        also = (
-            [f"The same keys: {', '.join(f'`{path}`' for path in others)}.", ""] if others else []
-        )
-        lines += [f"## {heading}", "", _words(section), "", *also, *_table(section), ""]
-    return "\n".join(lines)
+    """The page of the keys of a study."""
+    schema = Study.model_json_schema()
+    return "\n".join([INTRODUCTION, *_sections(schema, "The study", FILLED)])
 
 
-def sections(section: type[Section], path: str) -> Iterator[tuple[str, type[Section]]]:
-    """``section`` and those below it, each with the path of its keys."""
-    yield path, section
-    for key, field in section.model_fields.items():
-        here = f"{path}.{key}" if path else key
-        for below, many in _below(field.annotation):
-            yield from sections(below, f"{here}.<name>" if many else here)
+def structure_page() -> str:
+    """The page of the keys of a structure's file."""
+    schema = DesignFile.model_json_schema()
+    return "\n".join([STRUCTURE_INTRODUCTION, *_sections(schema, "The file", {})])
 
 
-def _below(annotation: Any, many: bool = False) -> Iterator[tuple[type[Section], bool]]:
-    """Sections in an annotation, and whether there is one for each name."""
-    if isinstance(annotation, type) and issubclass(annotation, Section):
-        yield annotation, many
-    origin = typing.get_origin(annotation)
-    for part in typing.get_args(annotation):
-        yield from _below(part, many or origin in (dict, tuple))
+def _sections(schema: Schema, first: str, filled: Mapping[str, str]) -> Iterator[str]:
+    """A heading and a table for each section, where it stands first."""
+    places: dict[str, list[str]] = {}
+    for path, name in _paths(schema, schema, ""):
+        places.setdefault(name, []).append(path)
+    for name, paths in places.items():
+        section = schema["$defs"][name] if name else schema
+        words = " ".join(section["description"].replace("``", "`").split())
+        yield f"## {paths[0] or first}\n\n{words}\n"
+        if paths[1:]:
+            yield f"The same keys: {', '.join(f'`{path}`' for path in paths[1:])}.\n"
+        yield "| key | default | value |\n| --- | --- | --- |"
+        needed = section.get("required", ())
+        for key, node in section["properties"].items():
+            default = "must be given" if key in needed else _default(node.get("default", ""))
+            default = default if name else filled.get(key, default)
+            words = "; ".join(filter(None, (node.get("description"), _allowed(schema, node))))
+            yield f"| `{key}` | {default} | {words} |"
+        yield ""
 
 
-def _words(section: type[Section]) -> str:
-    text = " ".join((section.__doc__ or "").replace("``", "`").split())
-    return text.removesuffix(" ")
+def _paths(schema: Schema, section: Schema, path: str) -> Iterator[tuple[str, str]]:
+    """Each section below ``path``, by its path and its name in the ``schema``; "" for the first."""
+    yield path, section["title"] if path else ""
+    for key, node in section["properties"].items():
+        for name, here in _below(node, f"{path}.{key}" if path else key):
+            below = schema["$defs"][name]
+            if "properties" in below:
+                yield from _paths(schema, below, here)
 
 
-def _table(section: type[Section]) -> list[str]:
-    rows = ["| key | default | allowed |", "| --- | --- | --- |"]
-    for key, field in section.model_fields.items():
-        default = FILLED.get(key) if section is Study else None
-        rows.append(f"| `{key}` | {default or _default(field)} | {_allowed(field)} |")
-    return rows
+def _below(node: Schema, path: str) -> Iterator[tuple[str, str]]:
+    """Names of the sections that the node at ``path`` refers to, and their paths."""
+    if "$ref" in node:
+        yield node["$ref"].rsplit("/", 1)[1], path
+    for each in node.get("anyOf", ()):
+        yield from _below(each, path)
+    for key, of in (("items", "number"), ("additionalProperties", "name")):
+        if isinstance(node.get(key), dict):
+            yield from _below(node[key], f"{path}.<{of}>")
 
 
-def _default(field: FieldInfo) -> str:
-    if field.is_required():
-        return "must be given"
-    value = field.default
-    if value is PydanticUndefined or isinstance(value, Section) or value in ((), {}):
-        return "see below" if isinstance(value, Section) else "none"
-    if value is None:
-        return "not given"
-    if isinstance(value, Mapping):
-        return ", ".join(f"`{key}`" for key in value)
-    return f"`{_spelled(value)}`"
+def _default(value: Any) -> str:
+    if isinstance(value, dict):
+        return "see below"
+    return "not given" if value is None else f"`{_spelled(value)}`" if value != "" else "none"
 
 
 def _spelled(value: Any) -> str:
-    if isinstance(value, tuple | list):
+    if isinstance(value, list):
         return f"[{', '.join(map(_spelled, value))}]"
-    if isinstance(value, HoldDown):
-        return str(value.kind)
     if isinstance(value, float):
         return "torsion" if math.isinf(value) else f"{value:g}"
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _allowed(field: FieldInfo) -> str:
-    """The allowed values of a key, from its checks."""
-    checks = list(dict.fromkeys([*_checks(field.metadata), *_inner(field.annotation)]))
-    return "; ".join(checks).replace("|", "\\|") or "see below"
-
-
-def _inner(annotation: Any) -> Iterator[str]:
-    if isinstance(annotation, type) and issubclass(annotation, StrEnum):
-        yield " or ".join(f"`{member}`" for member in annotation)
-    elif annotation is bool:
-        yield "true or false"
-    elif typing.get_origin(annotation) is typing.Annotated:
-        kind, *metadata = typing.get_args(annotation)
-        yield from _checks(metadata)
-        yield from _inner(kind)
+def _allowed(schema: Schema, node: Schema) -> str:
+    """What a value may be, in words."""
+    names = node.get("enum", [node["const"]] if "const" in node else ())
+    if "allowed" in node or names:
+        words = str(node.get("allowed") or " or ".join(f"`{name}`" for name in names))
+    elif "$ref" in node:
+        below = schema["$defs"][node["$ref"].rsplit("/", 1)[1]]
+        words = "see below" if "properties" in below else _allowed(schema, below)
+    elif "anyOf" in node:
+        every = dict.fromkeys(_allowed(schema, each) for each in node["anyOf"])
+        words = " or ".join(filter(None, every))
+    elif node.get("type") == "array":
+        some = "at least one" * (node.get("minItems") == 1)
+        words = "; ".join(filter(None, ("a list", _allowed(schema, node.get("items", {})), some)))
     else:
-        if typing.get_origin(annotation) is tuple:
-            yield "a list"
-        for part in typing.get_args(annotation):
-            if part is not types.NoneType:
-                yield from _inner(part)
+        some = "; at least one" * ("minProperties" in node)
+        kinds = {"boolean": "true or false", "string": "a text", "object": f"by name{some}"}
+        words = kinds.get(node.get("type", ""), "")
+    return words
 
 
-def _checks(metadata: Any) -> Iterator[str]:
-    for each in metadata:
-        check: Any = each.func if isinstance(each, BeforeValidator) else None
-        if isinstance(each, Number):
-            one = each.at_least == each.at_most
-            yield f"{each.at_least:g}" if one else each.range(kind=True)
-        elif isinstance(each, Span):
-            yield f"the least and the largest, each {each.number.range(kind=True)}"
-        elif check in WORDS:
-            yield WORDS[check]
-        elif check is not None and check.__doc__:
-            (first, *_) = check.__doc__.split(".")
-            yield first[:1].lower() + first[1:].replace("``", "`")
+def schemas() -> dict[str, str]:
+    """The schemas for editors by the names of their files, with a line for each section."""
+    study, structure = Study.model_json_schema(), DesignFile.model_json_schema()
+    for section in (study, study["$defs"]["DemSection"]):
+        del section["required"]  # the reader takes all models and engines that can do it
+    return {"study.schema.json": _lines(study), FILE: _lines(structure)}
+
+
+def _lines(schema: Schema) -> str:
+    schema = _for_editors(schema)
+    parts = {
+        name: ",\n".join(f'"{k}": {json.dumps(v)}' for k, v in schema.pop(name).items())
+        for name in ("$defs", "properties")
+    }
+    head = ",\n".join(f'"{key}": {json.dumps(value)}' for key, value in schema.items())
+    return "{\n" + head + "".join(f',\n"{k}": {{\n{v}\n}}' for k, v in parts.items()) + "\n}\n"
+
+
+def _for_editors(node: Any) -> Any:
+    """A schema whose descriptions say what is allowed, too."""
+    if isinstance(node, float) and math.isinf(node):
+        return "torsion"
+    if isinstance(node, list):
+        return list(map(_for_editors, node))
+    if not isinstance(node, dict):
+        return node
+    texts = {key: node[key] for key in ("description", "allowed") if type(node.get(key)) is str}
+    left_out = {
+        *texts,
+        *(key for key in ("title", "default") if not isinstance(node.get(key), dict)),
+    }
+    found = {
+        {"see": "$ref"}.get(key, key): _for_editors(value)
+        for key, value in node.items()
+        if key not in left_out
+    }
+    return {**found, "description": "; ".join(texts.values())} if texts else found

@@ -49,7 +49,7 @@ def found_by_engine(case: StructureCase, folder: Path, time_limit: float) -> Str
     """The checked record of ``case``, or a record of the reason why its engine refuses it."""
     engine = ENGINES[case.model]
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
-    problem = structure_of(case.description, "the description")
+    problem = structure_of(case.description)
     if reason := refusal(engine, problem.assembly):
         return record_without_result(case, refused=f"{engine.name}: {reason}")
     guide = guide_for(engine, problem, case.numerics)

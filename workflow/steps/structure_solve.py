@@ -25,7 +25,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
 def solved(case: StructureCase, module: str) -> StructureRecord:
     """The record of ``case``, solved by the ``solve`` of a module."""
     try:
-        problem = structure_of(case.description, "the description")
+        problem = structure_of(case.description)
         reason = problem.assembly.without_stiffness
         if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
             return record_without_result(case, refused=f"{case.model}: {reason}")

@@ -119,13 +119,13 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
         place = f"variants.{variant}" if variant != REFERENCE else "description"
         cases = [(load, description) for load, _, description in group]
         try:
-            assembly = assembly_of(cases[0][1], "the description")
+            assembly = assembly_of({k: v for k, v in cases[0][1].items() if k != "load"})
         except ValueError as error:
             yield f"{key}.{place}: {_in_a_line(error)}"
             continue
         for load, description in cases:
             try:
-                loads_of(assembly, description["load"])
+                loads_of(assembly, description.get("load"))
             except ValueError as error:
                 yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
 

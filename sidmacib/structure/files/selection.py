@@ -6,20 +6,73 @@ that it has must hold.
 
 from collections.abc import Callable, Mapping, Sequence
 from fnmatch import fnmatchcase
-from typing import Any
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
+from pydantic import BeforeValidator, model_validator
 
 from sidmacib.quantities import Number, shown
+from sidmacib.reading import Keys, Way
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.interfaces import Interface
-from sidmacib.validation import require_direction
 
 Pair = frozenset[str]  # names of two blocks
-ALL = "all"  # pairs of blocks that touch
-RULE = ("blocks", "materials", "normal", "within")
-WITHIN = 10.0  # degrees, by default, between an interface's normal and that of a rule
-_ANGLE = Number(at_least=0, at_most=90, unit="degrees")
+
+
+_Angle = Annotated[float, Number(at_least=0, at_most=90, unit="degrees")]
+
+
+def _two(value: Any) -> tuple[str, str]:
+    """One text for both blocks of a pair, or a list of two."""
+    both = value if isinstance(value, list | tuple) else [value, value]
+    if len(both) != 2 or not all(isinstance(each, str) for each in both):
+        raise ValueError(f"{shown(value)} is not allowed; it must be a text or two in a list")
+    return both[0], both[1]
+
+
+_Two = Annotated[
+    tuple[str, str], BeforeValidator(_two, json_schema_input_type=str | tuple[str, str])
+]
+
+
+class Rule(Keys):
+    """Pairs of blocks that touch: all that a rule has must hold."""
+
+    blocks: _Two | None = None
+    """a pattern for both names, such as `"arch-*"`, or a list of two"""
+    materials: _Two | None = None
+    """a material of both blocks, or a list of two"""
+    normal: Way | None = None
+    """direction that the interface is perpendicular to, either way"""
+    within: _Angle = 10.0
+    """degrees between `normal` and that of the interface"""
+
+    @model_validator(mode="after")
+    def _chooses(self) -> Self:
+        if not self.model_fields_set - {"within"}:
+            raise ValueError("must have blocks, materials or normal")
+        return self
+
+
+def _between(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return Rule.model_validate(value)
+    if isinstance(value, list | tuple):
+        return two_blocks(value)
+    if value != "all" and not isinstance(value, Rule):
+        allowed = f"a list of two blocks, all, or a rule with {', '.join(Rule.model_fields)}"
+        raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}")
+    return value
+
+
+def two_blocks(value: Any) -> tuple[str, str]:
+    """The names of two blocks; ValueError."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError(f"{shown(value)} is not allowed; it must be a list of two blocks")
+    return str(value[0]), str(value[1])
+
+
+Between = Annotated[Literal["all"] | tuple[str, str] | Rule, BeforeValidator(_between)]
 
 
 class Selection:
@@ -32,21 +85,14 @@ class Selection:
         self.blocks, self._find = blocks, find
         self.found: tuple[Interface, ...] | None = None
 
-    def pairs(self, key: str, value: Any) -> list[Pair]:
-        """The pairs that a file's ``value`` stands for: two names, `all`, or a rule.
+    def pairs(self, key: str, between: "str | tuple[str, str] | Rule") -> list[Pair]:
+        """The pairs that a file's ``between`` stands for: two names, all, or a rule.
 
-        ValueError, which begins with ``key``, for any other, and for a rule that no pair fits.
+        ValueError, which begins with ``key``, for a rule that no pair fits.
         """
-        if value == ALL:
-            return list(self._normals())
-        if isinstance(value, dict):
-            return self._by_rule(key, value)
-        if not isinstance(value, list):
-            allowed = f"a list of two blocks, {ALL}, or a rule with {', '.join(RULE)}"
-            raise ValueError(f"{key}: {shown(value)} is not allowed; it must be {allowed}")
-        if len(value) != 2:
-            raise ValueError(f"{key}: must be a list of two blocks")
-        return [frozenset(map(str, value))]
+        if isinstance(between, Rule):
+            return self._by_rule(key, between)
+        return [frozenset(between)] if isinstance(between, tuple) else list(self._normals())
 
     def _normals(self) -> dict[Pair, list[np.ndarray]]:
         """The normals of each pair's interfaces, in the order of the interfaces."""
@@ -58,22 +104,15 @@ class Selection:
             normals.setdefault(pair, []).append(each.axes[0])
         return normals
 
-    def _by_rule(self, key: str, rule: Mapping[Any, Any]) -> list[Pair]:
-        for name in rule:
-            if name not in RULE:
-                valid = ", ".join(RULE)
-                raise ValueError(f"{key}: unknown key {shown(name)}; valid keys: {valid}")
-        if not rule.keys() - {"within"}:
-            raise ValueError(f"{key}: must have blocks, materials or normal")
+    def _by_rule(self, key: str, rule: Rule) -> list[Pair]:
         made_of = {block.name: block.material for block in self.blocks}
-        chosen = list(self._normals())
-        if "blocks" in rule:
-            patterns = _two(f"{key}.blocks", rule["blocks"])
-            chosen = [pair for pair in chosen if _fit(sorted(pair), patterns, fnmatchcase)]
-        if "materials" in rule:
-            names = _two(f"{key}.materials", rule["materials"])
+        normals = self._normals()
+        chosen = list(normals)
+        if rule.blocks:
+            chosen = [pair for pair in chosen if _fit(sorted(pair), rule.blocks, fnmatchcase)]
+        if rule.materials:
             known = sorted({of for of in made_of.values() if of is not None})
-            for name in names:
+            for name in rule.materials:
                 if name not in known:
                     allowed = ", ".join(known) or "that of a block, none of which has any"
                     raise ValueError(
@@ -82,39 +121,15 @@ class Selection:
             chosen = [
                 pair
                 for pair in chosen
-                if _fit([made_of[name] for name in sorted(pair)], names, lambda a, b: a == b)
+                if _fit([made_of[name] for name in sorted(pair)], rule.materials, str.__eq__)
             ]
-        if "normal" in rule:
-            chosen = self._along(key, rule, chosen)
+        if rule.normal:  # either way, and of every interface
+            axis = np.array(rule.normal) / np.linalg.norm(rule.normal)
+            least = np.cos(np.radians(rule.within)) - 1e-9
+            chosen = [p for p in chosen if all(abs(float(n @ axis)) >= least for n in normals[p])]
         if not chosen:
             raise ValueError(f"{key}: fits no two blocks that touch")
         return chosen
-
-    def _along(self, key: str, rule: Mapping[Any, Any], chosen: list[Pair]) -> list[Pair]:
-        """Those of which every interface has the normal of a ``rule``, either way."""
-        normal = rule["normal"]
-        if not isinstance(normal, list):
-            raise ValueError(f"{key}.normal: must be a list of three numbers")
-        try:
-            require_direction(normal=normal)
-            within = _ANGLE.read(rule.get("within", WITHIN))
-        except ValueError as error:
-            name = "" if str(error).startswith("normal") else "within: "
-            raise ValueError(f"{key}.{name}{error}") from None
-        axis = np.array(normal, float) / np.linalg.norm(normal)
-        least = np.cos(np.radians(within)) - 1e-9
-        normals = self._normals()
-        return [p for p in chosen if all(abs(float(n @ axis)) >= least for n in normals[p])]
-
-
-def _two(key: str, value: Any) -> tuple[str, str]:
-    """One text for both blocks of a pair, or a list of two."""
-    both = value if isinstance(value, list) else [value, value]
-    if len(both) != 2 or not all(isinstance(each, str) for each in both):
-        raise ValueError(
-            f"{key}: {shown(value)} is not allowed; it must be a text or two in a list"
-        )
-    return both[0], both[1]
 
 
 def _fit(pair: Sequence[Any], texts: tuple[str, str], fits: Callable[[Any, str], bool]) -> bool:

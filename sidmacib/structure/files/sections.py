@@ -1,0 +1,339 @@
+"""The keys of a structure's file: their units, ranges and defaults, and what is made of them.
+
+Editors check files by a schema that is made from these sections, as is the page of all keys.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, StrictBool, model_validator
+
+from sidmacib.contact_points.options import OPTIONS
+from sidmacib.joint.hold_down import HeldDown
+from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.quantities import Count, Length, Number, one_of, shown
+from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
+from sidmacib.rule.law import RULES
+from sidmacib.structure.analysis.tilt import Tilt, tilting
+from sidmacib.structure.blocks import Block, box, prism
+from sidmacib.structure.files.compas import DENSITIES, read_compas
+from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.selection import Between
+from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.locks import ALL, Condensed, Locks
+from sidmacib.validation import refused
+
+INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
+NUMBERS = (
+    *("normal_stiffness", "shear_stiffness", "friction", "cohesion", "tensile_strength"),
+    "bond_friction",
+)
+Positive = Annotated[float, Number(above=0)]
+_Index = Annotated[int, Number(at_least=0, whole=True)]
+_Density = Annotated[float, DENSITIES]
+
+
+class _Numbers(Keys):
+    @property
+    def material(self) -> FaceMaterial:
+        """The material of a face."""
+        return FaceMaterial(**self.model_dump())
+
+
+_INTERFACE: Any = section_of(INTERFACE, *NUMBERS)
+_INNER: Any = section_of(INNER, *NUMBERS)
+_DRY: Any = section_of(DRY, *NUMBERS)
+_CHANGES: Any = changes_to(_INTERFACE)
+
+
+class InterfaceSection(_INTERFACE, _Numbers):
+    """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
+
+    Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
+    failed; ``bond_friction``: of a bond while it holds, c + μσ.
+    """
+
+
+class InnerSection(_INNER, _Numbers):
+    """The law of the roots of locks."""
+
+
+class DrySection(_DRY, _Numbers):
+    """The law of all other faces of locks."""
+
+
+class SpecialSection(_CHANGES, Keys):
+    """A law of certain pairs of blocks: the numbers that differ from `interfaces`."""
+
+    between: Between
+    """the pairs of blocks"""
+
+    def material(self, others: FaceMaterial) -> FaceMaterial:
+        """The law of these pairs, where ``others`` is that of all others."""
+        return replace(others, **self.model_dump(exclude={"between"}, exclude_none=True))
+
+
+def _working(value: Any) -> float:
+    try:
+        return ALL if value in ("all", ALL) else Number(above=0).read(value)
+    except ValueError:
+        allowed = "a number greater than 0, or all"
+        raise ValueError(f"{shown(value)} is not allowed; it must be {allowed}") from None
+
+
+_Working = Annotated[
+    float, BeforeValidator(_working, json_schema_input_type=Literal["all"] | Positive)
+]
+Option = Annotated[str, one_of(OPTIONS)]
+
+
+class CondensedSection(Keys):
+    """SiDMACIB's contact points in place of locks: some locks work, or a rule limits V and M."""
+
+    working: _Working | None = None
+    """how many locks work, or `all`"""
+    option: Option = "option3"
+    """where the contact points are"""
+    rule: Annotated[str, one_of(RULES)] | None = None
+    """the rule, by default `safe`, where `working` is not given"""
+    hold_down: HeldDown = FIXED_PLATE
+    """what holds the joint of the rule down"""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        if self.working is not None and "hold_down" in self.model_fields_set:
+            raise ValueError("hold_down: is for a rule; must not be given beside working")
+        self.condensed()
+        return self
+
+    def condensed(self) -> Condensed:
+        """The section as the models take it; ValueError if its keys do not fit."""
+        return Condensed(self.working, OPTIONS[self.option], self.rule, self.hold_down)
+
+
+class LocksSection(Keys):
+    """A row of locks across each interface of some pairs of blocks."""
+
+    between: Between
+    """the pairs of blocks"""
+    count: Count
+    """number of locks"""
+    height: Length
+    """h: half in either block"""
+    row: Way | None = None
+    """this or `run` is needed: direction in which the locks follow each other, and block sliding"""
+    run: Way | None = None
+    """direction along each lock, in which they let it slide"""
+    first: Text | None = None
+    """the block that has the first lock; by default that below"""
+    widths: tuple[Length, ...] | None = None
+    """width of each lock; by default equal"""
+    inner: InnerSection = InnerSection()
+    """the law of the roots"""
+    dry: DrySection = DrySection()
+    """the law of the other faces of locks"""
+    condensed: CondensedSection | None = None
+    """contact points in place of locks"""
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        self.locks()
+        return self
+
+    def locks(self) -> Locks:
+        """The section as the models take it; ValueError if its keys do not fit."""
+        return Locks(
+            self.count,
+            self.height,
+            self.row,
+            self.run,
+            self.first,
+            self.widths,
+            self.inner.material,
+            self.dry.material,
+            self.condensed.condensed() if self.condensed else None,
+        )
+
+
+SHAPES = (("vertices", "faces"), ("low", "high"), ("outline", "along"))
+
+
+class ShapeSection(Keys):
+    """A block, as a cuboid, a prism or a polyhedron."""
+
+    low: Vector | None = None
+    """a corner of a cuboid"""
+    high: Vector | None = None
+    """the opposite corner"""
+    outline: Annotated[tuple[Vector, ...], Field(min_length=3)] | None = None
+    """a plane polygon, which sweeps a prism"""
+    along: Vector | None = None
+    """the vector that moves it"""
+    vertices: tuple[Vector, ...] | None = None
+    """the points of a polyhedron"""
+    faces: tuple[tuple[_Index, ...], ...] | None = None
+    """for each face the numbers of its vertices, from 0, anticlockwise seen from outside"""
+    density: _Density = 2000.0
+    fixed: StrictBool = False
+    """whether the block cannot move"""
+    material: str | None = None
+    """a name for rules to refer to"""
+
+    @model_validator(mode="after")
+    def _has_a_shape(self) -> Self:
+        given = self.model_fields_set & {key for shape in SHAPES for key in shape}
+        if given not in map(set, SHAPES):
+            shapes = ", or ".join(map(" and ".join, SHAPES))
+            raise ValueError(f"must have either {shapes}, or file")
+        return self
+
+    def blocks(self, name: str, _: Path) -> list[Block]:
+        """The block, called ``name``."""
+        if self.low and self.high:
+            made = box(name, self.low, self.high, self.density, fixed=self.fixed)
+        elif self.outline and self.along:
+            made = prism(name, self.outline, self.along, self.density, fixed=self.fixed)
+        else:
+            made = Block(name, self.vertices or (), self.faces or (), self.density, self.fixed)
+        return [replace(made, material=self.material)]
+
+
+def _held(value: Any) -> Any:
+    if not isinstance(value, bool | list | tuple):
+        raise ValueError(f"{shown(value)} is not allowed; it must be true, false, or a list")
+    return value
+
+
+class FileSection(Keys):
+    """Blocks from an OBJ, PLY or STL file, or from the JSON of COMPAS."""
+
+    file: Text
+    """its path, from the folder of this file"""
+    scale: Positive = 1.0
+    """m per unit of the file"""
+    density: _Density = 2000.0
+    fixed: Annotated[StrictBool | tuple[Text, ...], BeforeValidator(_held)] | None = None
+    """whether the blocks cannot move, or those that cannot; of COMPAS by default its supports"""
+
+    def blocks(self, name: str, folder: Path) -> list[Block]:
+        """The blocks, whose names begin with ``name``; ValueError."""
+        path = folder / self.file
+        try:
+            return self._of_compas(name, path) if path.suffix == ".json" else self._of(name, path)
+        except ValueError as error:
+            raise ValueError(f"blocks.{name}.{error}") from None
+
+    def _of(self, name: str, path: Path) -> list[Block]:
+        bodies = blocks_from_mesh(path, self.density, self.scale)
+        held = bodies if self.fixed is True else self.fixed or ()
+        if not {*held} <= {*bodies}:
+            raise refused("fixed", list(held), f"true, false, or a list of {', '.join(bodies)}")
+        return [
+            replace(body, name=name if len(bodies) == 1 else f"{name}-{each}", fixed=each in held)
+            for each, body in bodies.items()
+        ]
+
+    def _of_compas(self, name: str, path: Path) -> list[Block]:
+        if not path.is_file():
+            raise refused("file", self.file, "a file that is there")
+        if isinstance(self.fixed, bool):
+            raise refused("fixed", self.fixed, "a list of nodes")
+        fixed = None
+        if self.fixed is not None:
+            try:
+                fixed = [int(Number(at_least=0, whole=True).read(node)) for node in self.fixed]
+            except ValueError as error:
+                raise ValueError(f"fixed: {error}") from None
+        scale = self.scale
+        return [
+            replace(
+                block,
+                vertices=tuple((scale * x, scale * y, scale * z) for x, y, z in block.vertices),
+            )
+            for block in read_compas(path, self.density, fixed, name)
+        ]
+
+
+def _block(value: Any) -> Any:
+    if isinstance(value, Section):
+        return value
+    of_file = isinstance(value, Mapping) and "file" in value
+    return (FileSection if of_file else ShapeSection).model_validate(value)
+
+
+class ForceSection(Keys):
+    """A force on one block."""
+
+    block: Text
+    """its name"""
+    at: Vector
+    """the point where it acts"""
+    direction: Way
+
+
+class TiltSection(Keys):
+    """Gravity that turns about an axis, by the right-hand rule."""
+
+    axis: Way
+
+    @model_validator(mode="after")
+    def _is_not_vertical(self) -> Self:
+        Tilt(self.axis)
+        return self
+
+
+class LoadSection(Keys):
+    """Weight always acts. One load is raised, or gravity turns."""
+
+    acceleration: Way | None = None
+    """direction of forces in proportion to the masses; the result is their sum"""
+    force: ForceSection | None = None
+    """a force on one block"""
+    tilt: TiltSection | None = None
+    """gravity that turns"""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if len(self.model_fields_set) != 1:
+            raise ValueError("must have one key, acceleration, force or tilt")
+        return self
+
+    def on(self, assembly: Assembly) -> Loads:
+        """The weight of ``assembly`` and this load; ValueError that names the key."""
+        if self.tilt:
+            return tilting(assembly, Tilt(self.tilt.axis))
+        if self.acceleration:
+            return acceleration(assembly, self.acceleration)
+        assert self.force
+        try:
+            return force_at(assembly, self.force.block, self.force.at, self.force.direction)
+        except ValueError as error:
+            raise ValueError(f"load.force.{error}") from None
+
+
+class StructureFile(Keys):
+    """A structure of blocks and its load. Lengths are in m, forces in N, stresses in Pa."""
+
+    blocks: Annotated[
+        dict[Label, Annotated[ShapeSection | FileSection, BeforeValidator(_block)]], Some
+    ]
+    """the blocks by name"""
+    load: LoadSection | None = None
+    """the load; needed but for `multilock design`"""
+    interfaces: InterfaceSection = InterfaceSection()
+    """the law of all interfaces; by default dry"""
+    special: tuple[SpecialSection, ...] = ()
+    """laws of certain pairs of blocks"""
+    locks: tuple[LocksSection, ...] = ()
+    """rows of locks between pairs of blocks"""
+    mesh: Length | None = None
+    """largest cell; by default one cell for each interface"""
+    nodes: NodeLayout | None = None
+    """layout of the nodes on a cell; by default `lobatto` if anything is bonded, else `vertices`"""
+    tolerance: Annotated[float, Number(above=0, at_most=0.01)] = 1e-6
+    """largest gap between faces that touch, over the mean size of the free blocks"""
+    design: Any = None
+    """the task of `multilock design`; the other commands ignore it"""
