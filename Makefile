@@ -44,11 +44,10 @@ EVALUATIONS ?= 1800
 # Exported, so that the shell receives the values unchanged, whatever characters they contain.
 export PYTHON CONFIG RESULTS CASE FORMAT MODEL BASE PROFILE RETRY FAULTS FUZZ MUTANTS CASES EVALUATIONS
 BIN := .venv/bin
-# `exec`: a signal to make reaches the run itself, not only the shell between them. `trap`: ^C before Python
-# has started reaches it too, because it checks whether make is ending.
-RUN = @trap '' INT; exec $(BIN)/python -m
+# A run ends with make, however that ends.
+RUN = @exec setpriv --pdeathsig KILL env PYTHONUTF8=1 $(BIN)/python -m
 TO = "$$CONFIG" $(INTO)
-INTO = --results="$$RESULTS" --end-with-parent
+INTO = --results="$$RESULTS"
 COMPILE = $(BIN)/uv pip compile --quiet --generate-hashes --upgrade --universal --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock" --extra study pyproject.toml
 

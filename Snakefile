@@ -8,28 +8,30 @@ from pathlib import Path
 CHECKOUT = str(workflow.current_basedir)
 sys.path.insert(0, CHECKOUT)
 
-from workflow.planning.batches import case_jobs
-from workflow.configuration import ConfigError, load_configuration, read_study
+from workflow.configuration import (
+    ConfigError,
+    load_configuration,
+    read_study,
+    with_installed_engines,
+)
 from workflow.models import detailed
-from workflow.planning.snakefile import plan_from
+from workflow.planning.batches import case_jobs
 from workflow.structures.cases import structure_jobs
 
 # Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
-# does not mix two studies. `workflow.planning.snakefile.plan_of` passes a study that is already read.
+# does not mix two studies.
 CONFIG = workflow.config_settings.config or {}
 FILES = [Path(path) for path in workflow.config_settings.configfiles]
 FILES = FILES or [Path(CHECKOUT, "config.yaml")]
-GIVEN = getattr(workflow, "study", None)
 try:
-    if GIVEN is None:
-        for path in reversed(FILES):
-            CONFIG = load_configuration(path, CONFIG)
-    STUDY = GIVEN or read_study(CONFIG)
+    for path in reversed(FILES):
+        CONFIG = load_configuration(path, CONFIG)
+    STUDY = read_study(CONFIG)
+    if workflow.is_main_process:  # nodes of a cluster may have other programs than its front end
+        STUDY = with_installed_engines(STUDY)
     CASES = case_jobs(STUDY)
     STRUCTURES = structure_jobs(STUDY)
 except ConfigError as error:
-    if GIVEN is not None:
-        raise
     sys.exit(f"Error in the configuration: {error.of(FILES[0])}")
 
 RESULTS = STUDY.results
@@ -88,7 +90,7 @@ if STUDY.samplings:
 
     include: "workflow/rules/samplings.smk"
 
-    STUDY_FILES += [*of_jobs(rules.sampling.rule), *rules.samplings.output]
+    STUDY_FILES += [*OF_SAMPLINGS, *rules.samplings.output]
 
 
 if STUDY.campaign is not None:
@@ -102,6 +104,3 @@ rule all:
     default_target: True
     input:
         STUDY_FILES,
-
-
-PLAN = plan_from(workflow.rules, STUDY, CASES, WILDCARDS, STRUCTURES.cases)

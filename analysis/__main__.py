@@ -1,25 +1,19 @@
 """The commands behind `make case` and `make calibrate`."""
 
-from workflow.run.process import end_on_signals, read_utf8
-
-if __name__ == "__main__":  # before the other imports, which take half a second
-    end_on_signals()
-    read_utf8()
-
 from pathlib import Path
 
 from workflow.configuration import CallError, ConfigError
+from workflow.engines import ENGINES
 from workflow.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.planning.cases import find_case, find_place
-from workflow.planning.results_folder import use_writable_caches
 from workflow.results.files import RECORD
 from workflow.run.command import (
-    because,
     options_of,
     run_command,
     snakemake,
     study_with_joints,
 )
+from workflow.run.results_folder import use_writable_caches
 from workflow.schema import Study
 
 
@@ -35,9 +29,10 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
         return _rule(study, name, model)
     chosen = find_case(study, name, model)
     folder = Path(study.results, chosen.id.folder)
-    engines = list(study.dem.engines)
-    if not snakemake(config, study.results, (str(folder / "result.json"),), engines):
-        return f"{name}: no result{because()}"
+    if chosen.model in ENGINES and (missing := ENGINES[chosen.model].missing()):
+        return f"{name}: no result: {missing}"
+    if not snakemake(config, study.results, (str(folder / "result.json"),)):
+        return f"{name}: no result, see above"
     (record,) = read_records([folder / RECORD])
     print(f"{describe_record(record)}\n  files: {folder}")
     if record.error is not None:

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from sidmacib.joint.joint import Block
+from sidmacib.joint.joint import Side
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
 
@@ -30,7 +30,7 @@ class Published:
         return (
             math.isclose(joint.T0, numbers["T0"])
             and joint.locks in self.numbers["weights"]
-            and joint.first is Block.UPPER
+            and joint.first is Side.UPPER
             and not joint.different
             and study.assembly == AssemblySection()
             and 0.0 in study.eccentricities

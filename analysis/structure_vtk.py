@@ -1,7 +1,6 @@
 """Structures for ParaView: blocks with their motion, and interfaces with what they carry."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import meshio
@@ -11,6 +10,7 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, Compound
 from sidmacib.structure.files.structure_file import structure_of
+from workflow.run.step import Arguments, FileLists, step
 from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord, read_structure_records
 
@@ -83,9 +83,7 @@ def _number(row: Any, name: str) -> float:
     return float("nan") if value is None else float(value)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Any]
-) -> None:
+def run(arguments: Arguments, inputs: FileLists, outputs: Arguments) -> None:
     """Write two files for each case."""
     found = {record.id: record for record in read_structure_records(inputs["records"])}
     paths = {path.name: path for path in outputs["files"]}
@@ -93,3 +91,7 @@ def run(
         assembly, record = structure_of(case.description).assembly, found[case.id]
         for part, mesh in (("blocks", blocks_mesh), ("interfaces", interfaces_mesh)):
             mesh(assembly, record).write(paths[f"{case.name}-{case.model}-{part}.vtu"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -9,67 +9,55 @@ import json
 import sys
 import tempfile
 import time
-import timeit
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import pandas as pd
 import yaml
 
-from benchmarks.explorer import step_seconds
+import sidmacib
+from analysis.explore.pictures import answers, pictures
+from analysis.explore.state import Settings
+from analysis.tables.fit import best_pair
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
-from benchmarks.usage import Usage, used
-from sidmacib.joint.joint import Direction, Joint
+from benchmarks.usage import seconds, used
+from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mechanics.static.peak_spread import static_capacity
 from sidmacib.problem import Problem
-from workflow.configuration import read_study
+from sidmacib.rule.first_failure import first_failure
+from sidmacib.rule.law import RULES
+from workflow.engines import ENGINES
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.sampling import Sampling, sampled_joints
-from workflow.planning.closure import ROOT
-from workflow.planning.snakefile import plan_of
-from workflow.run.job import read_times
+from workflow.results.files import read_times
+from workflow.run.closure import ROOT
 from workflow.steps.sampling import solved_rows
 
-REPEATS = 5
-UNGUIDED = "unguided"  # the study's variant
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]
 RATIOS = [round(0.02 * n, 2) for n in range(50)]
-SWEEP = {  # 10,000 cases of the static model
-    "samples": {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)},
-    "meshes": MESHES,
-    "eccentricities": RATIOS,
-    "models": ["static"],
-    "dem": {"engines": []},
-}
 CURVE = [0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, float("inf")]  # e / a
-ENGINES = {  # 500 cases of an engine
-    "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-    "meshes": MESHES[:10],
-    "eccentricities": RATIOS[:25],
-    "models": [],
-    "dem": {"engines": ["yade"]},
-}
+STATIC = {"models": ["static"], "dem": {"engines": []}}
+ENGINE = {"models": [], "dem": {"engines": ["yade"]}}
+TWO, FOUR = ({f"n{n}": {"locks": n} for n in some} for some in ((3, 5), (3, 5, 7, 9)))
 PLANS = {
-    "10,000 static cases": SWEEP,
-    "500 engine cases": ENGINES,
-    "5,000 engine cases": {**ENGINES, "meshes": MESHES, "eccentricities": RATIOS},
+    "10,000 static cases": {**STATIC, "samples": FOUR, "meshes": MESHES, "eccentricities": RATIOS},
+    "500 engine cases": {
+        **ENGINE,
+        **{"samples": TWO, "meshes": MESHES[:10], "eccentricities": RATIOS[:25]},
+    },
+    "5,000 engine cases": {**ENGINE, "samples": TWO, "meshes": MESHES, "eccentricities": RATIOS},
 }
-ONE = {
-    "samples": {"n3": {"locks": 3}},
-    "meshes": [0.02],
-    "eccentricities": [0],
-    "models": ["static"],
-}
+ONE = {"samples": {"n3": {"locks": 3}}, "meshes": [0.02], "eccentricities": [0]}
 
 
-@dataclass(frozen=True)
-class Figure:
+class Figure(NamedTuple):
     """A line of the table: what was measured, its unit and its value."""
 
     what: str
@@ -77,253 +65,142 @@ class Figure:
     value: float
 
 
-def least(command: Sequence[str], repeats: int) -> Usage:
-    """The quickest of some runs of a command."""
-    return min((used(command, ROOT) for _ in range(repeats)), key=lambda run: run.cpu)
+def problem(joint: Joint, mesh: float = 0.02, ratio: float = 0.0) -> Problem:
+    """A joint under V at ``ratio`` (e / a)."""
+    assembly = assemble(joint, mesh)
+    return Problem(assembly, lateral_load(joint, assembly, Loading(Direction(ratio))))
 
 
-def python(code: str) -> list[str]:
-    """A command that runs ``code``."""
-    return [sys.executable, "-c", code]
+def numbered(number: int) -> Problem:
+    """One of many joints of five locks."""
+    return problem(Joint(5, h=0.008 + 1e-5 * number), ratio=0.02 * (number % 50))
 
 
-def snakemake(config: Path, *arguments: str) -> list[str]:
-    """A command that runs Snakemake on a configuration."""
-    return [
-        *(str(Path(sys.executable).parent / "snakemake"), *arguments, "--quiet", "all"),
-        *("--configfile", str(config), "--config", f"results={config.parent / 'results'}"),
-    ]
-
-
-def static_problem(number: int) -> Problem:
-    """One of many joints of five locks, mesh 0.02 m."""
-    joint = Joint(5, h=0.008 + 1e-5 * number)
-    assembly = assemble(joint, 0.02)
-    loading = Loading(Direction(0.02 * (number % 50)))
-    return Problem(assembly, lateral_load(joint, assembly, loading))
-
-
-def static_case(number: int) -> float:
+def static_load(number: int) -> float:
     """The peak (N) of one of many joints."""
-    return static_peak(*static_problem(number)).peak.load
+    return static_peak(*numbered(number)).peak.load
 
 
-def static_seconds(locks: int, mesh: float) -> float:
-    """Time of the static model in pure shear, s: the least of three."""
-    import sidmacib
-
-    def solve() -> None:
-        joint = sidmacib.Joint(locks)
-        assembly = sidmacib.assemble(joint, mesh)
-        loading = sidmacib.Loading(sidmacib.Direction(0.0))
-        sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
-
-    return min(timeit.repeat(solve, repeat=3, number=1))
-
-
-def capacity_seconds(cases: int) -> float:
-    """CPU-s of a case of a study, with the spread of its peak: the mean."""
-    start = time.process_time()
-    for number in range(cases):
-        static_capacity(*static_problem(number))
-    return (time.process_time() - start) / cases
-
-
-def sampling_seconds(joints: int) -> float:
-    """CPU-s a point of `make locks`: a joint in a direction, on two meshes; limit analysis apart.
-
-    The mean of the ``joints`` after the first of its sampling, in seven directions.
-    """
-    ratios, sampling = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf")), Sampling(512, 2026)
-    sampled = sampled_joints(sampling, Joint(5), 1, 1 + joints)
-    start = time.process_time()
-    points = list(solved_rows(sampled, ratios, cells=(1, 2), limited=joints + 1))
-    return (time.process_time() - start) / len(points)
+def capacities(count: int) -> None:
+    """Find the lowest peaks of many joints by the static model."""
+    for number in range(count):
+        lowest_peak(*numbered(number))
 
 
 def library_figures() -> Iterator[Figure]:
-    """The static model and SiDMACIB, in this process and in two."""
-    import sidmacib
-
-    static_case(0)
-    yield Figure("static case with its spread, 5 locks", "ms CPU", 1e3 * capacity_seconds(100))
+    """The static model, SiDMACIB, law and safe rule."""
+    static_load(0)  # compiles
+    each = 1e3 * seconds(lambda: capacities(100)) / 100
+    yield Figure("static case with its lowest peak, 5 locks", "ms CPU", each)
     with ProcessPoolExecutor(2) as pool:
-        list(pool.map(static_case, range(20)))
-        start = time.perf_counter()
-        list(pool.map(static_case, range(1000), chunksize=50))
-        yield Figure("static cases, 5 locks", "1/s", 1000 / (time.perf_counter() - start))
-    yield Figure("static model, a point of make locks", "ms CPU", 1e3 * sampling_seconds(40))
-    yield Figure("static case, 63 locks", "s", static_seconds(63, 0.02))
-    yield Figure("static case, 15 locks, mesh 0.005 m", "s", static_seconds(15, 0.005))
-    for locks in (3, 5):
-        for name, milliseconds in peer_times(sidmacib.Joint(locks)):
-            yield Figure(f"{name}, {locks} locks", "ms CPU", milliseconds)
-    model = sidmacib.Sidmacib(sidmacib.Joint(5), sidmacib.OPTIONS["option4"])
-    sidmacib.envelope(model)
-    start = time.perf_counter()
-    for _ in range(10):
-        sidmacib.envelope(model)
-    yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * (time.perf_counter() - start) / 10)
-    yield Figure("fit of free contact points, 5 locks", "CPU-s", fit_seconds())
-    for name, locks in (("law", 5), ("safe", 5), ("law", 31), ("safe", 31)):
-        yield Figure(f"{name}, {locks} locks", "CPU-s", rule_seconds(name, locks))
-    yield Figure("law, curve of 31 locks", "CPU-s", law_curve_seconds(31))
-    seconds = step_seconds()
-    if seconds is not None:
-        yield Figure("explorer, a step of the slider", "CPU-s", seconds)
-
-
-def fit_seconds() -> float:
-    """CPU-s of a fit of the contact points' distance and strength to nine loads."""
-    import sidmacib
-    from analysis.tables.fit import best_pair
-
-    loads = [400.0 / (1.0 + 3.0 * e) for e in CURVE[:-1]]
-    curve = pd.DataFrame({"eccentricity_over_a": CURVE, "load_N": [*loads, 80.0]})
-    start = time.process_time()
-    best_pair(sidmacib.Joint(5), 1000.0, True, curve)
-    return time.process_time() - start
-
-
-def rule_seconds(name: str, locks: int) -> float:
-    """CPU-s of the law or the safe rule in one direction, the mean of ten."""
-    import sidmacib
-    from sidmacib.rule.first_failure import first_failure
-    from sidmacib.rule.law import RULES
-
-    first_failure.cache_clear()
-    joint = sidmacib.Joint(locks)
-    start = time.process_time()
-    for number in range(10):
-        RULES[name](joint, sidmacib.Direction(0.01 + 0.05 * number))
-    return (time.process_time() - start) / 10
-
-
-def law_curve_seconds(locks: int) -> float:
-    """CPU-s of the law in nine directions."""
-    import sidmacib
-
-    start = time.process_time()
-    for e in CURVE:
-        sidmacib.law(sidmacib.Joint(locks), sidmacib.Direction(e))
-    return time.process_time() - start
-
-
-def elastic_seconds(locks: int, mesh: float) -> float:
-    """CPU-s of the static model for elastic pieces, one above all locks, in pure shear."""
-    import sidmacib
-    from sidmacib.joint.joint import UpperBody
-
+        list(pool.map(static_load, range(20)))
+        cases = partial(pool.map, static_load, range(1000), chunksize=50)
+        spent = seconds(lambda: list(cases()), clock=time.perf_counter)
+        yield Figure("static cases, 5 locks", "1/s", 1000 / spent)
+    sampled = list(sampled_joints(Sampling(512, 2026), Joint(5), 1, 41))
+    ratios = (0.0, 0.05, 0.1, 0.3, 1.0, 3.0, float("inf"))
+    points = partial(solved_rows, sampled, ratios, cells=(1, 2), limited=41)
+    spent = seconds(lambda: list(points())) / (len(sampled) * len(ratios))
+    yield Figure("static model, a point of make locks", "ms CPU", 1e3 * spent)
+    for locks, mesh, name in ((63, 0.02, "63 locks"), (15, 0.005, "15 locks, mesh 0.005 m")):
+        solve = partial(lambda joint, mesh: static_peak(*problem(joint, mesh)), Joint(locks), mesh)
+        least = min(seconds(solve, clock=time.perf_counter) for _ in range(3))
+        yield Figure(f"static case, {name}", "s", least)
     elastic = sidmacib.Elastic(1e10, 0.2)
-    joint = sidmacib.Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=elastic)
-    start = time.process_time()
-    assembly = sidmacib.assemble(joint, mesh)
-    loading = sidmacib.Loading(sidmacib.Direction(0.0))
-    sidmacib.static_peak(assembly, sidmacib.lateral_load(joint, assembly, loading))
-    return time.process_time() - start
+    for locks, mesh in ((2, 0.05), (5, 0.02), (11, 0.02), (5, 0.01)):  # the first compiles
+        joint = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=elastic)
+        spent = seconds(lambda: static_peak(*problem(joint, mesh)))  # noqa: B023
+        yield Figure(f"elastic pieces, {locks} locks, mesh {mesh:g} m", "CPU-s", spent)
+    for locks in (3, 5):
+        for name, milliseconds in peer_times(Joint(locks)):
+            yield Figure(f"{name}, {locks} locks", "ms CPU", milliseconds)
+    envelope = partial(sidmacib.envelope, sidmacib.Sidmacib(Joint(5), sidmacib.OPTIONS["option4"]))
+    envelope()
+    spent = seconds(envelope, 10, time.perf_counter)
+    yield Figure("SiDMACIB, envelope of 5 locks", "ms", 1e3 * spent)
+    loads = [*(400.0 / (1.0 + 3.0 * e) for e in CURVE[:-1]), 80.0]
+    curve = pd.DataFrame({"eccentricity_over_a": CURVE, "load_N": loads})
+    spent = seconds(lambda: best_pair(Joint(5), 1000.0, True, curve))
+    yield Figure("fit of free contact points, 5 locks", "CPU-s", spent)
+    for name, locks in (("law", 5), ("safe", 5), ("law", 31), ("safe", 31)):
+        first_failure.cache_clear()
+        ways = iter([Direction(0.01 + 0.05 * number) for number in range(10)])
+        spent = seconds(lambda: RULES[name](Joint(locks), next(ways)), 10)  # noqa: B023
+        yield Figure(f"{name}, {locks} locks", "CPU-s", spent)
+    first_failure.cache_clear()
+    spent = seconds(lambda: [RULES["law"](Joint(31), Direction(e)) for e in CURVE])
+    yield Figure("law, curve of 31 locks", "CPU-s", spent)
+    sliders = iter([Settings(locks=locks) for locks in range(2, 16)])
+    spent = seconds(lambda: pictures(each := next(sliders), answers(each)), 14)
+    yield Figure("explorer, answer to a step of the slider", "CPU-s", spent)
 
 
-def elastic_figures() -> Iterator[Figure]:
-    """Pieces that bend: few and many locks, and a finer mesh."""
-    elastic_seconds(2, 0.05)  # imports and compiles
-    for locks, mesh in ((5, 0.02), (11, 0.02), (5, 0.01)):
-        what = f"elastic pieces, {locks} locks, mesh {mesh:g} m"
-        yield Figure(what, "CPU-s", elastic_seconds(locks, mesh))
+def written(config: Mapping[str, object], path: Path) -> Path:
+    """The file of a configuration."""
+    path.write_text(yaml.safe_dump(dict(config)))
+    return path
 
 
-def structure_figures() -> Iterator[Figure]:
-    """A wall of 1,000 blocks, and the armadillo with compas_cra if it is installed."""
-    list(wall_figures(10))  # compiles
-    for what, unit, value in (*wall_figures(1000), *armadillo_figures()):
-        yield Figure(what, unit, value)
+def study(config: Mapping[str, object], folder: Path, name: str) -> list[str]:
+    """The command that runs a study into a folder of its own."""
+    path = written(config, folder / f"{name}.yaml")
+    results = str(folder / name)
+    return [sys.executable, "-m", "workflow", "study", str(path), "--results", results]
 
 
 def process_figures(folder: Path) -> Iterator[Figure]:
-    """Imports and planning."""
-    for what, code in (
-        ("import numpy", "import numpy"),
-        ("import sidmacib", "import sidmacib; sidmacib.Joint"),
-    ):
-        yield Figure(what, "CPU-s", least(python(code), REPEATS).cpu)
+    """Imports, planning, and studies: what the workflow adds, and a run with nothing to do."""
+    for code in ("import numpy", "import sidmacib; sidmacib.Joint"):
+        least = min(used([sys.executable, "-c", code], ROOT).cpu for _ in range(5))
+        yield Figure(code.partition(";")[0], "CPU-s", least)
     for name, config in PLANS.items():
-        path = folder / f"{name.replace(' ', '-')}.yaml"
-        path.write_text(yaml.safe_dump(config))
-        plan = used(snakemake(path, "-n"), ROOT)
+        path = written(config, folder / f"{name.replace(' ', '-')}.yaml")
+        command = [sys.executable, "-m", "snakemake", "-n", "--quiet", "all"]
+        more = ["--configfile", str(path), "--config", f"results={folder / 'planned'}"]
+        plan = used([*command, *more], ROOT)
         yield Figure(f"plan {name}", "s", plan.wall)
         yield Figure(f"plan {name}", "MB", plan.memory)
-
-
-def workflow_figures(folder: Path) -> Iterator[Figure]:
-    """Time that the workflow adds to the computations, and time of a run with nothing to do."""
-    batch = {**SWEEP, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
-    times = job_times({**batch, "results": str(folder / "batch")}, "static/")
-    start = time.process_time()
-    for number in range(500):
-        static_capacity(*static_problem(number))
-    alone = time.process_time() - start
-    yield Figure("added to a static case", "ms CPU", 1e3 * (sum(times) - alone) / 500)
+    one = study({**STATIC, **ONE}, folder, "one")
+    used(one, ROOT)
+    yield Figure("make study with nothing to do", "s", used(one, ROOT).wall)
+    many = {**STATIC, "samples": {"n5": {"locks": 5}}, "meshes": MESHES[:10]}
+    batch = study({**many, "eccentricities": RATIOS}, folder, "batch")
+    used(batch, ROOT)
+    alone = seconds(lambda: capacities(500))
+    added = (job_seconds(folder / "batch", "static") - alone) / 500
+    yield Figure("added to a static case", "ms CPU", 1e3 * added)
     for engine in ("yade", "liggghts"):
-        config = {**ONE, "dem": {"engines": [engine]}, "results": str(folder / engine)}
-        job_times(config, f"guides/{engine}")  # a study does this once
-        times = job_times(config, f"{engine}/")
-        yield Figure(f"added to a case of {engine}", "CPU-s", sum(times))
-    path = folder / "one.yaml"
-    path.write_text(yaml.safe_dump({**ONE, "dem": {"engines": []}}))
-    target = str(folder / "one")
-    command = [sys.executable, "-m", "workflow", "study", str(path), "--results", target]
-    used(command, ROOT)
-    yield Figure("make study with nothing to do", "s", used(command, ROOT).wall)
-    command = [sys.executable, "-m", "analysis", "case", *command[4:], "--case", "n3-mesh0.02-e0a"]
-    used(command, ROOT)
-    yield Figure("make case of a finished case", "s", used(command, ROOT).wall)
+        used(study({**ENGINE, **ONE, "dem": {"engines": [engine]}}, folder, engine), ROOT)
+        yield Figure(f"a case of {engine}", "CPU-s", job_seconds(folder / engine, engine))
+    case = [sys.executable, "-m", "analysis", "case", *one[4:], "--case", "n3-mesh0.02-e0a"]
+    used(case, ROOT)
+    yield Figure("make case of a finished case", "s", used(case, ROOT).wall)
 
 
-def job_times(config: Mapping[str, object], prefix: str) -> list[float]:
-    """CPU-s, without programs that they start, of the jobs whose names begin with ``prefix``."""
-    study = read_study(config)
-    results = Path(study.results)
-    seconds = []
-    for job in plan_of(study).made.values():
-        if job.name.startswith(prefix):
-            plan = results / "plan.json"
-            plan.parent.mkdir(parents=True, exist_ok=True)
-            plan.write_text(json.dumps(job.plan(job.digest(), results)))
-            used([sys.executable, "-m", "workflow.run.job", str(plan)], ROOT)
-            times = json.loads((results / f".times/{job.name}.json").read_text())
-            seconds.append(times["own_cpu_s"])
-    return seconds
+def job_seconds(results: Path, kind: str) -> float:
+    """CPU-s of a study's jobs of a kind, with the programs that they start."""
+    return sum(cpu for found, _, cpu in read_times(results) if found == kind)
 
 
 def study_figures(results: Path) -> Iterator[Figure]:
-    """Times of a study's jobs in their last run."""
-    frame = pd.DataFrame([times for _, times in read_times(results)])
-    if len(frame):
-        yield Figure("study: all jobs", "CPU-s", float(frame.filter(like="cpu").sum().sum()))
-        yield Figure("study: inside engines", "CPU-s", float(frame["programs_cpu_s"].sum()))
-
-
-def step_figures(results: Path) -> Iterator[Figure]:
-    """Mean time steps of each engine, over the cases that were searched guided and unguided."""
+    """Times of a study's cases in their last run; time steps of guided and unguided searches."""
+    times = pd.DataFrame(read_times(results), columns=["kind", "wall", "cpu"])
+    if len(times):
+        yield Figure("study: all cases", "CPU-s", times["cpu"].sum())
+        engines = times["kind"].isin(ENGINES)
+        yield Figure("study: cases in engines", "CPU-s", times.loc[engines, "cpu"].sum())
     for engine in ("yade", "liggghts"):
-        folder = results / "cases" / engine
-        steps = {path.parent.name: time_steps(path) for path in sorted(folder.glob(f"*/{RESULT}"))}
-        both = [name for name in steps if f"{name}-{UNGUIDED}" in steps]
-        for what, names in (
-            ("guided", both),
-            ("unguided", [f"{name}-{UNGUIDED}" for name in both]),
-        ):
-            if names:
-                mean = sum(steps[name] for name in names) / len(names)
+        found = sorted((results / "cases" / engine).glob(f"*/{RESULT}"))
+        steps = {path.parent.name: json.loads(path.read_text())["time_steps"] for path in found}
+        both = [name for name in steps if f"{name}-unguided" in steps]
+        for what, end in (("guided", ""), ("unguided", "-unguided")):
+            if both:
+                mean = sum(steps[name + end] for name in both) / len(both)
                 yield Figure(f"{engine}: a case, {what}", "time steps", mean)
 
 
-def time_steps(result: Path) -> int:
-    """Number of time steps that an engine took for its result."""
-    return int(json.loads(result.read_text())["time_steps"])
-
-
 def base_values(checkout: Path, folder: Path) -> pd.DataFrame:
-    """What `make bench` of another checkout measures: columns what, unit, base."""
+    """The table of `make bench` of another checkout: columns what, unit, base."""
     # `make bench` here, with its variables, is no part of it.
     apart = [*("env", "-u", "MAKEFLAGS", "-u", "MAKELEVEL"), "BASE="]
     used([*apart, "make", "bench", f"RESULTS={folder}"], checkout)
@@ -340,14 +217,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         base = base_values(arguments.base, folder / "base") if arguments.base else None
+        list(wall_figures(10))  # compiles
+        blocks = (*wall_figures(1000), *armadillo_figures())
         figures = [
             *process_figures(folder),
             *library_figures(),
-            *elastic_figures(),
-            *structure_figures(),
-            *workflow_figures(folder),
+            *(Figure(*each) for each in blocks),
             *study_figures(arguments.results),
-            *step_figures(arguments.results),
         ]
     table = pd.DataFrame(figures)
     if base is not None:

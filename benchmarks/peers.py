@@ -10,8 +10,6 @@ import io
 import resource
 import subprocess
 import sys
-import time
-import timeit
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stdout
 from functools import partial
@@ -21,6 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 
+from benchmarks.usage import seconds
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, SupportFunction, capacities
 from sidmacib.joint.joint import Direction, Joint
@@ -32,14 +31,28 @@ from sidmacib.mechanics.static.model import static_peak
 DIRECTIONS = 200
 STEPS = 100  # of compas_lmgc90 to rest
 # Corners of each side of a box, outwards; corner x + 2 y + 4 z, 0 or 1 each.
-SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
+BOX_SIDES = ([0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5])
+
+BY_CRA = """
+import sys, time
+import compas
+from compas_cra import equilibrium
+from compas_cra.algorithms import assembly_interfaces_numpy
+path, name, friction = sys.argv[1:]
+assembly = compas.json_load(path)
+assembly_interfaces_numpy(assembly, nmax=10, amin=1e-2, tmax=1e-2)
+start = time.process_time()
+getattr(equilibrium, f"{name}_solve")(assembly, mu=float(friction))
+print(time.process_time() - start)
+"""
 
 
 def peer_times(joint: Joint) -> Iterator[tuple[str, float]]:
     """Names of programs with the time (ms of processor time) that each takes for one point."""
     model = Sidmacib(joint, OPTIONS["option4"])
     angles = np.linspace(0.0, 2.0 * np.pi, DIRECTIONS, endpoint=False)
-    yield "SiDMACIB, one point", _each(lambda: capacities(model, _directions()), DIRECTIONS)
+    directions = [Direction(0.01 * number) for number in range(DIRECTIONS)]
+    yield "SiDMACIB, one point", _each(lambda: capacities(model, directions), DIRECTIONS)
     programme = standard_form(model)
     ways = [np.array([np.cos(angle), np.sin(angle)]) for angle in angles]
     yield (
@@ -54,14 +67,10 @@ def peer_times(joint: Joint) -> Iterator[tuple[str, float]]:
             yield f"{name}, the pieces at rest", _each(partial(solve, joint), 1)
 
 
-def _directions() -> list[Direction]:
-    return [Direction(0.01 * number) for number in range(DIRECTIONS)]
-
-
 def _each(work: Callable[[], object], count: int) -> float:
     """Processor time (ms) of each of ``count`` points, the least of three times."""
     work()
-    return 1e3 * min(timeit.repeat(work, timer=time.process_time, repeat=3, number=1)) / count
+    return 1e3 * min(seconds(work) for _ in range(3)) / count
 
 
 # --- HiGHS ---------------------------------------------------------------------------------------
@@ -70,12 +79,11 @@ def standard_form(model: Sidmacib) -> dict[str, Any]:
 
     ``loads``: which unknowns are V and M.
     """
-    furthest = SupportFunction.of(model)
-    problem = furthest.family.problem
+    furthest = SupportFunction(model)
     costs = []
     for way in np.eye(2):
-        furthest.family.parameter.value = way
-        data, _, _ = problem.get_problem_data("HIGHS")
+        furthest.normal.value = way
+        data, _, _ = furthest.problem.get_problem_data("HIGHS")
         costs.append(data["c"])
     equal = data["dims"].zero
     return {
@@ -101,7 +109,7 @@ def box(piece: Cuboid) -> tuple[list[list[float]], list[list[int]]]:
     """Corners (m) and sides of a piece."""
     ends = list(zip(piece.low, piece.high, strict=True))
     corners = [[ends[0][x], ends[1][y], ends[2][z]] for z in (0, 1) for y in (0, 1) for x in (0, 1)]
-    return corners, [list(side) for side in SIDES]
+    return corners, [list(side) for side in BOX_SIDES]
 
 
 def at_rest_by_cra(joint: Joint) -> object:
@@ -129,31 +137,14 @@ def seconds_by_cra(path: Path, name: str, friction: float, limit: float) -> floa
 
     In a separate process; None if it takes more than ``limit`` (s).
     """
-    code = (
-        f"from benchmarks.peers import by_cra; print(by_cra({str(path)!r}, {name!r}, {friction}))"
-    )
     ended = subprocess.run(
-        [sys.executable, "-c", code],
+        [sys.executable, "-c", BY_CRA, str(path), name, str(friction)],
         check=False,
         capture_output=True,
         text=True,
         preexec_fn=partial(resource.setrlimit, resource.RLIMIT_CPU, (int(limit), int(limit))),
     )
-    return float(ended.stdout) if ended.returncode == 0 else None
-
-
-def by_cra(path: str, name: str, friction: float) -> float:
-    """`seconds_by_cra` in this process."""
-    import compas
-    from compas_cra import equilibrium
-    from compas_cra.algorithms import assembly_interfaces_numpy
-
-    assembly = compas.json_load(path)
-    with redirect_stdout(io.StringIO()):
-        assembly_interfaces_numpy(assembly, nmax=10, amin=1e-2, tmax=1e-2)
-        start = time.process_time()
-        getattr(equilibrium, f"{name}_solve")(assembly, mu=friction)
-    return time.process_time() - start
+    return float(ended.stdout.split()[-1]) if ended.returncode == 0 else None
 
 
 def at_rest_by_lmgc90(joint: Joint) -> object:

@@ -9,15 +9,14 @@ tables/scaling.csv, beside those of a tenth and a hundredth of the cases.
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import pandas as pd
 import yaml
 
 from benchmarks.usage import used
-from workflow.planning.closure import ROOT
-from workflow.run.job import read_times
+from workflow.results.files import read_times
+from workflow.run.closure import ROOT
 
 MESHES = [0.02, 0.03]
 SAMPLES = {f"n{n}": {"locks": n} for n in (3, 5, 7, 9)}
@@ -47,26 +46,20 @@ def row(cases: int, folder: Path) -> dict[str, float]:
         *("--", f"{results}/tables/cases.csv"),
     ]
     first, again = used(command, ROOT), used(command, ROOT)
-    times = pd.DataFrame(list(_cpu(results)), columns=["kind", "cpu"]).groupby("kind")["cpu"].sum()
+    solved = [cpu for kind, _, cpu in read_times(results) if kind == "static"]
     files = [each for each in results.rglob("*") if each.is_file()]
     count = len(pd.read_parquet(results / "tables/cases.parquet"))
     return {
         "cases": count,
-        "jobs": len(list((results / ".receipts").rglob("*.json"))),
+        "batches": len(solved),
         "wall_s": first.wall,
         "cpu_s": first.cpu,
         "largest_process_MB": first.memory,
-        "cases_cpu_s": times.get("static", 0.0),
-        "tables_cpu_s": times.drop("static", errors="ignore").sum(),
+        "cases_cpu_s": sum(solved),
         "again_s": again.wall,
         "files": len(files),
         "MB": sum(each.stat().st_size for each in files) / 1e6,
     }
-
-
-def _cpu(results: Path) -> Iterator[tuple[str, float]]:
-    for kind, times in read_times(results):
-        yield kind, times["own_cpu_s"] + times["programs_cpu_s"]
 
 
 def main() -> None:

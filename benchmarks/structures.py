@@ -9,32 +9,31 @@ import importlib.util
 import math
 import resource
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
-from typing import TypeVar
 
 import pandas as pd
 
 from benchmarks.peers import seconds_by_cra
-from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
+from benchmarks.usage import seconds
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, NodeLayout
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.structure.blocks import Block, box
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
-from workflow.planning.closure import ROOT
+from workflow.run.closure import ROOT
 
 BRICK = (0.4, 0.2, 0.2)  # m
 DENSITY = 2000.0  # kg/m3
 DRY = FaceMaterial(1e10, 1e10, 0.6, 0.0, 0.0)
 MORTAR = FaceMaterial(1e10, 1e10, 0.6, 1e5, 5e4)
-SIZES = (100, 300, 1000, 3000, 10_000)
+WALL_SIZES = (100, 300, 1000, 3000, 10_000)
 PATIENCE = 120.0  # s of processor time that another program may take
 ARMADILLO_FRICTION = 0.84  # compas_cra's default
-T = TypeVar("T")
 Row = tuple[str, str, float]  # what, unit, value
 
 
@@ -76,16 +75,20 @@ def wall_times(count: int, *, limit: bool = True) -> WallTimes:
     bond fails, and limit analysis, if asked, one of the dry wall to its limit.
     """
     blocks = wall(count)
-    bonded, finding = _timed(lambda: structure(blocks, MORTAR, nodes=NodeLayout.VERTICES))
+    start = time.process_time()
+    bonded = structure(blocks, MORTAR, nodes=NodeLayout.VERTICES)
+    finding = time.process_time() - start
     loads = acceleration(bonded, (1.0, 0.0, 0.0))
-    _, static = _timed(lambda: static_first_failure(bonded, loads))
-    seconds = None
-    if limit:
-        dry = structure(blocks, DRY)
-        of_dry = acceleration(dry, (1.0, 0.0, 0.0))
-        _, seconds = _timed(lambda: limit_load(dry, of_dry, friction=True))
+    static = seconds(lambda: static_first_failure(bonded, loads))
+    spent = _limit_seconds(structure(blocks, DRY)) if limit else None
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return WallTimes(len(blocks) - 1, len(bonded.faces), finding, seconds, static, memory)
+    return WallTimes(len(blocks) - 1, len(bonded.faces), finding, spent, static, memory)
+
+
+def _limit_seconds(assembly: Assembly) -> float:
+    """CPU-s of limit analysis for a horizontal acceleration."""
+    loads = acceleration(assembly, (1.0, 0.0, 0.0))
+    return seconds(lambda: limit_load(assembly, loads, friction=True))
 
 
 def wall_figures(count: int) -> Iterator[Row]:
@@ -109,30 +112,20 @@ def armadillo_figures() -> Iterator[Row]:
     blocks = read_compas(path, 1.0)
     law = FaceMaterial(1e10, 1e10, ARMADILLO_FRICTION, 0.0, 0.0)
     ours = structure(blocks, law, regions=read_compas_interfaces(path, blocks))
-    loads = acceleration(ours, (1.0, 0.0, 0.0))
-    yield (
-        "armadillo: limit analysis",
-        "CPU-s",
-        _timed(lambda: limit_load(ours, loads, friction=True))[1],
-    )
+    yield "armadillo: limit analysis", "CPU-s", _limit_seconds(ours)
     for name in ("rbe", "cra"):
         what = f"armadillo at rest: compas_cra, {name.upper()}"
-        seconds = seconds_by_cra(path, name, ARMADILLO_FRICTION, PATIENCE)
-        if seconds is None:
+        spent = seconds_by_cra(path, name, ARMADILLO_FRICTION, PATIENCE)
+        if spent is None:
             yield f"{what}, stopped without an answer", "CPU-s", PATIENCE
         else:
-            yield what, "CPU-s", seconds
-
-
-def _timed(work: Callable[[], T]) -> tuple[T, float]:
-    start = time.process_time()
-    return work(), time.process_time() - start
+            yield what, "CPU-s", spent
 
 
 def main() -> None:
     """Command line: walls of more and more blocks, as a table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--blocks", type=int, default=SIZES[-1], help="of the largest wall")
+    parser.add_argument("--blocks", type=int, default=WALL_SIZES[-1], help="of the largest wall")
     parser.add_argument(
         "--limit-blocks", type=int, default=3000, help="of the largest wall for limit analysis"
     )
@@ -141,7 +134,7 @@ def main() -> None:
     arguments.table.parent.mkdir(parents=True, exist_ok=True)
     wall_times(10)  # compiles
     rows: list[WallTimes] = []
-    for count in (each for each in SIZES if each <= arguments.blocks):
+    for count in (each for each in WALL_SIZES if each <= arguments.blocks):
         rows.append(wall_times(count, limit=count <= arguments.limit_blocks))
         pd.DataFrame(rows).to_csv(arguments.table, index=False, float_format="%.4g")
         print(rows[-1], flush=True)

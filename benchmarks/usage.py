@@ -1,4 +1,4 @@
-"""Time and memory of a command.
+"""Time of a function; time and memory of a command.
 
 A process counts the memory of the one that starts it as its own. So this module, which imports
 little, runs as a program in between: `python usage.py FILE COMMAND …`.
@@ -10,7 +10,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,6 +39,16 @@ def used(command: Sequence[str], folder: Path) -> Usage:
         if done.returncode:
             raise RuntimeError(f"{' '.join(command)}: {done.stdout[-2000:]}")
         return Usage(**json.load(numbers))
+
+
+def seconds(
+    work: Callable[[], object], repeats: int = 1, clock: Callable[[], float] = time.process_time
+) -> float:
+    """Processor time of ``work``, or its time on another ``clock``: the mean of ``repeats``, s."""
+    start = clock()
+    for _ in range(repeats):
+        work()
+    return (clock() - start) / repeats
 
 
 def main() -> int:

@@ -6,11 +6,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-from workflow.site import (  # noqa: E402
-    gallery,
-    options,
-    reference,
-)
+from workflow.site import reference  # noqa: E402
 
 project = "multilock"
 author = "the multilock developers"
@@ -18,8 +14,9 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.viewcode",
-    "workflow.site.accessible",
-    "workflow.site.mathml",
+    "sphinx_click",
+    "sphinx_gallery.gen_gallery",
+    "workflow.site.html",
     "workflow.site.parameters",
 ]
 html_theme = "furo"
@@ -32,15 +29,22 @@ html_show_sourcelink = False
 myst_heading_anchors = 3
 myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]  # GitHub draws these fences too
+smartquotes = False  # a flag has two hyphens
 myst_links_external_new_tab = False
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autodoc_typehints = "description"
-exclude_patterns = ["_build", "paper"]
+exclude_patterns = ["_build", "paper", "gallery/GALLERY_HEADER.rst"]
 nitpicky = False
 suppress_warnings = ["myst.xref_missing"]  # links to files outside of the site; tests follow them
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "gallery/made",
+    "filename_pattern": r"\.py$",  # all of them run
+    "abort_on_example_error": True,
+    "within_subsection_order": "ExampleTitleSortKey",
+    "download_all_examples": False,
+    "min_reported_time": 3600,
+}
 
-# Pages of keys, columns and options are made each time, pictures where code has changed.
-reference.write_pages(Path(__file__).parent)
-options.write_options(Path(__file__).parent)
-gallery.write_gallery(Path(__file__).parent / "gallery")
+reference.write_pages(Path(__file__).parent)  # of keys and columns

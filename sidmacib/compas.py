@@ -109,7 +109,7 @@ def _factor(assembly: Assembly, loads: Loads, total: float) -> float | None:
 
 
 def _described(problem: Any, laws: Mapping[str, Any] | str | Path | None) -> dict[str, Any]:
-    """What a structure's file would say: ``laws``, and the contact model where they are silent."""
+    """Description as in a structure's file: ``laws``, else what the contact model says."""
     given = read_yaml(Path(laws)) if isinstance(laws, str | Path) else dict(laws or {})
     if not isinstance(given, dict):
         raise refused("laws", given, "a mapping with interfaces, special, locks")

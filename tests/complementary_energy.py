@@ -20,10 +20,10 @@ from scipy.sparse import csr_array
 from sidmacib.errors import SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.mechanics.utilisation import utilisation
 
 ROUNDS = 200
 LEAST_BOUND = 1e-6  # of friction, over a node's share of the load: solvers need an interior

@@ -1,16 +1,19 @@
 """What several tests need."""
 
+import csv
 import fcntl
 import hashlib
-import importlib
 import json
 import os
 import shutil
 import signal
-from collections.abc import Callable
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 # Before numpy is imported: threads of linear algebra on small matrices only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -19,6 +22,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from hypothesis import settings
+from structures import WITH_STRUCTURES
 
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading
@@ -34,8 +38,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
-from sidmacib.mechanics.newton.faces import Structure
-from sidmacib.mechanics.newton.nodes import Point, new_point
+from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
@@ -45,10 +48,9 @@ from workflow.engines.numerics import Numerics
 from workflow.engines.run import run_engine
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
-from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD, read_records
 from workflow.results.record import CaseRecord
-from workflow.run.job import paths
+from workflow.run.command import snakemake, snakemake_command
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
 
@@ -66,6 +68,8 @@ settings.register_profile("repeatable", deadline=None, derandomize=True)
 settings.load_profile("repeatable")
 
 ROOT = Path(__file__).parents[1]
+# `make` with this environment as it is: nothing is installed.
+INSTALLED = ("make", "--old-file=.venv/study.ready", f"BIN={Path(sys.executable).parent}")
 DISTINCT = tuple(name for name, engine in ENGINES.items() if not engine.elastic)  # rigid pieces
 
 
@@ -87,10 +91,10 @@ def block_on_ground(joint: Joint, kind: Kind, mesh: float) -> Assembly:
     return Assembly(pieces, faces, contact_nodes(faces, mesh, NodeLayout.CENTRES), joint.a)
 
 
-def point_at(structure: Structure, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
-    """What ``unknowns`` of a compiled ``structure`` make of its nodes, without other forces."""
-    here = new_point(len(unknowns), structure.start)
-    put_at(structure, slip, whole, np.zeros_like(unknowns), here, unknowns)
+def point_at(contacts: ContactFaces, slip: Floats, whole: Floats, unknowns: Floats) -> Point:
+    """What ``unknowns`` of compiled ``contacts`` make of its nodes, without other forces."""
+    here = new_point(len(unknowns), contacts.start)
+    put_at(contacts, slip, whole, np.zeros_like(unknowns), here, unknowns)
     return here
 
 
@@ -235,7 +239,7 @@ def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
 def run_case(case: Case, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
-    arguments = {"case": case.to_json(), "time_limit": 300.0, "guides_code": ""}
+    arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
     outputs = {"record": folder / RECORD, "result": folder / RESULT}
     fault = engine_step.run(arguments, {}, outputs)
     if fault is not None:
@@ -262,26 +266,45 @@ def broken_python(tmp_path: Path) -> Path:
     return path
 
 
+def run_study(config: Mapping[str, Any], folder: Path, *targets: str) -> None:
+    """Have Snakemake make ``targets`` of a study, whose results are in ``folder``."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "study.yaml"
+    path.write_text(json.dumps(config))
+    assert snakemake(path, str(folder), [f"{folder}/{name}" for name in targets])
+
+
+def outputs_of(config: Mapping[str, Any], folder: Path) -> dict[str, list[str]]:
+    """What a study makes, by rule, below its results; nothing is run. ``folder``: an empty one."""
+    path = folder / "study.yaml"
+    path.write_text(json.dumps(config))
+    command = [*snakemake_command(path, str(folder)), "--summary"]
+    found = subprocess.run(command, cwd=ROOT, check=True, capture_output=True, text=True).stdout
+    outputs: dict[str, list[str]] = {}
+    for row in csv.DictReader(found.splitlines(), delimiter="\t"):
+        name = Path(row["output_file"]).relative_to(folder)
+        outputs.setdefault(row["rule"], []).append(str(name))
+    return outputs
+
+
 @pytest.fixture(scope="session")
-def solved_study(tmp_path_factory: pytest.TempPathFactory) -> tuple[Study, Path]:
-    """A study without engines, and its results but figures: made job by job, in this process."""
-    study = read_study(
-        {
-            "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
-            "meshes": [0.02, 0.01],
-            "eccentricities": [0, 0.3, "torsion"],
-            "models": ["static", "limit"],
-            "dem": {"engines": []},
-            "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
-        }
-    )
-    results = tmp_path_factory.mktemp("study")
-    for job in plan_of(study).made.values():
-        if job.name in ("figures", "complete"):
-            continue
-        for name in job.written:
-            (results / name).parent.mkdir(parents=True, exist_ok=True)
-        arguments = json.loads(json.dumps(job.arguments))
-        step = importlib.import_module(job.step)
-        step.run(arguments, paths(job.inputs, results), paths(job.outputs, results))
-    return study, results
+def solved_study(made_once: Callable[..., Path]) -> tuple[Study, Path]:
+    """A study without engines, and its results but figures."""
+    config = {
+        "samples": {"n3": {"locks": 3}, "n5": {"locks": 5}},
+        "meshes": [0.02, 0.01],
+        "eccentricities": [0, 0.3, "torsion"],
+        "models": ["static", "limit"],
+        "dem": {"engines": []},
+        "sidmacib": {"reductions": ["none", "half", "lower_sum"]},
+    }
+    targets = "summary.txt", "report.html"
+    return read_study(config), made_once("study", lambda to: run_study(config, to, *targets))
+
+
+@pytest.fixture(scope="session")
+def structures_study(made_once: Callable[..., Path]) -> Path:
+    """Results of structures beside a joint, but figures."""
+    vtk = "structures/vtk/trilith-load-static-blocks.vtu"  # made with all others
+    targets = ".structures_complete", "report.html", vtk
+    return made_once("structures", lambda to: run_study(WITH_STRUCTURES, to, *targets))

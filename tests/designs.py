@@ -6,7 +6,7 @@ import numpy as np
 from structures import dry
 
 from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
-from sidmacib.design.model import Case, Site, Structure
+from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import Assembly, Vector
 from sidmacib.structure.blocks import Block, box
@@ -30,23 +30,23 @@ def two_blocks(friction: float = FRICTION) -> Assembly:
 
 def design_on(
     assembly: Assembly,
-    cases: Sequence[Case],
+    cases: Sequence[LoadCase],
     *,
     angles: Sequence[float] = (0.0, 90.0),
     weights: Weights | None = None,
     kind: LockKind = KIND,
     most: int = 10,
-) -> Structure:
+) -> DesignProblem:
     sites = tuple(
         Site(number, layouts_of(face, kind, directions_of(face, angles=angles), most))
         for number, face in enumerate(assembly.faces)
     )
-    return Structure(assembly, sites, tuple(cases), weights or Weights())
+    return DesignProblem(assembly, sites, tuple(cases), weights or Weights())
 
 
-def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> Case:
+def pushed(assembly: Assembly, load: float, along: Vector = (0.0, 1.0, 0.0)) -> LoadCase:
     """A push at the foot of the block, so that nothing turns over."""
-    return Case("push", force_at(assembly, "block", (0.2, 0.3, 0.0), along), load)
+    return LoadCase("push", force_at(assembly, "block", (0.2, 0.3, 0.0), along), load)
 
 
 def stack() -> list[Block]:
@@ -58,7 +58,7 @@ def stack() -> list[Block]:
     ]
 
 
-def working(structure_: Structure, parts: np.ndarray) -> list[int]:
+def working(structure_: DesignProblem, parts: np.ndarray) -> list[int]:
     """Locks that work at each site."""
     found = np.zeros(len(structure_.sites))
     counts = np.array([layout.working for layout in structure_.layouts])

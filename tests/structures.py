@@ -3,6 +3,8 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -11,6 +13,38 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.loads import acceleration, free_weight
+from sidmacib.yaml_text import read_yaml
+
+
+def example(name: str) -> dict[str, Any]:
+    """The description of a structure of the published studies."""
+    folder = Path(__file__).parents[1] / "studies/structures"
+    found: dict[str, Any] = read_yaml(folder / f"{name}.yaml")
+    return found
+
+
+def condensed_keys() -> dict[str, Any]:
+    """Keyed blocks whose locks are condensed, which the static model refuses."""
+    keyed = example("keyed")
+    (locks,) = keyed["locks"]
+    return {**keyed, "locks": [{**locks, "condensed": {"working": 1}}]}
+
+
+ONLY_STRUCTURES = {  # a trilith with bonds and without, condensed locks, and a stack that is tilted
+    "structures": {
+        "trilith": {"description": example("trilith"), "variants": {"dry": {"special": None}}},
+        "keyed": {"description": condensed_keys()},
+        "stack": {"description": example("stack")},
+    },
+    "models": ["static", "limit"],
+    "dem": {"engines": []},
+}
+WITH_STRUCTURES = {
+    **ONLY_STRUCTURES,
+    "samples": {"n3": {"locks": 3}},
+    "meshes": [0.03],
+    "eccentricities": [0, 0.3],
+}
 
 
 def dry(friction: float) -> FaceMaterial:

@@ -6,10 +6,10 @@ import pytest
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import FaceMaterial, Failure
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium
-from sidmacib.mechanics.static.after_peak import LEAST, after_peak
+from sidmacib.mechanics.static.after_peak import LEAST_LOAD_LEFT, after_peak
 from sidmacib.mechanics.static.model import solver_of, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.problem import Problem
 
 MESH = 0.03  # m
@@ -48,7 +48,7 @@ def test_each_point_is_at_the_strength_of_a_bond_and_has_fewer_of_them() -> None
     for point in points:
         assert utilisation(law, point.state, point.force).max() == pytest.approx(1.0, abs=1e-2)
         assert int(point.state.bonded.sum()) < bonded
-        assert point.load >= LEAST * peak.load
+        assert point.load >= LEAST_LOAD_LEFT * peak.load
         bonded = int(point.state.bonded.sum())
 
 

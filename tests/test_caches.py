@@ -11,7 +11,7 @@ import yaml
 from campaigns.faults import AS_ANYBODY, not_writable
 from conftest import ROOT
 
-from workflow.planning.results_folder import CACHES
+from workflow.run.results_folder import CACHES
 
 STUDY = {
     "samples": {"n3": {"locks": 3}},

@@ -16,23 +16,23 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly as Discretised
 from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
-from workflow.configuration import ConfigError, installed_engines, read_study
+from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.engines import ENGINES
-from workflow.engines.calculix.deck import Deck, line_weights
+from workflow.engines.calculix.deck import CalculixDeck, line_weights
 from workflow.engines.calculix.process import read_state
-from workflow.engines.calculix.run import State, at_strength, load_at, most_used, raised
+from workflow.engines.calculix.run import CalculixState, at_strength, load_at, most_used, raised
 from workflow.engines.execute import EngineError
 from workflow.engines.numerics import Numerics
 from workflow.engines.render import _material_names, assembly_data, engine_material, script
 from workflow.engines.run import refusal
 from workflow.engines.scripts.assembly import (
-    Assembly,
-    Face,
-    Material,
+    GivenAssembly,
+    GivenFace,
+    GivenMaterial,
+    GivenPiece,
+    GivenSideLoad,
     Node,
-    Piece,
     PieceLoad,
-    SideLoad,
 )
 from workflow.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from workflow.solvers.static import solve as static_model
@@ -54,29 +54,30 @@ def loaded(
     return assembly, lateral_load(joint, assembly, Loading(Direction(eccentricity)))
 
 
-def as_read(assembly: Discretised, loads: Loads) -> Assembly:
+def as_read(assembly: Discretised, loads: Loads) -> GivenAssembly:
     """What a script reads of it."""
     data = assembly_data(assembly, loads)
     laws = {
-        name: Material(**engine_material(law)) for law, name in _material_names(assembly).items()
+        name: GivenMaterial(**engine_material(law))
+        for law, name in _material_names(assembly).items()
     }
-    return Assembly(
-        [Piece(**piece) for piece in data["pieces"]],
-        [Face(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],
+    return GivenAssembly(
+        [GivenPiece(**piece) for piece in data["pieces"]],
+        [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],
         [Node(*row) for row in zip(*data["nodes"].values(), strict=True)],
         [PieceLoad(**load) for load in data["loads"]],
         data["axis"],
-        [SideLoad(**side) for side in data["sides"]],
+        [GivenSideLoad(**side) for side in data["sides"]],
         data["mesh_m"],
         data["layout"],
     )
 
 
-def deck_of(joint: Joint, eccentricity: float = 0.5, **layout: NodeLayout) -> Deck:
-    return Deck(as_read(*loaded(joint, eccentricity, **layout)))
+def deck_of(joint: Joint, eccentricity: float = 0.5, **layout: NodeLayout) -> CalculixDeck:
+    return CalculixDeck(as_read(*loaded(joint, eccentricity, **layout)))
 
 
-def places(deck: Deck) -> dict[int, np.ndarray]:
+def places(deck: CalculixDeck) -> dict[int, np.ndarray]:
     return {
         number: np.array(grid.place(steps))
         for grid in deck.grids
@@ -84,7 +85,7 @@ def places(deck: Deck) -> dict[int, np.ndarray]:
     }
 
 
-def resultant(deck: Deck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
+def resultant(deck: CalculixDeck, forces: dict[tuple[int, int], float], index: int) -> np.ndarray:
     """Force and moment about a piece's centre of the nodal forces on it."""
     where, piece, grid = places(deck), deck.assembly.pieces[index], deck.grids[index]
     numbers = range(grid.first_node, grid.first_node + len(grid.nodes))
@@ -105,7 +106,7 @@ def test_nodal_forces_have_the_force_and_moment_of_every_pieces_loads(
 ) -> None:
     joint = elastic(Joint(3, hold_down=hold_down))
     assembly, loads = loaded(joint, eccentricity)
-    deck = Deck(as_read(assembly, loads))
+    deck = CalculixDeck(as_read(assembly, loads))
     for index, piece in enumerate(assembly.pieces):
         for forces, whole in ((deck.permanent, loads.permanent), (deck.variable, loads.variable)):
             expected = np.zeros(6) if piece.fixed else whole[index]
@@ -207,10 +208,12 @@ def test_where_the_strength_is_reached_is_found_between_two_states() -> None:
     inner = next(n for n, node in enumerate(assembly.nodes) if assembly.faces[node.face].cohesive)
     law = assembly.faces[assembly.nodes[inner].face].material
 
-    def state(load: float) -> State:  # sheared by the load, which reaches the cohesion at 80 N
+    def state(
+        load: float,
+    ) -> CalculixState:  # sheared by the load, which reaches the cohesion at 80 N
         jumps = [[0.0, 0.0, 0.0] for _ in assembly.nodes]
         jumps[inner] = [load / 80.0 * law.cohesion / law.shear_stiffness, 0.0, 0.0]
-        return State(load, jumps, load)
+        return CalculixState(load, jumps, load)
 
     found = at_strength(assembly, state(60.0), state(90.0))
     assert found.load == found.displacement == pytest.approx(80.0)
@@ -242,7 +245,7 @@ def test_a_study_continues_without_an_engine_that_is_not_installed(
 ) -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
     monkeypatch.setenv("PATH", "")
-    assert installed_engines(study) == []
+    assert with_installed_engines(study).dem.engines == ()
     note = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
     assert note in capsys.readouterr().err
 

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from analysis.calibration.candidates import (
-    Candidate,
     CandidateMisfit,
+    Trial,
+    TwoParts,
     best_rows,
     candidate_of,
     candidate_study,
@@ -22,7 +23,6 @@ from analysis.calibration.candidates import (
     read_as_degrees,
     study_candidates,
 )
-from analysis.calibration.curve_shape import TwoParts
 from analysis.calibration.figure import calibration
 from analysis.published import read_published
 from analysis.tables.collect import cases_table, weights_table
@@ -87,7 +87,7 @@ def test_the_grid_has_the_published_area_and_every_friction(study: Study) -> Non
 
 def test_the_joints_of_the_study_are_distinguished_by_size_and_friction(study: Study) -> None:
     printed, fits = study_candidates(study, PUBLISHED)
-    assert printed == Candidate(study.geometry, 0.3)
+    assert printed == Trial(study.geometry, 0.3)
     assert (fits.geometry.h, fits.friction) == (0.0175, 0.005236)
 
 

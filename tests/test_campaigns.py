@@ -14,7 +14,7 @@ def campaign() -> Iterator[faults.Campaign]:
 
 
 @pytest.mark.engine
-@pytest.mark.parametrize("fault", [faults.garbled, faults.killed], ids=lambda fault: fault.__name__)
+@pytest.mark.parametrize("fault", [faults.deleted, faults.killed], ids=lambda fault: fault.__name__)
 def test_whatever_happens_the_next_run_ends_as_if_nothing_had(
     campaign: faults.Campaign, fault: Callable[[faults.Campaign], None]
 ) -> None:

@@ -13,9 +13,9 @@ from sidmacib.mechanics.assembly import (
     NodeLayout,
 )
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.static.model import StaticSolution, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 
 
 def on_supports(strength: tuple[float, ...], stiffness: tuple[float, ...]) -> Assembly:

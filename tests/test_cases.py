@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from workflow.configuration import ConfigError, read_study
@@ -213,7 +213,7 @@ def test_a_sample_may_have_locks_of_its_own_and_begin_with_a_lower_one() -> None
     study = read_study({"samples": {"s": sample}, "sidmacib": WEIGHED, "meshes": [0.02]})
     strong = replace(INNER, cohesion=1e5)
     changes = OwnLock(width=0.06, density=2000.0, inner=strong)
-    joint = Joint(3, first=Block.LOWER, different={2: changes})
+    joint = Joint(3, first=Side.LOWER, different={2: changes})
     assert {case.joint for case in cases_of(study).values()} == {joint}
 
 
@@ -269,7 +269,7 @@ def test_the_digest_covers_what_the_results_depend_on_and_nothing_else() -> None
     others = [
         replace(case, model="liggghts"),
         replace(case, joint=replace(case.joint, h=case.joint.h * (1 + 1e-15))),
-        replace(case, joint=replace(case.joint, first=Block.LOWER)),
+        replace(case, joint=replace(case.joint, first=Side.LOWER)),
         replace(case, joint=replace(case.joint, different={2: OwnLock(density=1.0)})),
         replace(case, joint=replace(case.joint, hold_down=HoldDown.weight())),
         replace(case, mesh=0.021),
@@ -298,7 +298,7 @@ SIZE = st.floats(1e-300, 1e300)
         **dict.fromkeys(("a", "b", "h", "H", "density"), SIZE),
         failure=st.sampled_from(Failure),
         upper_body=st.sampled_from(UpperBody),
-        first=st.sampled_from(Block),
+        first=st.sampled_from(Side),
         different=st.dictionaries(
             st.integers(1, 2),
             st.builds(

@@ -2,35 +2,41 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
-from conftest import ROOT
+from conftest import ROOT, a_case
 
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading
+from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import read_study
 from workflow.engines import ENGINES
-from workflow.planning import closure as module
-from workflow.planning.closure import closure, code_digest
-from workflow.planning.snakefile import plan_of
+from workflow.engines.render import sources
+from workflow.models import MODELS
+from workflow.planning.batches import case_jobs
+from workflow.run import closure as module
+from workflow.run.closure import closure, code_digest, source
 
 TRACE = """
-import sys
+import importlib, json, pathlib, sys
 opened = set()
 sys.addaudithook(
     lambda event, args: opened.add(str(args[0])) if event == "open" and args[0] else None
 )
-from workflow.run.job import run_job
-import json, pathlib
-run_job(json.loads(pathlib.Path(sys.argv[1]).read_text()))
+name, arguments, outputs, root = json.loads(sys.argv[1])
+outputs = {key: pathlib.Path(path) for key, path in outputs.items()}
+assert importlib.import_module(name).run(arguments, {}, outputs) is None
 print("\\n".join(sorted(
     name for name, m in sys.modules.items()
-    if (getattr(m, "__file__", None) or "").startswith(sys.argv[2] + "/")
-    and ".venv" not in m.__file__
+    if (getattr(m, "__file__", None) or "").startswith(root + "/") and ".venv" not in m.__file__
 )))
 print("--")
-print("\\n".join(sorted(name for name in opened if name.startswith(sys.argv[2] + "/"))))
+print("\\n".join(sorted(name for name in opened if name.startswith(root + "/"))))
 """
 
 
@@ -80,27 +86,6 @@ def test_data_files_count_by_content(project: Path) -> None:
     assert module.code_digest(["workflow.a"], ["data.yaml"]) != before
 
 
-def test_code_that_is_edited_while_a_study_runs_is_noticed_and_a_comment_is_not(
-    project: Path,
-) -> None:
-    code = json.loads(json.dumps(module.described(["workflow.a"])))
-    assert not module.edited(code)
-    (project / "workflow/c.py").write_text("# why\n\nimport  numpy\n")
-    assert not module.edited(code)
-    (project / "workflow/c.py").write_text("import numpy\nx = 1")
-    assert module.edited(code)
-    (project / "workflow/c.py").unlink()
-    assert module.edited(code)
-
-
-def test_files_that_are_as_they_were_need_no_look_at_their_syntax(
-    project: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    code = module.described(["workflow.a"])
-    monkeypatch.setattr(module, "_tree", None)
-    assert not module.edited(code)
-
-
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:
     static, limit = closure("workflow.solvers.static"), closure("workflow.solvers.limit")
     assert "sidmacib.mechanics.limit" not in static
@@ -111,36 +96,50 @@ def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -
 
 
 def test_engines_do_not_depend_on_each_others_scripts_and_templates() -> None:
-    study = read_study({"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0]})
-    jobs = plan_of(study).jobs
-    yade, liggghts = (jobs[f"{name}/n3-mesh0.03-e0a"] for name in ("yade", "liggghts"))
-    assert "templates/yade.py.j2" in yade.files
-    assert "templates/liggghts.py.j2" not in yade.files
-    assert not any("liggghts" in name for name in yade.modules)
-    assert not any("yade" in name for name in liggghts.modules)
+    yade, liggghts = (sources(ENGINES[name]) for name in ("yade", "liggghts"))
+    assert "templates/yade.py.j2" in yade[1]
+    assert "templates/liggghts.py.j2" not in yade[1]
+    assert not any("liggghts" in name for name in yade[0])
+    assert not any("yade" in name for name in liggghts[0])
+
+
+RULE = re.compile(r"^rule (\w+):\n((?:\n| +.*\n)+)", re.MULTILINE)
+RULES = {  # text of each rule that has a script, and the folder of its file
+    match[1]: (path.parent, match[2])
+    for path in ROOT.rglob("*.smk")
+    if ".venv" not in path.parts
+    for match in RULE.finditer(path.read_text())
+}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_a_rule_runs_again_when_what_its_script_imports_is_edited(rule: str) -> None:
+    folder, text = RULES[rule]
+    (script,) = re.findall(r'script:\n +"(.*)"', text)
+    (step,) = re.findall(r'code=(?:lambda wildcards: )?code\(\s*"([\w.]+)"', text)
+    assert source(step) == (folder / script).resolve()
 
 
 @pytest.mark.parametrize("model", ["static", "limit"])
 def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: str) -> None:
-    study = read_study(
-        {
-            "samples": {"n3": {"locks": 3}},
-            "meshes": [0.03],
-            "eccentricities": [0],
-            "models": ["static", "limit"],
-            "dem": {"engines": []},
-            "results": str(tmp_path),
-        }
-    )
-    job = plan_of(study).jobs[f"{model}/batch"]
-    _assert_covered(job, tmp_path)
+    config = {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0]}
+    study = read_study({**config, "models": ["static", "limit"], "dem": {"engines": []}})
+    cases = [case.to_json() for case in case_jobs(study).batches[model, "batch"]]
+    arguments = {"cases": cases, "module": MODELS[model].module}
+    outputs = {name: f"{tmp_path}/{name}" for name in ("records", "nodes", "history")}
+    _assert_covered("workflow.steps.solve", arguments, outputs, (str(MODELS[model].module),), ())
 
 
-def _assert_covered(job, results: Path) -> None:
-    plan = results / "plan.json"
-    plan.write_text(json.dumps(job.plan(job.digest(), results)))
+def _assert_covered(
+    step: str,
+    arguments: dict[str, Any],
+    outputs: dict[str, str],
+    modules: tuple[str, ...],
+    files: tuple[str, ...],
+) -> None:
+    """Run a step and hold what it imports and opens against what its digest is made of."""
     found = subprocess.run(
-        [sys.executable, "-c", TRACE, str(plan), str(ROOT)],
+        [sys.executable, "-c", TRACE, json.dumps([step, arguments, outputs, str(ROOT)])],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
@@ -148,19 +147,17 @@ def _assert_covered(job, results: Path) -> None:
         check=True,
         timeout=300,
     ).stdout
-    modules, _, files = found.partition("--")
-    known = closure("workflow.run.job") | closure(job.step)
-    known = known.union(*map(closure, job.modules))
-    run = {name for name in modules.split() if name.split(".")[0] in module.PACKAGES}
-    assert run <= known
+    imported, _, opened = found.partition("--")
+    known = frozenset[str]().union(*map(closure, (step, *modules)))
+    assert {name for name in imported.split() if name.split(".")[0] in module.PACKAGES} <= known
     data = {
         str(Path(name).relative_to(ROOT))
-        for name in files.split()
+        for name in opened.split()
         if not name.endswith((".py", ".pyc", ".nbi", ".nbc"))
         and "/.venv/" not in name
         and "__pycache__" not in name
     }
-    assert data <= set(job.files)
+    assert data <= set(files)
 
 
 @pytest.mark.engine
@@ -168,15 +165,8 @@ def _assert_covered(job, results: Path) -> None:
 def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
     tmp_path: Path, model: str
 ) -> None:
-    study = read_study(
-        {
-            "samples": {"n2": {"locks": 2}},
-            "meshes": [0.04],
-            "eccentricities": [0],
-            "sidmacib": {"reductions": ["none"]},
-            "assembly": {"pieces": "elastic" if ENGINES[model].elastic else "rigid"},
-            "dem": {"engines": [model]},
-            "results": str(tmp_path),
-        }
-    )
-    _assert_covered(plan_of(study).jobs[f"{model}/n2-mesh0.04-e0a"], tmp_path)
+    joint = Joint(2, elastic=Elastic(1e10) if ENGINES[model].elastic else None)
+    case = a_case(model, joint, Loading(Direction(0.0)), 0.04)
+    arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
+    outputs = {"record": f"{tmp_path}/record.json", "result": f"{tmp_path}/result.json"}
+    _assert_covered("workflow.steps.engine", arguments, outputs, *sources(ENGINES[model]))

@@ -1,14 +1,9 @@
 """The cluster resources that a job requests, and jobs that the cluster kills."""
 
-import json
 import os
 import re
-import signal
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import pytest
 import yaml
@@ -17,13 +12,11 @@ from conftest import ROOT, a_case
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
-from workflow.configuration import ConfigError, read_study
+from workflow.configuration import ConfigError
 from workflow.engines.engine import FOREIGN, engine_environment
 from workflow.engines.execute import EngineKilledError
 from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
-from workflow.planning.closure import described
-from workflow.planning.plan import planned, prepared
 from workflow.planning.resources import (
     Resources,
     engine_resources,
@@ -31,19 +24,9 @@ from workflow.planning.resources import (
     sampling_resources,
     solved_resources,
 )
-from workflow.planning.snakefile import plan_of
 from workflow.results.files import RECORD
-from workflow.run.attempts import (
-    LAST_TRY,
-    RETRIES,
-    KilledError,
-    begin,
-    end,
-    forget,
-    last_try,
-    was_killed,
-)
 from workflow.run.command import profile_named
+from workflow.run.step import KilledError
 from workflow.steps import engine as engine_step
 
 
@@ -80,37 +63,12 @@ def test_a_further_attempt_asks_for_twice_as_much() -> None:
     assert resources.minutes(2) == 2 * resources.minutes(1)
 
 
-def test_only_a_job_that_was_killed_counts_as_killed(tmp_path: Path) -> None:
-    assert not was_killed(tmp_path, "yade/one")
-    begin(tmp_path, "yade/one")
-    begin(tmp_path, "yade/one")  # after it was killed
-    assert was_killed(tmp_path, "yade/one")
-    assert not was_killed(tmp_path, "yade/other")
-    end(tmp_path, "yade/one")
-    assert not was_killed(tmp_path, "yade/one")
-    begin(tmp_path, "yade")  # a job may be named like a kind of jobs
-    begin(tmp_path, "yade/one")
-    forget(tmp_path)
-    assert not was_killed(tmp_path, "yade/one")
-    forget(tmp_path)
-
-
-def test_it_is_the_last_try_unless_a_cluster_says_otherwise(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.delenv(LAST_TRY, raising=False)
-    assert last_try()
-    monkeypatch.setenv(LAST_TRY, "0")
-    assert not last_try()
-    monkeypatch.setenv(LAST_TRY, "1")
-    assert last_try()
-
-
 def test_the_profile_tries_as_often_as_jobs_expect() -> None:
     profile = yaml.safe_load((ROOT / "profiles/slurm/config.yaml").read_text())
-    assert profile["retries"] == RETRIES
-    assert profile_named("slurm") == ROOT / "profiles/slurm"
-    assert profile_named("") is None
+    rules = (ROOT / "workflow/rules/common.smk").read_text()
+    assert f"RETRIES = {profile['retries']} " in rules
+    assert profile_named("slurm") == ["--profile", str(ROOT / "profiles/slurm")]
+    assert profile_named("") == []
     with pytest.raises(ConfigError, match="PROFILE: 'slrum' is not allowed; it must be"):
         profile_named("slrum")
 
@@ -124,12 +82,11 @@ def test_an_engine_that_lacked_memory_has_no_result_while_there_are_tries(
     monkeypatch.setattr(engine_step, "run_engine", killed)
     outputs = {"record": tmp_path / RECORD, "result": tmp_path / RESULT}
     case = case_on(mesh=0.02)
-    arguments = {"case": case.to_json(), "time_limit": 60, "guides_code": ""}
-    monkeypatch.setenv(LAST_TRY, "0")
+    arguments = {"case": case.to_json(), "time_limit": 60, "last_try": 0}
     with pytest.raises(KilledError, match="killed by signal 9"):
         engine_step.run(arguments, {}, outputs)
     assert not any(path.exists() for path in outputs.values())
-    monkeypatch.setenv(LAST_TRY, "1")
+    arguments["last_try"] = 1
     assert "killed" in str(engine_step.run(arguments, {}, outputs))
     assert all(path.exists() for path in outputs.values())
 
@@ -141,63 +98,6 @@ def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> No
     assert not [name for name in environment if name.startswith(FOREIGN)]
     assert environment["OMP_NUM_THREADS"] == "1"
     assert environment["PATH"] == os.environ["PATH"]
-
-
-def test_other_machines_find_the_plans_as_they_are(tmp_path: Path) -> None:
-    study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
-    plans = prepared(plan_of(study).jobs.values(), tmp_path)
-    assert planned(tmp_path) == plans
-    assert all(path.is_file() for path in plans.values())
-
-
-SLEEPER = """
-import time
-def run(arguments, inputs, outputs):
-    print("asleep", flush=True)
-    time.sleep(60)
-"""
-
-
-def sleeping(tmp_path: Path, **more: Any) -> subprocess.Popen[str]:
-    """A job that does nothing for a minute."""
-    (tmp_path / "sleeper.py").write_text(SLEEPER)
-    plan = {
-        **{"name": "a/job", "digest": "x", "step": "sleeper", "results": str(tmp_path)},
-        **{"inputs": {}, "outputs": {}, "also": [], "receipt": ".receipts/a/job.json"},
-        **{"arguments": {}, "settings": {}},
-        **more,
-    }
-    path = tmp_path / "plan.json"
-    code = "import workflow.run.job as j; j.main()"
-    plan["code"] = described([])
-    path.write_text(json.dumps(plan))
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, str(path)],
-        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{ROOT}"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout is not None
-    assert process.stdout.readline() == "asleep\n"
-    return process
-
-
-def test_a_job_that_is_stuck_ends_at_its_time_limit(tmp_path: Path) -> None:
-    process = sleeping(tmp_path, time_limit=0.5)
-    _, errors = process.communicate(timeout=10)
-    assert process.returncode == 1
-    assert errors == "a/job: out of time after 0.5 s\n"
-
-
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
-def test_a_job_that_is_killed_leaves_its_mark(tmp_path: Path, number: signal.Signals) -> None:
-    process = sleeping(tmp_path)
-    assert was_killed(tmp_path, "a/job")
-    process.send_signal(number)
-    process.communicate(timeout=10)
-    assert process.returncode != 0
-    assert was_killed(tmp_path, "a/job")
 
 
 def test_both_containers_are_made_by_the_same_commands() -> None:

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from sidmacib.mechanics.newton import compilation
+from sidmacib.mechanics import compilation
 
 INNER = """from kernels.compilation import compiled
 

@@ -12,8 +12,15 @@ from hypothesis import strategies as st
 from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.newton.node_law import forces_and_tangents, node_force, node_tangent
-from sidmacib.mechanics.utilisation import utilisation
+from sidmacib.mechanics.contact_law.kernels import (
+    forces_and_tangents,
+    node_force,
+    node_tangent,
+    utilisation,
+)
+from workflow.engines.render import engine_material
+from workflow.engines.scripts.assembly import Material
+from workflow.engines.scripts.assembly import utilisation as of_script
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)
@@ -96,13 +103,15 @@ def test_given_friction_makes_forces_that_have_a_convex_energy(
 
 def test_nodes_together_have_the_law_of_each() -> None:
     random, count = np.random.default_rng(1), 50
-    stiffness, friction = 1e6 * (1.0 + random.random((count, 2))), random.random(count)
+    law = np.array(
+        [*1e6 * (1.0 + random.random((2, count))), random.random(count), np.zeros(count)]
+    )
     whole, moved = random.choice([0.0, 0.3, 1.0], count), 1e-6 * random.normal(size=(count, 3))
-    force, tangent = forces_and_tangents(stiffness, friction, whole, moved)
+    force, tangent = forces_and_tangents(law, np.zeros((count, 2)), whole, moved)
     for n in range(count):
-        contact_law = (*stiffness[n], friction[n], 0.0, whole[n], *moved[n])
-        assert force[n] == pytest.approx(node_force(*contact_law))
-        t00, t10, t20, t11, t12, t22 = node_tangent(*contact_law)
+        node = (*law[:, n], whole[n], *moved[n])
+        assert force[n] == pytest.approx(node_force(*node))
+        t00, t10, t20, t11, t12, t22 = node_tangent(*node)
         expected = np.array([[t00, 0.0, 0.0], [t10, t11, t12], [t20, t12, t22]])
         assert tangent[n] == pytest.approx(expected)
 
@@ -125,6 +134,40 @@ def test_utilisation_is_the_larger_of_shear_and_tension_over_strength(
         ]
     )
     assert utilisation(contact_law, state, force) == pytest.approx(max(shear, tension))
+
+
+@given(st.floats(0.0, 2.0), st.floats(-0.5, 10.0), st.floats(0, 2 * math.pi))
+def test_a_bond_on_the_edge_of_its_cone_is_at_its_strength(
+    friction: float, pressure: float, angle: float
+) -> None:
+    contact_law, state = bonds(Joint(3, inner=replace(INNER, bond_friction=friction)))
+    cone, normal = contact_law.cone(), pressure * contact_law.shear_strength
+    shear = cone.shear(normal)
+    force = np.column_stack([normal, math.cos(angle) * shear, math.sin(angle) * shear])
+    assert utilisation(contact_law, state, force) == pytest.approx(1.0)
+    torn = np.column_stack([-cone.torn, 0.0 * shear, 0.0 * shear])
+    assert (utilisation(contact_law, state, torn) >= 1.0 - 1e-12).all()
+
+
+def test_dry_nodes_that_slide_are_on_the_edge_of_their_cone_which_smooth_ones_lack() -> None:
+    contact_law = ContactLaw.of(block_on_ground(Joint(3), Kind.DRY, 0.02))
+    count, rows = len(contact_law.friction), contact_law.rows()
+    moved = np.tile([1e-6, 3e-6, -4e-6], (count, 1))
+    force, _ = forces_and_tangents(rows, np.zeros((count, 2)), np.zeros(count), moved)
+    cone = contact_law.cone()
+    assert np.hypot(*force.T[1:]) == pytest.approx(cone.shear(force[:, 0]))
+    assert not contact_law.cone(friction=False).shear(force[:, 0]).any()
+
+
+def test_scripts_of_engines_know_the_same_strengths() -> None:
+    contact_law, state = bonds(Joint(3))
+    count = len(contact_law.friction)
+    force = np.random.default_rng(1).normal(scale=contact_law.shear_strength[0], size=(count, 3))
+    used = utilisation(contact_law, state, force)
+    area = contact_law.shear_strength / INNER.cohesion
+    material = Material(**engine_material(INNER))
+    for n in range(count):
+        assert of_script(force[n], (1.0, 0.0, 0.0), material, area[n]) == pytest.approx(used[n])
 
 
 def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block, OwnLock
+from sidmacib.joint.joint import OwnLock, Side
 from sidmacib.joint.loading import lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
@@ -131,7 +131,7 @@ def corner_forces(text: str) -> list[tuple[str, float, float, float]]:
 def test_a_given_force_is_on_the_corners_of_the_top_before_the_load_is_raised(case: Case) -> None:
     changes = {2: OwnLock(width=0.06, density=2000.0)}
     joint = replace(
-        case.joint, hold_down=HoldDown.force(800.0), different=changes, first=Block.LOWER
+        case.joint, hold_down=HoldDown.force(800.0), different=changes, first=Side.LOWER
     )
     text = deck(replace(case, joint=joint))
     found = corner_forces(text)

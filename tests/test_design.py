@@ -8,9 +8,9 @@ import pytest
 from designs import FRICTION, KIND, T1, design_on, pushed, stack, two_blocks, working
 from structures import dry
 
-from sidmacib.design.direction import SHORT, Search, choice_of, rounded_up
+from sidmacib.design.direction import SHORT, RowSearch, choice_of, rounded_up
 from sidmacib.design.layouts import Weights, directions_of, layouts_of
-from sidmacib.design.model import Case, Structure
+from sidmacib.design.model import DesignProblem, LoadCase
 from sidmacib.design.sizing import carried, largest_factor, least_cost, needed
 from sidmacib.errors import InfeasibleError
 from sidmacib.structure.blocks import box
@@ -34,7 +34,7 @@ def test_two_blocks_need_what_friction_leaves() -> None:
 def test_a_whole_number_of_locks_is_the_least_that_is_enough() -> None:
     blocks = two_blocks()
     given = design_on(blocks, [pushed(blocks, LOAD)])
-    found = Search(given, 1.0).cheapest()
+    found = RowSearch(given, 1.0).cheapest()
     needs = (LOAD - FRICTION * free_weight(blocks)) / T1
     assert found.cost == np.ceil(needs) == 2.0
     (layout,) = choice_of(given, found.parts)
@@ -51,7 +51,7 @@ def test_weights_change_what_is_least_and_scale_the_cost() -> None:
         design_on(blocks, [pushed(blocks, LOAD)], weights=each, kind=kind)
         for each in (Weights(number=1.0), Weights(number=0.0, area=1.0))
     )
-    few, small = (Search(each, 1.0).cheapest() for each in (number, area))
+    few, small = (RowSearch(each, 1.0).cheapest() for each in (number, area))
     assert few.cost == 1.0  # one wide lock
     assert small.cost == pytest.approx(2 * 0.05 * 0.4)
     twice = design_on(
@@ -87,7 +87,7 @@ def test_rows_have_room_and_are_as_strong_as_their_roots() -> None:
 
 
 @pytest.fixture(scope="module")
-def pushed_both_ways() -> Structure:
+def pushed_both_ways() -> DesignProblem:
     """Two blocks on a base, pushed along x, along y and between these, beside their middle."""
     assembly = structure(stack(), dry(0.3))
     pushes = (
@@ -96,7 +96,7 @@ def pushed_both_ways() -> Structure:
         ("between", "upper", (1.0, 2.0, 0.0), 560.0),
     )
     cases = [
-        Case(name, force_at(assembly, block, (0.25, 0.3, 0.3), along), load)
+        LoadCase(name, force_at(assembly, block, (0.25, 0.3, 0.3), along), load)
         for name, block, along, load in pushes
     ]
     kind = replace(KIND, inner=replace(KIND.inner, cohesion=1e4))
@@ -106,14 +106,14 @@ def pushed_both_ways() -> Structure:
 def test_without_friction_two_directions_are_needed_and_one_is_not_enough() -> None:
     assembly = structure(row(2), dry(0.0))
     loads = force_at(assembly, "cube0", (0.2, 0.2, 0.2), (0.0, 1.0, 0.0))
-    given = design_on(assembly, [Case("side", loads, 300.0)], angles=(0.0,))
+    given = design_on(assembly, [LoadCase("side", loads, 300.0)], angles=(0.0,))
     with pytest.raises(InfeasibleError, match="no locks carry 1 times"):
         least_cost(given, 1.0)
 
 
-def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: Structure) -> None:
+def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: DesignProblem) -> None:
     given, best, tried = pushed_both_ways, np.inf, 0
-    search = Search(given, 1.0)
+    search = RowSearch(given, 1.0)
     options = [np.flatnonzero(given.site_of == site) for site in range(len(given.sites))]
     for chosen in product(*[[None, *each] for each in options]):
         numbers = [k for k in chosen if k is not None]
@@ -133,10 +133,12 @@ def test_a_search_ends_with_the_cheapest_of_all_layouts(pushed_both_ways: Struct
     assert search.carries(mixed.parts * (1.0 + 1e-4))
 
 
-def test_every_design_that_carries_costs_more_than_the_bound(pushed_both_ways: Structure) -> None:
+def test_every_design_that_carries_costs_more_than_the_bound(
+    pushed_both_ways: DesignProblem,
+) -> None:
     given = pushed_both_ways
     bound = least_cost(given, 1.0).cost
-    search, generator = Search(given, 1.0), np.random.default_rng(3)
+    search, generator = RowSearch(given, 1.0), np.random.default_rng(3)
     carrying = 0
     for _ in range(20):
         taken = np.zeros(len(given.layouts))
@@ -148,8 +150,8 @@ def test_every_design_that_carries_costs_more_than_the_bound(pushed_both_ways: S
     assert carrying > 0
 
 
-def test_what_is_barred_is_not_chosen(pushed_both_ways: Structure) -> None:
-    search = Search(pushed_both_ways, 1.0)
+def test_what_is_barred_is_not_chosen(pushed_both_ways: DesignProblem) -> None:
+    search = RowSearch(pushed_both_ways, 1.0)
     free = search.cheapest(gap=1e-4)
     taken = frozenset(pushed_both_ways.rows[k] for k in pushed_both_ways.row_of[free.parts > 0])
     other = search.cheapest(barred=[taken], gap=1e-4)
@@ -161,8 +163,8 @@ def test_what_is_barred_is_not_chosen(pushed_both_ways: Structure) -> None:
 def test_the_mirror_image_of_a_mixture_for_a_symmetric_structure_carries_as_much() -> None:
     assembly = structure(row(3), dry(0.0))
     loads = force_at(assembly, "cube1", (0.6, 0.2, 0.2), (0.0, 0.0, -1.0))
-    given = design_on(assembly, [Case("down", loads, 500.0)])
-    search = Search(given, 1.0)
+    given = design_on(assembly, [LoadCase("down", loads, 500.0)])
+    search = RowSearch(given, 1.0)
     strength = search.strengths @ search.relaxed.parts
     names = [assembly.faces[site.face].name for site in given.sites]
     image = {"left-cube0": "right-cube2", "cube0-cube1": "cube1-cube2"}
@@ -184,7 +186,7 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
     """By differences of the factor of designs whose locks are a little stronger and weaker."""
     assembly = structure(stack(), dry(0.2))
     loads = force_at(assembly, "upper", (0.25, 0.3, 0.3), (-0.25, 1.0, 0.0))
-    given = design_on(assembly, [Case("push", loads, 1000.0)], angles=(20.0,), most=2)
+    given = design_on(assembly, [LoadCase("push", loads, 1000.0)], angles=(20.0,), most=2)
     sizes = (1, 2)
     choice = [
         next(each for each in site.layouts if each.working == size)
@@ -212,7 +214,7 @@ def test_factors_grow_with_strength_as_the_multipliers_say() -> None:
 def test_what_locks_need_is_within_their_strength_and_balances_the_push() -> None:
     blocks = two_blocks()
     given = design_on(blocks, [pushed(blocks, LOAD)])
-    choice = choice_of(given, Search(given, 1.0).cheapest().parts)
+    choice = choice_of(given, RowSearch(given, 1.0).cheapest().parts)
     (found,) = needed(given, choice, 1.0)
     held = LOAD - FRICTION * free_weight(blocks)
     assert abs(found.across[0]) == pytest.approx(held, rel=1e-5)  # friction does what it can
@@ -231,7 +233,7 @@ def test_more_than_all_locks_carry_is_refused_with_the_largest_factor() -> None:
 
 
 def test_mixtures_are_rounded_up_to_whole_rows_that_are_as_strong(
-    pushed_both_ways: Structure,
+    pushed_both_ways: DesignProblem,
 ) -> None:
     parts = least_cost(pushed_both_ways, 1.0).parts
     taken = rounded_up(pushed_both_ways, parts)

@@ -15,7 +15,7 @@ from conftest import ROOT
 from sidmacib.command.main import main
 from sidmacib.design.blocking import conflict, order_of
 from sidmacib.design.designed import design_of
-from sidmacib.design.direction import Search, choice_of
+from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import designed, read_task, task_of
 from sidmacib.errors import InfeasibleError
 from sidmacib.mechanics.limit import limit_load
@@ -227,7 +227,7 @@ def test_rows_that_lock_a_block_in_are_refused_and_no_others_are_missed() -> Non
     assert free.order.stuck
     assert conflict(structure.assembly, structure.sites, free.choice)
     # Whatever carries both pushes locks the block in.
-    search, carrying = Search(structure, 1.0), 0
+    search, carrying = RowSearch(structure, 1.0), 0
     options = [
         [None, *(k for k, s in enumerate(structure.site_of) if s == site)]
         for site in range(len(structure.sites))

@@ -8,7 +8,7 @@ import yaml
 from command_runner import run
 
 from sidmacib.design.blocking import order_of
-from sidmacib.design.direction import Search, choice_of
+from sidmacib.design.direction import RowSearch, choice_of
 from sidmacib.design.file import read_task, task_of, write_designed
 from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
@@ -39,7 +39,7 @@ def test_a_small_vault_goes_from_a_compas_file_to_a_structure_with_locks(tmp_pat
     path.with_suffix(".yaml").write_text(yaml.safe_dump(design))
     task = read_task(path)
     structure = task.structure
-    choice = choice_of(structure, Search(structure, 1.0).cheapest(gap=0.5).parts)
+    choice = choice_of(structure, RowSearch(structure, 1.0).cheapest(gap=0.5).parts)
     assert all(state.factor >= 1.0 - 1e-5 for state in carried(structure, choice))
     assert order_of(structure.assembly, structure.sites, choice).stuck == ()
     (tmp_path / "out").mkdir()

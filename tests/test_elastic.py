@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sidmacib.errors import NoEquilibriumError, SolverError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.loading import posed as posed_problem
 from sidmacib.joint.pieces import assemble, shared_face
@@ -287,7 +287,7 @@ def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_
         inner=FaceMaterial(1e10, 80504948.32021742, 0.0, 8e4, 302361.2937938144),
         dry=FaceMaterial(3587758198.973877, 360162955.10149163, 0.06074133697940792, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
-        first=Block.LOWER,
+        first=Side.LOWER,
         elastic=Elastic(7037868640.542238, 0.04577574982686521),
     )
     loading, mesh = Loading(Direction(1.4500311737370246)), joint.least_side / 3
@@ -346,7 +346,7 @@ def test_stiff_rough_faces_rest_under_what_presses_on_them(
         inner=FaceMaterial(1e10, 1.05e9, 0.0, 8e4, 3.7e5),
         dry=FaceMaterial(2.3e12, 7.3e11, 0.148, 0.0, 0.0),
         upper_body=UpperBody.MONOLITHIC,
-        first=Block.LOWER,
+        first=Side.LOWER,
         hold_down=hold_down,
         elastic=Elastic(4.9e10),
     )

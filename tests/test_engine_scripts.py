@@ -20,7 +20,7 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
 from workflow.engines.liggghts.deck import (
-    Deck,
+    LiggghtsDeck,
     patches,
     pitch,
     sphere_radii,
@@ -32,19 +32,21 @@ from workflow.engines.render import assembly_data, engine_material
 from workflow.engines.scripts import assembly as scripts
 from workflow.engines.scripts.flatness import (
     STILL,
-    Motion,
+    PieceMotion,
     check_flat,
     check_mechanism,
     contact_shift,
     spurious_force,
 )
-from workflow.engines.scripts.records import BONDS, MECHANISM, History, NodeForce, Peak
+from workflow.engines.scripts.records import BONDS, MECHANISM, EnginePeak, History, NodeForce
 
-SEARCH = scripts.Search(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)
-LAW = scripts.Material(1e10, 1e10, 0.0, 8e4, 3.7e5)
+SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)
+LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
 
 
-def as_read(assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path) -> scripts.Assembly:
+def as_read(
+    assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path
+) -> scripts.GivenAssembly:
     """The assembly as a script reads it."""
     data = assembly_data(assembly, loads)
     (tmp / "data.json").write_text(json.dumps(data))
@@ -56,7 +58,7 @@ def as_read(assembly: mechanics.Assembly, loads: mechanics.Loads, tmp: Path) -> 
 
 
 @pytest.fixture
-def three(tmp_path: Path) -> scripts.Assembly:
+def three(tmp_path: Path) -> scripts.GivenAssembly:
     joint = Joint(3)
     assembly = assemble(joint, 0.02, NodeLayout.CENTRES)
     loads = lateral_load(joint, assembly, Loading(Direction(0.5)))
@@ -64,13 +66,13 @@ def three(tmp_path: Path) -> scripts.Assembly:
 
 
 @pytest.fixture
-def stack(tmp_path: Path) -> scripts.Assembly:
+def stack(tmp_path: Path) -> scripts.GivenAssembly:
     return as_read(*tilted_stack(2), tmp_path)
 
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
-def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.Assembly) -> None:
-    deck = Deck(three, SEARCH, 0.12)
+def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.GivenAssembly) -> None:
+    deck = LiggghtsDeck(three, SEARCH, 0.12)
     for index in three.free:
         piece = three.pieces[index]
         rows = [deck.atoms.lines[atom - 1].split() for atom in deck.atoms.handles[index]]
@@ -96,9 +98,9 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
 
 
 def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
-    three: scripts.Assembly,
+    three: scripts.GivenAssembly,
 ) -> None:
-    deck = Deck(three, SEARCH, 0.12)
+    deck = LiggghtsDeck(three, SEARCH, 0.12)
     centre = np.array([[float(v) for v in line.split()[2:5]] for line in deck.atoms.lines])
     for pair, node in zip(deck.atoms.spheres, three.nodes, strict=True):
         below, above = centre[pair[0] - 1], centre[pair[1] - 1]
@@ -113,8 +115,10 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > 2 * radius + 1e-6
 
 
-def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(stack: scripts.Assembly) -> None:
-    def radii(assembly: scripts.Assembly) -> list[float]:
+def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
+    stack: scripts.GivenAssembly,
+) -> None:
+    def radii(assembly: scripts.GivenAssembly) -> list[float]:
         return sphere_radii(assembly, patches(assembly), 1.0)
 
     assert radii(stack) == [1.0, 1.0]
@@ -144,8 +148,8 @@ def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_
     assert len({patch.area_m2 for patch in found if patch.face == 0}) == 5
 
 
-def test_only_the_two_sides_of_a_face_touch(three: scripts.Assembly) -> None:
-    deck = Deck(three, SEARCH, 0.12)
+def test_only_the_two_sides_of_a_face_touch(three: scripts.GivenAssembly) -> None:
+    deck = LiggghtsDeck(three, SEARCH, 0.12)
     lines = list(deck.input_script())
     excluded = {frozenset(map(int, line.split()[3:])) for line in lines if "exclude type" in line}
     every = set(
@@ -155,9 +159,9 @@ def test_only_the_two_sides_of_a_face_touch(three: scripts.Assembly) -> None:
 
 
 def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
-    three: scripts.Assembly,
+    three: scripts.GivenAssembly,
 ) -> None:
-    lines = list(Deck(three, SEARCH, 0.12).input_script())
+    lines = list(LiggghtsDeck(three, SEARCH, 0.12).input_script())
     rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
     forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
     assert forces and max(forces) < rigid
@@ -165,8 +169,8 @@ def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
     assert [line.split()[1] for line in lines[-4:]] == names
 
 
-def test_springs_are_as_stiff_as_their_nodes(three: scripts.Assembly) -> None:
-    deck = Deck(three, SEARCH, 0.12)
+def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:
+    deck = LiggghtsDeck(three, SEARCH, 0.12)
     lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
     assert len(lines) == sum(three.faces[node.face].cohesive for node in three.nodes)
     total = sum(2 * float(line[2]) for line in lines)  # the energy is coefficient * length^2
@@ -174,38 +178,40 @@ def test_springs_are_as_stiff_as_their_nodes(three: scripts.Assembly) -> None:
     assert total == pytest.approx(1e10 * area)
 
 
-def test_weight_is_gravity_and_what_else_always_acts_is_forces(stack: scripts.Assembly) -> None:
+def test_weight_is_gravity_and_what_else_always_acts_is_forces(
+    stack: scripts.GivenAssembly,
+) -> None:
     assert common_gravity(stack) == pytest.approx(9.81)
-    assert any(" gravity " in line for line in Deck(stack, SEARCH, 0.4).input_script())
+    assert any(" gravity " in line for line in LiggghtsDeck(stack, SEARCH, 0.4).input_script())
     pushed = replace(stack.pieces[2], force_N=(1.0, 0.0, stack.pieces[2].force_N[2]))
     leaning = replace(stack, pieces=[*stack.pieces[:2], pushed])
     assert common_gravity(leaning) == common_gravity(stack)
-    lines = list(Deck(leaning, SEARCH, 0.4).input_script())
+    lines = list(LiggghtsDeck(leaning, SEARCH, 0.4).input_script())
     assert any(" gravity " in line for line in lines)
     always = [line for line in lines if re.match(r"variable handle\d+_x ", line)]
     assert any(line.endswith("+(0.5)") for line in always)
 
 
-def test_what_presses_on_a_piece_comes_on_top_of_its_gravity(stack: scripts.Assembly) -> None:
+def test_what_presses_on_a_piece_comes_on_top_of_its_gravity(stack: scripts.GivenAssembly) -> None:
     weight = stack.pieces[2].force_N[2]
     pressed = replace(stack.pieces[2], force_N=(0.0, 0.0, weight - 8.0))
     whole = replace(stack, pieces=[*stack.pieces[:2], pressed])
     assert common_gravity(whole) == pytest.approx(9.81)
-    lines = list(Deck(whole, SEARCH, 0.4).input_script())
+    lines = list(LiggghtsDeck(whole, SEARCH, 0.4).input_script())
     down = [line for line in lines if re.match(r"variable handle\d+_z ", line)]
     assert [float(line.rsplit("+(", 1)[1][:-1]) for line in down] == pytest.approx([-4.0, -4.0])
 
 
-def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.Assembly) -> None:
+def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.GivenAssembly) -> None:
     floating = replace(stack.pieces[2], force_N=(0.0, 0.0, 1.0))
     whole = replace(stack, pieces=[*stack.pieces[:2], floating])
     assert common_gravity(whole) == 0.0
-    assert not any(" gravity " in line for line in Deck(whole, SEARCH, 0.4).input_script())
+    assert not any(" gravity " in line for line in LiggghtsDeck(whole, SEARCH, 0.4).input_script())
 
 
 def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
     many = as_read(*tilted_stack(15), tmp_path)
-    raised = [line for line in Deck(many, SEARCH, 0.4).input_script() if "v_load*" in line]
+    raised = [line for line in LiggghtsDeck(many, SEARCH, 0.4).input_script() if "v_load*" in line]
     assert [line.split()[:3] for line in raised] == [
         ["variable", f"acceleration_{axis}", "atom"] for axis in "xyz"
     ]
@@ -213,10 +219,12 @@ def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
     assert raised[0].endswith(f"v_load*mass*({per_newton!r})")
 
 
-def test_permanent_loads_are_raised_where_that_is_asked_for(stack: scripts.Assembly) -> None:
-    (at_once,) = (line for line in Deck(stack, SEARCH, 0.4).input_script() if "gravity" in line)
+def test_permanent_loads_are_raised_where_that_is_asked_for(stack: scripts.GivenAssembly) -> None:
+    (at_once,) = (
+        line for line in LiggghtsDeck(stack, SEARCH, 0.4).input_script() if "gravity" in line
+    )
     assert at_once.startswith("fix gravity handles gravity 9.81 ")
-    slowly = list(Deck(stack, SEARCH, 0.4, gradual=True).input_script())
+    slowly = list(LiggghtsDeck(stack, SEARCH, 0.4, gradual=True).input_script())
     (share,) = (line for line in slowly if line.startswith("variable permanent "))
     assert f"cos(PI*step/{SEARCH.ramp(stack.permanent_N, 0.0)})" in share
     assert not any(" gravity 9.81" in line for line in slowly)
@@ -228,7 +236,7 @@ def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None
     heavier = replace(many.pieces[-1], mass_kg=2 * many.pieces[-1].mass_kg)
     many = replace(many, pieces=[*many.pieces[:-1], heavier])  # which is accelerated by half
     with pytest.raises(SystemExit, match="30 points of load application; at most 28"):
-        list(Deck(many, SEARCH, 0.4).input_script())
+        list(LiggghtsDeck(many, SEARCH, 0.4).input_script())
 
 
 # --- LIGGGHTS' answers ---------------------------------------------------------------------------
@@ -281,47 +289,47 @@ def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> Non
 
 
 # --- flatness ------------------------------------------------------------------------------------
-def pressed(assembly: scripts.Assembly) -> list[NodeForce]:
+def pressed(assembly: scripts.GivenAssembly) -> list[NodeForce]:
     return [NodeForce(1.0, (0.0, 0.0, 0.0), False) for _ in assembly.nodes]
 
 
-def test_slip_parts_two_spheres_as_geometry_requires(stack: scripts.Assembly) -> None:
+def test_slip_parts_two_spheres_as_geometry_requires(stack: scripts.GivenAssembly) -> None:
     # The exact distance of two spheres' centres, against what is taken of it to second order.
     radius, slip, area, stiffness = 0.4, 1e-4, 0.04, 1e10
-    moved = [STILL, Motion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+    moved = [STILL, PieceMotion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
     gap = math.hypot(slip, 2 * radius) - 2 * radius
     found = spurious_force(stack, moved, [radius] * 2, pressed(stack))
     assert found == pytest.approx(2 * gap * stiffness * area, rel=1e-3)  # two faces slip
 
 
 def test_a_turn_moves_the_point_of_contact_of_two_spheres_as_geometry_requires(
-    stack: scripts.Assembly,
+    stack: scripts.GivenAssembly,
 ) -> None:
     # The middle of two spheres' centres, of which one turns about the node by a small angle.
     radius, turn = 0.4, 1e-4
     below = stack.pieces[1].centre_m[2]
-    turned = [STILL, Motion((turn * below, 0.0, 0.0), (0.0, turn, 0.0)), STILL]
+    turned = [STILL, PieceMotion((turn * below, 0.0, 0.0), (0.0, turn, 0.0)), STILL]
     middle = radius * math.sin(turn) / 2
     found = contact_shift(stack, turned, [radius] * 2, pressed(stack))
     assert found == pytest.approx(middle / 0.1)  # over half the width of the stack
     with pytest.raises(SystemExit, match=r"contacts move by 0\.12 of half a face"):
-        large = [STILL, Motion((0.0, 0.0, 0.0), (0.0, 6e-2, 0.0)), STILL]
+        large = [STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 6e-2, 0.0)), STILL]
         only_last = [NodeForce(float(n.face), (0.0, 0.0, 0.0), False) for n in stack.nodes]
         check_flat(stack, large, [0.4] * 2, only_last, 1e12)
 
 
-def test_open_nodes_and_faces_that_move_as_one_do_no_harm(stack: scripts.Assembly) -> None:
-    far = [STILL, Motion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+def test_open_nodes_and_faces_that_move_as_one_do_no_harm(stack: scripts.GivenAssembly) -> None:
+    far = [STILL, PieceMotion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
     open_nodes = [NodeForce(0.0, (0.0, 0.0, 0.0), False) for _ in stack.nodes]
     assert spurious_force(stack, far, [0.4] * 2, open_nodes) == 0.0
-    together = [Motion((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))] * 3
+    together = [PieceMotion((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))] * 3
     assert spurious_force(stack, together, [0.4] * 2, pressed(stack)) == 0.0
     assert contact_shift(stack, together, [0.4] * 2, pressed(stack)) == 0.0
 
 
-def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.Assembly) -> None:
+def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.GivenAssembly) -> None:
     def at(slip: float) -> None:
-        moved = [STILL, Motion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
+        moved = [STILL, PieceMotion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
         check_flat(stack, moved, [0.4] * 2, pressed(stack), 100.0)
 
     # Two faces of 4e8 N/m, a load of 157 N (the weight): 0.1 of it at slip^2 / 1.6 m = 2e-8 m.
@@ -331,7 +339,7 @@ def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.Assembly) ->
 
 
 def test_a_mechanism_that_flatter_spheres_do_not_show_ends_with_a_reason() -> None:
-    peak = Peak(43.5, 43.6, None, MECHANISM, [])
+    peak = EnginePeak(43.5, 43.6, None, MECHANISM, [])
     check_mechanism(peak, [1e-6], 2)  # no equilibrium
     check_mechanism(peak, [1e-6, 5e-5], 2)  # another one, on round feet
     with pytest.raises(SystemExit, match=r"no peak: at 43\.6 N the pieces drift off"):
@@ -352,13 +360,13 @@ def test_collapse_is_a_displacement_beyond_the_limit_to_either_side() -> None:
 
 # --- records -------------------------------------------------------------------------------------
 def test_results_are_written_with_stresses_mode_and_engine(
-    three: scripts.Assembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    three: scripts.GivenAssembly, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     history = History(three, time_steps=7)
     nodes = [NodeForce(2.0, (0.5, -1.0, 0.0), n % 2 == 0) for n in range(len(three.nodes))]
     history.record(12.0, "equilibrium", 1e-6, 1e-5, nodes)
-    history.write(Peak(12.0, 12.1, 11.0, BONDS, nodes), "engine", "1.2")
+    history.write(EnginePeak(12.0, 12.1, 11.0, BONDS, nodes), "engine", "1.2")
     assert json.loads((tmp_path / "result.json").read_text()) == {
         "peak_load_N": 12.0,
         "failed_load_N": 12.1,
@@ -385,7 +393,7 @@ def test_results_are_written_with_stresses_mode_and_engine(
 
 @pytest.mark.parametrize(("load", "normal"), [(math.nan, 1.0), (12.0, math.nan), (12.0, math.inf)])
 def test_results_that_are_no_numbers_are_not_written(
-    three: scripts.Assembly,
+    three: scripts.GivenAssembly,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     load: float,
@@ -394,5 +402,5 @@ def test_results_that_are_no_numbers_are_not_written(
     monkeypatch.chdir(tmp_path)
     nodes = [NodeForce(normal, (0.0, 0.0, 0.0), True) for _ in three.nodes]
     with pytest.raises(SystemExit, match="diverged"):
-        History(three).write(Peak(load, 13.0, None, BONDS, nodes), "engine", "1.2")
+        History(three).write(EnginePeak(load, 13.0, None, BONDS, nodes), "engine", "1.2")
     assert not (tmp_path / "result.json").exists()

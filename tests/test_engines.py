@@ -11,7 +11,7 @@ from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case,
 from stack import overturning, tilted_stack
 
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
@@ -223,7 +223,7 @@ STRONG = replace(INNER, cohesion=1e5, normal_stiffness=2e10, shear_stiffness=2e1
 @pytest.mark.parametrize(
     ("joint", "eccentricity"),
     [
-        (Joint(3, first=Block.LOWER), 0.2),
+        (Joint(3, first=Side.LOWER), 0.2),
         (Joint(3, different={2: OwnLock(width=0.06, density=2000.0, inner=STRONG)}), 0.0),
         (Joint(3, hold_down=HoldDown.force(500.0)), 0.5),
         (Joint(3, hold_down=HoldDown.weight()), 0.0),

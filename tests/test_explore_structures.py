@@ -11,7 +11,7 @@ from explorer import Answered, Served, explorer
 from analysis.explore import app, structures
 from analysis.explore.examples import (
     EXAMPLES,
-    SLIDERS,
+    STRUCTURE_SLIDERS,
     STUDIES,
     Chosen,
     checked_choice,
@@ -60,7 +60,7 @@ def test_defaults_are_on_the_sliders(name: str) -> None:
     first = defaults(name)
     assert list(first) == list(EXAMPLES[name].sliders)
     for slider, value in first.items():
-        assert SLIDERS[slider].nearest(value) == pytest.approx(value)
+        assert STRUCTURE_SLIDERS[slider].nearest(value) == pytest.approx(value)
 
 
 def test_sliders_change_what_they_are_called_after() -> None:

@@ -7,7 +7,7 @@ import skfem
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.elastic.finite_elements import Cuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Flexibility, Grid, Spread
 
 SIZE = np.array([0.06, 0.05, 0.027])
 POISSON = 0.2
@@ -20,7 +20,7 @@ def grid(size: Floats, *cells: int) -> Grid:
     return x, y, z
 
 
-def ends(cuboid: Cuboid, axis: int) -> tuple[Floats, Floats]:
+def ends(cuboid: ElasticCuboid, axis: int) -> tuple[Floats, Floats]:
     """Nodes of the two sides across ``axis``."""
     place = cuboid.place[:, axis]
     return (
@@ -29,7 +29,7 @@ def ends(cuboid: Cuboid, axis: int) -> tuple[Floats, Floats]:
     )
 
 
-def seen_at(cuboid: Cuboid, nodes: Floats) -> Flexibility:
+def seen_at(cuboid: ElasticCuboid, nodes: Floats) -> Flexibility:
     """Flexibility of all components of some nodes, and of a pull along x on both sides' loads."""
     rows = cuboid.values(np.repeat(cuboid.place[nodes], 3, axis=0))
     columns = cuboid.contact(rows, np.tile([0, 1, 2], len(nodes)))
@@ -38,7 +38,7 @@ def seen_at(cuboid: Cuboid, nodes: Floats) -> Flexibility:
 
 @pytest.mark.parametrize("quadratic", [True, False])
 def test_rigid_motions_are_free_of_stress(quadratic: bool) -> None:
-    cuboid = Cuboid(grid(SIZE, 3, 2, 2), POISSON, quadratic=quadratic)
+    cuboid = ElasticCuboid(grid(SIZE, 3, 2, 2), POISSON, quadratic=quadratic)
     assert np.abs(cuboid.stiffness @ cuboid.rigid).max() < 1e-14 * np.abs(cuboid.stiffness).max()
     assert abs(cuboid.stiffness - cuboid.stiffness.T).max() == 0.0
     values = np.linalg.eigvalsh(cuboid.stiffness.toarray())
@@ -52,7 +52,7 @@ def test_elements_are_those_of_the_library_in_three_dimensions(
     quadratic: bool, element: skfem.Element
 ) -> None:
     edges = grid(SIZE, 2, 1, 1)
-    cuboid = Cuboid(edges, POISSON, quadratic=quadratic)
+    cuboid = ElasticCuboid(edges, POISSON, quadratic=quadratic)
     mesh = skfem.MeshHex.init_tensor(*map(np.array, edges))
     basis = skfem.Basis(mesh, skfem.ElementVector(element), intorder=4)
     whole = sp.csr_array(linear_elasticity(*lame_parameters(1.0, POISSON)).assemble(basis))
@@ -80,7 +80,7 @@ def _component(basis: skfem.Basis) -> Floats:
 @pytest.mark.parametrize("quadratic", [True, False])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_pull_gives_a_uniform_strain(quadratic: bool, axis: int) -> None:
-    cuboid = Cuboid(grid(SIZE, 3, 2, 1), POISSON, quadratic=quadratic)
+    cuboid = ElasticCuboid(grid(SIZE, 3, 2, 1), POISSON, quadratic=quadratic)
     force = np.zeros((2, 6))
     force[0, axis], force[1, axis] = -1.0, 1.0
     pull = [Spread(tuple(row), axis, bool(high)) for high, row in enumerate(force)]
@@ -95,7 +95,7 @@ def test_a_pull_gives_a_uniform_strain(quadratic: bool, axis: int) -> None:
 
 
 def test_a_load_has_its_wrench_on_any_side() -> None:
-    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    cuboid = ElasticCuboid(grid(SIZE, 2, 2, 1), POISSON)
     wrench = (1.0, -2.0, 3.0, 0.04, 0.05, -0.06)
     for axis, high in ((None, False), (0, True), (1, False), (2, True)):
         found = cuboid.rigid.T @ cuboid.load(Spread(wrench, axis, high))
@@ -103,7 +103,7 @@ def test_a_load_has_its_wrench_on_any_side() -> None:
 
 
 def test_a_linear_pressure_is_linear_in_x() -> None:
-    cuboid = Cuboid(grid(SIZE, 3, 2, 2), POISSON)
+    cuboid = ElasticCuboid(grid(SIZE, 3, 2, 2), POISSON)
     mean = cuboid.load(Spread((0.0, 1.0, 0.0, 0.0, 0.0, 0.0), 1, False))
     slope = cuboid.load(Spread((0.0, 0.0, 0.0, 0.0, 0.0, 1.0), 1, False))
     loaded = np.flatnonzero(mean.reshape(-1, 3)[:, 1])
@@ -117,7 +117,7 @@ def test_a_linear_pressure_is_linear_in_x() -> None:
 def cantilever(cells: int, quadratic: bool) -> float:
     """Deflection of a slender beam under a force at its end, over that of beam theory."""
     size = np.array([0.5, 0.02, 0.02])
-    cuboid = Cuboid(grid(size, cells, 1, 1), 0.0, quadratic=quadratic)
+    cuboid = ElasticCuboid(grid(size, cells, 1, 1), 0.0, quadratic=quadratic)
     held, free = ends(cuboid, 0)
     fixed = np.concatenate([3 * held + k for k in range(3)])
     unknowns = np.setdiff1d(np.arange(cuboid.stiffness.shape[0]), fixed)
@@ -136,7 +136,7 @@ def test_one_layer_of_elements_bends_without_locking() -> None:
 
 
 def test_flexibility_is_symmetric_and_positive_but_for_rigid_motions() -> None:
-    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    cuboid = ElasticCuboid(grid(SIZE, 2, 2, 1), POISSON)
     found = seen_at(cuboid, np.arange(0, len(cuboid.place), 3)).contact
     assert np.array_equal(found, found.T)
     values = np.linalg.eigvalsh(found)
@@ -144,7 +144,7 @@ def test_flexibility_is_symmetric_and_positive_but_for_rigid_motions() -> None:
 
 
 def test_displacements_have_no_rigid_part() -> None:
-    cuboid = Cuboid(grid(SIZE, 2, 2, 1), POISSON)
+    cuboid = ElasticCuboid(grid(SIZE, 2, 2, 1), POISSON)
     every = np.arange(len(cuboid.place))
     found = seen_at(cuboid, every).contact
     assert np.abs(cuboid.rigid_mass.T @ found).max() < 1e-12 * np.abs(found).max()

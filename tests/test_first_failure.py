@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure
@@ -136,7 +136,7 @@ def test_an_odd_joint_is_the_same_from_both_sides_and_an_even_one_is_not() -> No
 
 def test_an_even_joint_pushed_back_is_one_that_begins_with_a_lower_lock() -> None:
     there = failure(joint_of(6), 0.2, Push.MINUS_Y)
-    other = failure(joint_of(6, first=Block.LOWER), 0.2)
+    other = failure(joint_of(6, first=Side.LOWER), 0.2)
     assert there.load == pytest.approx(other.load, rel=1e-9)
 
 

@@ -17,16 +17,15 @@ from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Kind, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
+from sidmacib.mechanics.contact_law.kernels import utilisation, with_given_friction
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.equilibrium import PATIENT, newton
-from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN
 from sidmacib.mechanics.rigid import friction_rounds
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.solver import RESIDUAL, RigidSolver
 from sidmacib.mechanics.solution import Equilibrium, FirstFailure, Mode
 from sidmacib.mechanics.static.model import static_first_failure, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 
 # Joint 9783 of a sampling of 13,312 joints: rough locks, soft roots, stiff dry faces.
 ROUGH = Joint(
@@ -144,13 +143,13 @@ def problem(model: Assembly, loads: Loads, load: float) -> tuple[EquilibriumSear
     target = solver.weight + load * solver.load
     limits = solver.floor, RESIDUAL * float(np.abs(target).max()), solver.largest_step
     system = target, components(state.slip), state.whole, solver.stiffness, *limits
-    arrays = solver.structure, solver.matrix, solver.here
+    arrays = solver.contacts, solver.matrix, solver.here
     return EquilibriumSearch(*arrays, *system), solver.rest
 
 
 def test_rounds_find_what_newtons_method_does_not() -> None:
     search, guess = problem(*loaded(SOUND, 0.4984, 0.15, Push.PLUS_Y, NodeLayout.LOBATTO), 0.0)
-    arrays = search.structure, search.matrix, search.here
+    arrays = search.contacts, search.matrix, search.here
     nodes = search.target, guess, search.slip, search.whole
     limits = search.floor, search.allowed, search.farthest
     assert not newton(*arrays, *nodes, limits, PATIENT)
@@ -161,16 +160,14 @@ def test_with_given_limits_the_forces_are_the_same_from_any_guess() -> None:
     search, rest = problem(*loaded(ROUGH, math.inf, 0.033), 2.0 * ROUGH.T0)
     limits = search.never_reached()
     limits[np.isinf(limits)] = 3.0  # N
-    nodes = search.structure.nodes.copy()
-    nodes[FRICTION], nodes[GIVEN] = 0.0, limits
-    structure = search.structure._replace(nodes=nodes)
+    contacts = search.contacts._replace(law=with_given_friction(search.contacts.law, limits))
     random, size = np.random.default_rng(1), np.abs(rest).max()
     forces = []
     for far in (0.0, 1.0, 1e3):
         guess = rest + far * size * random.normal(size=len(rest))
         assert search.with_given_limits(guess, limits)
         where = search.slip, search.whole, search.here.unknowns
-        forces.append(point_at(structure, *where).force)
+        forces.append(point_at(contacts, *where).force)
     largest = np.abs(forces[0]).max()
     for force in forces[1:]:
         assert force == pytest.approx(forces[0], abs=1e-6 * largest)

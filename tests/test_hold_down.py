@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import PLATE, assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic, Kind, Loads, NodeLayout
@@ -72,13 +72,13 @@ def test_under_a_plate_only_self_weight_always_acts(joint: Joint) -> None:
 
 # --- sliding and rocking of a single piece, by hand ----------------------------------------------
 @settings(max_examples=10)
-@given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Block))
+@given(st.floats(0.1, 0.6), st.floats(0.0, 300.0), st.sampled_from(Side))
 def test_one_lock_alone_slides_at_friction_times_what_presses_it(
-    friction: float, force: float, first: Block
+    friction: float, force: float, first: Side
 ) -> None:
     joint = Joint(1, first=first, dry=replace(DRY, friction=friction))
     joint = replace(joint, hold_down=HoldDown.force(force))
-    height = joint.H + (joint.h if first is Block.UPPER else 0.0)
+    height = joint.H + (joint.h if first is Side.UPPER else 0.0)
     weight = joint.density * 9.81 * joint.a * joint.b * height
     found = solved(joint)
     # In increments that suit the lock's strength, which is not what holds it.
@@ -107,7 +107,7 @@ def test_a_tall_joint_that_is_pushed_at_half_its_height_tips_about_its_outermost
 
 def test_one_lock_of_an_elastic_block_slides_and_rocks_as_a_rigid_one() -> None:
     for H, friction, mode in ((0.03, 0.2, Mode.MECHANISM), (0.5, 3.0, Mode.ROCKING)):
-        joint = Joint(1, H=H, first=Block.UPPER, dry=replace(DRY, friction=friction))
+        joint = Joint(1, H=H, first=Side.UPPER, dry=replace(DRY, friction=friction))
         joint = replace(joint, hold_down=HoldDown.force(100.0))
         rigid, soft = solved(joint), solved(replace(joint, elastic=Elastic(1e10)))
         assert (rigid.mode, soft.mode) == (mode, mode)
@@ -115,9 +115,9 @@ def test_one_lock_of_an_elastic_block_slides_and_rocks_as_a_rigid_one() -> None:
 
 
 @pytest.mark.parametrize("push", Push)
-@pytest.mark.parametrize("first", Block)
+@pytest.mark.parametrize("first", Side)
 def test_a_joint_without_friction_rocks_where_its_self_weight_no_longer_balances(
-    push: Push, first: Block
+    push: Push, first: Side
 ) -> None:
     """About the outermost nodes of the last foot that presses, with no bond at its strength."""
     joint = Joint(3, first=first, dry=replace(DRY, friction=0.0), hold_down=HoldDown.weight())

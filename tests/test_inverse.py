@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Kind
 from sidmacib.rule.demand import Demand, Prices, bonded_area, candidate, joint_area, volume_cut
@@ -52,8 +52,8 @@ def test_what_is_no_demand_is_refused(numbers: tuple[float, ...], words: str) ->
 
 
 @pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
-@pytest.mark.parametrize("first", list(Block))
-def test_bonded_area_is_that_of_the_inner_faces(body: UpperBody, first: Block) -> None:
+@pytest.mark.parametrize("first", list(Side))
+def test_bonded_area_is_that_of_the_inner_faces(body: UpperBody, first: Side) -> None:
     joint = Joint(6, a=0.07, b=0.04, H=0.03, upper_body=body, first=first)
     faces = [face for face in assemble(joint, 0.02).faces if face.kind is Kind.INNER]
     assert bonded_area(joint) == pytest.approx(sum(face.area for face in faces))

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.joint.joint import Block, Direction, Joint
+from sidmacib.joint.joint import Direction, Joint, Side
 
 
 def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
@@ -14,7 +14,7 @@ def test_strength_of_a_lock_is_the_published_240_N(joint: Joint) -> None:
 
 
 def test_locks_belong_to_the_blocks_in_turn_from_the_first_on() -> None:
-    joint, other = Joint(locks=5), Joint(locks=5, first=Block.LOWER)
+    joint, other = Joint(locks=5), Joint(locks=5, first=Side.LOWER)
     assert joint.upper_locks == other.lower_locks == (1, 3, 5)
     assert joint.lower_locks == other.upper_locks == (2, 4)
 

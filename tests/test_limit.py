@@ -265,16 +265,6 @@ def test_the_published_samples_need_no_rounding(joint: Joint) -> None:
     assert solved(joint, 0.0, 0.02)[2].load == 240.0
 
 
-def test_strength_and_load_scale_together(joint: Joint) -> None:
-    doubled = replace(
-        joint,
-        density=2 * joint.density,
-        inner=replace(joint.inner, cohesion=1.6e5, tensile_strength=7.4e5),
-    )
-    loading = Loading(Direction(0.3))
-    assert limit_of(doubled, loading) == pytest.approx(2 * limit_of(joint, loading), rel=2e-8)
-
-
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
 def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
     joint: Joint, eccentricity: float

@@ -80,7 +80,7 @@ def test_a_structure_that_falls_is_told_so_before_a_load_is_looked_for() -> None
 def test_rounds_that_do_not_settle_end_with_the_lowest_load_and_say_so(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(sliding, "ROUNDS", 12)
+    monkeypatch.setattr(sliding, "SLIDING_ROUNDS", 12)
     found = sliding_limit(*read_structure(FILES[3]))
     assert found.rounds == 12
     assert found.highest is not None

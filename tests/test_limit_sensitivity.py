@@ -10,9 +10,8 @@ from structures import dry
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Vector
-from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.limit import limit_load
-from sidmacib.mechanics.limit_sensitivity import limit_derivatives
+from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.vertices import vertex_effects
 from sidmacib.structure.blocks import Block, box

@@ -1,30 +1,36 @@
 """Measured loads: how they are given, and what stands beside them."""
 
 import math
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
+from conftest import outputs_of
 
 from analysis.tables.measured import measured_table
 from workflow.configuration import ConfigError, read_study
-from workflow.planning.snakefile import plan_of
 from workflow.schema import Study
 from workflow.schema.measured import MeasuredLoad
 
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
 
 
+LOAD: dict[str, Any] = {"sample": "n3", "eccentricity": 0, "shear": 240.0}
+
+
+def config_with(*loads: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "samples": {"n3": {"locks": 3}},
+        "eccentricities": [0, 0.5, "torsion"],
+        "models": ["static", "law"],
+        "dem": {"engines": []},
+        "measured": {**SOURCE, "loads": list(loads)},
+    }
+
+
 def study_with(*loads: dict[str, Any]) -> Study:
-    return read_study(
-        {
-            "samples": {"n3": {"locks": 3}},
-            "eccentricities": [0, 0.5, "torsion"],
-            "models": ["static", "law"],
-            "dem": {"engines": []},
-            "measured": {**SOURCE, "loads": list(loads)},
-        }
-    )
+    return read_study(config_with(*loads))
 
 
 @pytest.mark.parametrize(
@@ -80,7 +86,7 @@ def test_faults_in_a_load_are_reported(load: dict[str, Any], words: str) -> None
     ],
 )
 def test_loads_are_counted_from_1_whatever_is_wrong(number: int, fault: dict[str, Any]) -> None:
-    loads: list[dict[str, Any]] = [{"sample": "n3", "eccentricity": 0, "shear": 1.0}] * 3
+    loads = [LOAD] * 3
     loads[number - 1] = {"sample": "n3", **fault}
     with pytest.raises(ConfigError, match=rf"measured\.loads\.{number}\b"):
         study_with(*loads)
@@ -104,8 +110,6 @@ def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> No
     assert math.isnan(table.loc["static", "difference"])
 
 
-def test_a_study_without_measured_loads_has_no_table_of_them() -> None:
-    with_loads = study_with({"sample": "n3", "eccentricity": 0, "shear": 240.0})
-    assert "measured" in plan_of(with_loads).jobs
-    without = with_loads.model_copy(update={"measured": None})
-    assert "measured" not in plan_of(without).jobs
+@pytest.mark.study
+def test_a_study_with_measured_loads_has_a_table_of_them(tmp_path: Path) -> None:
+    assert outputs_of(config_with(LOAD), tmp_path)["measured"] == ["tables/measured.csv"]

@@ -10,11 +10,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from analysis.tables.collect import MeshErrors, errors_of
+from analysis.tables.collect import ResultErrors, errors_of
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.joint.load_path import load_path
-from sidmacib.joint.loading import Loading
+from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
+from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
 from workflow.joints.case import Case
 from workflow.planning.cases import second_mesh
@@ -123,7 +123,7 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     found = errors_of(records)
     cells = math.sqrt(30.0)  # at 0.01 m; 3 at 0.02 m
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
-    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(expected))
+    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(expected))
     assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
 
 
@@ -132,7 +132,7 @@ def test_a_model_at_two_meshes_has_its_own_error() -> None:
     records = [made_up(mesh, model, load) for (model, mesh), load in loads.items()]
     found = errors_of([*records, made_up(0.01, "yade", 100.0)])
     least = 0.02 / math.sqrt(30.0)
-    assert found["static", "n-mesh0.02"] == MeshErrors(pytest.approx(least))
+    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(least))
     assert found["yade", "n-mesh0.02"].load == pytest.approx(
         least + 0.02 + 0.02 / (math.sqrt(30.0) / 3.0 - 1.0)
     )
@@ -158,17 +158,6 @@ def test_a_first_failure_has_an_error_of_its_own() -> None:
     assert found.first_failure is not None and found.load is not None
     assert 0.01 < found.first_failure < 0.03
     assert found.load > 0.1
-
-
-def test_the_error_of_a_peak_that_spreads_is_that_of_the_first_failure() -> None:
-    records = [
-        replace(made_up(mesh), first_failure_load_N=LIMIT, peak_spread=spread)
-        for mesh, spread in ((0.02, 0.0), (0.01, 0.03))
-    ]
-    found = errors_of(records)
-    finer = found["static", "n-mesh0.01"]
-    assert finer.load == finer.first_failure
-    assert found["static", "n-mesh0.02"].load != found["static", "n-mesh0.02"].first_failure
 
 
 # --- of the static model -------------------------------------------------------------------------
@@ -203,7 +192,8 @@ def loads_of(
     joint: Joint, direction: Direction, parts: int, nodes: NodeLayout
 ) -> tuple[float, float]:
     """First failure and peak (N) on a mesh of the shorter side of a lock over ``parts``."""
-    found = load_path(joint, Loading(direction), 0.999 * joint.least_side / parts, nodes)[1]
+    mesh = 0.999 * joint.least_side / parts
+    found = static_peak(*posed(joint, Loading(direction), mesh, nodes))
     return found.first_failure_load, found.peak.load
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sidmacib.contact_points.options import OPTIONS, contact_points
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.joint.weights import LockWeight, lock_weights
@@ -31,7 +31,7 @@ own_locks = st.builds(
 different_joints = st.builds(
     Joint,
     st.just(4),
-    first=st.sampled_from(Block),
+    first=st.sampled_from(Side),
     different=st.dictionaries(st.integers(1, 4), own_locks),
     hold_down=st.sampled_from([HoldDown(), HoldDown.force(500.0)]),
 )
@@ -49,7 +49,7 @@ def weights(joint: Joint, loading: Loading) -> tuple[LockWeight, ...]:
 
 def mirrored(joint: Joint) -> Joint:
     """The same joint seen from behind: its last lock is the first."""
-    last = Block.UPPER if joint.is_upper(joint.locks) else Block.LOWER
+    last = Side.UPPER if joint.is_upper(joint.locks) else Side.LOWER
     different = {
         joint.locks + 1 - number: changes for number, changes in dict(joint.different).items()
     }
@@ -108,7 +108,7 @@ def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
 
 # --- the first lock ------------------------------------------------------------------------------
 def test_a_single_lock_between_two_shoulders_is_a_joint_of_three() -> None:
-    joint = Joint(3, first=Block.LOWER, dry=replace(DRY, friction=0.0))
+    joint = Joint(3, first=Side.LOWER, dry=replace(DRY, friction=0.0))
     found = solved(joint, Loading(Direction(0.0)))
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
     shoulder, lock, other = weights(joint, Loading(Direction(0.0)))
@@ -117,10 +117,10 @@ def test_a_single_lock_between_two_shoulders_is_a_joint_of_three() -> None:
 
 
 @pytest.mark.parametrize("locks", range(2, 8))
-@pytest.mark.parametrize("first", Block)
+@pytest.mark.parametrize("first", Side)
 @pytest.mark.parametrize("push", Push)
 def test_as_many_locks_count_as_pairs_bear_in_the_direction_of_the_push(
-    locks: int, first: Block, push: Push
+    locks: int, first: Side, push: Push
 ) -> None:
     joint = Joint(locks, first=first)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
@@ -142,7 +142,7 @@ def test_a_joint_seen_from_behind_carries_the_same(
 
 
 def test_from_the_lower_side_only_the_body_is_loaded() -> None:
-    joint = Joint(3, first=Block.LOWER)
+    joint = Joint(3, first=Side.LOWER)
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     force = lateral_load(joint, model, Loading(Direction(0.0))).variable[:, 1]
     names = [piece.name for piece, size in zip(model.pieces, force, strict=True) if size]

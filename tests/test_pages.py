@@ -182,7 +182,7 @@ def test_each_layout_has_a_column_and_each_mesh_a_row(tmp_path: Path) -> None:
             | {"reduction": rule, "option": option, "misfit": misfit}
             | {"largest_unsafe_error": -0.1 if option == "option4" else 0.2}
             for sample in layouts.SAMPLES
-            for rule in layouts.RULES
+            for rule in layouts.RULE_WORDS
             for option, misfit in (("option1", 0.5), ("option4", 0.04 * number))
         )
         for form, table in ((CASES, loads), (FIT, fits)):

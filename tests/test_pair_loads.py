@@ -12,7 +12,7 @@ from sidmacib.contact_points.options import READY_OPTIONS, ContactOption
 from sidmacib.contact_points.pair_loads import pair_loads
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
 
 DIRECTIONS = [Direction(e) for e in (0.0, 0.2, -0.2, 1.0, -5.0, math.inf, -math.inf)]
 DIFFERENT = {
@@ -30,7 +30,7 @@ DIFFERENT = {
     st.floats(0.01, 0.3),
     st.sampled_from([HoldDown.plate(), HoldDown.weight(), HoldDown.force(700.0)]),
     st.sampled_from([{}, DIFFERENT]),
-    st.sampled_from(Block),
+    st.sampled_from(Side),
 )
 def test_loads_are_those_of_the_linear_programme(
     locks: int,
@@ -40,7 +40,7 @@ def test_loads_are_those_of_the_linear_programme(
     height: float,
     hold_down: HoldDown,
     different: dict[int, OwnLock],
-    first: Block,
+    first: Side,
 ) -> None:
     dry = replace(DRY, friction=friction)
     joint = Joint(locks, H=height, dry=dry, hold_down=hold_down, different=different, first=first)

@@ -13,7 +13,7 @@ from sidmacib.joint.pieces import cut_pieces
 @pytest.mark.parametrize("way", [(1.0, 0.0), (0.3, 0.7), (-0.2, -0.9)])
 def test_highs_of_scipy_solves_the_same_programme(way: tuple[float, float]) -> None:
     model, along = Sidmacib(Joint(5), OPTIONS["option4"]), np.array(way)
-    ours = SupportFunction.of(model)(along)
+    ours = SupportFunction(model)(along)
     theirs = furthest_by_highs(standard_form(model), along)
     assert along @ theirs == pytest.approx(along @ ours, rel=1e-9)
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block, Joint, UpperBody
+from sidmacib.joint.joint import Joint, Side, UpperBody
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
 from sidmacib.mechanics.assembly import (
     GRAVITY,
@@ -20,7 +20,7 @@ from sidmacib.mechanics.assembly import (
 joints = st.builds(
     Joint,
     locks=st.integers(1, 7),
-    first=st.sampled_from(Block),
+    first=st.sampled_from(Side),
     hold_down=st.sampled_from([HoldDown(), HoldDown.force(9.0), HoldDown.weight()]),
     a=st.floats(0.02, 0.2),
     b=st.floats(0.02, 0.2),

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import sidmacib.contact_points.programme as programme_module
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption, contact_points
-from sidmacib.contact_points.programme import Sidmacib, _programme, capacities, capacity
+from sidmacib.contact_points.programme import Sidmacib, capacities, capacity, programme
 from sidmacib.errors import InfeasibleError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import GRAVITY
@@ -54,14 +54,14 @@ def test_option_1_has_the_highest_and_option_4_the_lowest_pure_torsion(joint: Jo
 
 def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> float:
     """The paper's procedure: raise the load until no forces balance it."""
-    programme = _programme(model)
+    admissible = programme(model)
     load = cp.Parameter()
-    each = np.array([direction.shear, direction.torque * model.joint.a]) / programme.units.plane
+    each = np.array([direction.shear, direction.torque * model.joint.a]) / admissible.units.plane
     problem = cp.Problem(
         cp.Minimize(0),
         [
-            *programme.constraints,
-            programme.loads == each * load,
+            *admissible.constraints,
+            admissible.loads == each * load,
         ],
     )
     count = 0
@@ -81,7 +81,7 @@ def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
     directions = [Direction(e) for e in (0.0, 0.3, -2.0)]
     made = []
     monkeypatch.setattr(
-        programme_module, "_programme", lambda asked: made.append(asked) or _programme(asked)
+        programme_module, "programme", lambda asked: made.append(asked) or programme(asked)
     )
     singly = [capacity(model, direction) for direction in directions]
     assert made == [model]

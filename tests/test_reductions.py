@@ -7,7 +7,7 @@ import pytest
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS, active, half_rule
-from sidmacib.joint.joint import Block, Direction, Joint, OwnLock
+from sidmacib.joint.joint import Direction, Joint, OwnLock, Side
 
 WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
 
@@ -51,7 +51,7 @@ def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) 
 
 
 def test_from_the_lower_block_on_lower_locks_count_first_too() -> None:
-    joint = Joint(3, first=Block.LOWER)
+    joint = Joint(3, first=Side.LOWER)
     assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
     assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
 

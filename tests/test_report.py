@@ -13,7 +13,6 @@ from chromium import Opened, chromium, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
 
 from analysis.report import paths
-from analysis.report.files import FILES
 from analysis.report.joints import law_of
 from analysis.report.json_values import json_table
 from analysis.report.page import page
@@ -23,8 +22,7 @@ from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
-from workflow.planning.results_folder import REPORT
-from workflow.planning.snakefile import plan_of
+from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
 pytestmark = pytest.mark.study
@@ -63,12 +61,6 @@ def test_data_cannot_end_their_script() -> None:
     text = page(content, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
-
-
-def test_files_of_the_page_are_part_of_its_job(study: Study) -> None:
-    job = plan_of(study).jobs["report"]
-    assert set(FILES) <= set(job.files)
-    assert all((ROOT / name).is_file() for name in FILES)
 
 
 def test_the_law_is_reported_for_more_and_fewer_locks() -> None:

@@ -1,6 +1,5 @@
 """Structures in the report: their drawings, motions and texts."""
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,23 +9,19 @@ import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import Opened, chromium, needs_browser
-from conftest import ROOT
 from offline import WATCH, leaving_in_browser, leaving_in_html
+from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
 
 from analysis.report import structures
 from analysis.report.content import content
-from analysis.report.files import FILES
 from analysis.report.page import page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_content, structures_verdict, with_room
 from sidmacib.structure.files.structure_file import assembly_of
-from sidmacib.yaml_text import read_yaml
 from workflow.configuration import read_study
-from workflow.planning.results_folder import REPORT
-from workflow.planning.snakefile import plan_of
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.run.job import run_job
+from workflow.run.results_folder import REPORT
 from workflow.structures.case import StructureCase
 from workflow.structures.cases import structure_cases
 
@@ -37,38 +32,12 @@ PLOTS = "document.querySelectorAll('#structures .js-plotly-plot .gl-container').
 OF_FREE, OF_FIRST, OF_LINES, OF_DOTS, OF_HINGES = 1, 5, 6, 7, 8  # traces
 
 
-def example(name: str) -> dict[str, Any]:
-    found: dict[str, Any] = read_yaml(ROOT / f"studies/structures/{name}.yaml")
-    return found
-
-
-def configuration() -> dict[str, Any]:
-    """A trilith with bonds and without, locks that are condensed, and a stack that is tilted."""
-    keyed = example("keyed")
-    keyed["locks"] = [{**keyed["locks"][0], "condensed": {"working": 1}}]
-    return {
-        "structures": {
-            "trilith": {"description": example("trilith"), "variants": {"dry": {"special": None}}},
-            "keyed": {"description": keyed},
-            "stack": {"description": example("stack")},
-        },
-        "models": ["static", "limit"],
-        "dem": {"engines": []},
-    }
-
-
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The study beside a joint, made job by job, and a report of the structures alone."""
-    folder = tmp_path_factory.mktemp("structures")
-    joint = {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0, 0.3]}
-    plan = plan_of(read_study({**configuration(), **joint, "results": str(folder)}))
-    for job in plan.made.values():
-        if job.name not in ("figures", "complete", "structure_vtk"):
-            run_job(json.loads(json.dumps(job.plan(job.digest(), folder))))
-    data = content(None, tables_in(folder), shown_cases(), folder)
-    (folder / "alone.html").write_text(page(data, "", "summary"))
-    return folder
+def results(structures_study: Path) -> Path:
+    """The study beside a joint, and a report of the structures alone."""
+    data = content(None, tables_in(structures_study), shown_cases(), structures_study)
+    (structures_study / "alone.html").write_text(page(data, "", "summary"))
+    return structures_study
 
 
 def tables_in(folder: Path) -> dict[str, pd.DataFrame]:
@@ -77,20 +46,10 @@ def tables_in(folder: Path) -> dict[str, pd.DataFrame]:
 
 
 def shown_cases() -> list[StructureCase]:
-    return [*{case.name: case for case in structure_cases(read_study(configuration()))}.values()]
+    return [*{case.name: case for case in structure_cases(read_study(ONLY_STRUCTURES))}.values()]
 
 
 # --- data ----------------------------------------------------------------------------------------
-def test_a_study_of_structures_alone_has_a_report() -> None:
-    plan = plan_of(read_study(configuration()))
-    report = plan.made["report"]
-    assert set(report.inputs) == {"structures", "interfaces", "blocks", "structure_summary"}
-    assert set(FILES) <= set(report.files)
-    assert len(report.arguments["cases"]) == 4  # structures, loads and variants; not models
-    with_joint = plan_of(read_study({**configuration(), "samples": {"n3": {"locks": 3}}}))
-    assert {"capacity", "interfaces", "summary"} <= set(with_joint.made["report"].inputs)
-
-
 @pytest.mark.parametrize("name", ["trilith", "keyed", "stack"])
 def test_triangles_close_each_block_and_fill_each_interface(name: str) -> None:
     assembly = assembly_of(example(name))

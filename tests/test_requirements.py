@@ -32,6 +32,8 @@ NOT_IMPORTED = {
         "pytest-xdist",
         "ruff",
         "snakefmt",
+        "sphinx-click",
+        "sphinx-gallery",
         "types-pyyaml",
         "uv",
     ),

@@ -9,7 +9,7 @@ from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.curves import mesh_error_words, meshes
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from analysis.figures.side_by_side import side_by_side
 from analysis.published import read_published
 from analysis.summary.summary import leading_models, summary
@@ -58,11 +58,11 @@ def tables(study: Study, results: list[CaseRecord]) -> dict[str, pd.DataFrame]:
 
 
 @pytest.fixture
-def material(study: Study, tables: dict[str, pd.DataFrame]) -> Callable[[FigureSpec], Material]:
-    def of(spec: FigureSpec) -> Material:
+def material(study: Study, tables: dict[str, pd.DataFrame]) -> Callable[[FigureSpec], FigureData]:
+    def of(spec: FigureSpec) -> FigureData:
         columns = ["model", "sample", "case"]
         shown = (tables["capacity"], tables["validation"], tables["cases"][columns], pd.DataFrame())
-        return Material(
+        return FigureData(
             spec, study, detailed(study.model_names), *shown, variants=pd.DataFrame(), stresses=None
         )
 

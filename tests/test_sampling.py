@@ -3,12 +3,13 @@
 import json
 import math
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
-from conftest import ROOT
+from conftest import ROOT, outputs_of
 
 from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
@@ -17,6 +18,7 @@ from sidmacib.contact_points.reductions import active
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
+from sidmacib.yaml_text import read_yaml
 from studies.locks import law
 from studies.locks.bonds import bonds_table
 from studies.locks.errors import law_table, rules_table, unit_loads
@@ -25,10 +27,9 @@ from studies.locks.freedoms import freedoms_table, minimax
 from studies.locks.interaction import curve, interaction_table
 from studies.locks.paper_joint import assumed_sizes_table, characteristic_table
 from studies.locks.points import points_of
-from studies.locks.sensitivity import PARAMETERS, sensitivity_table
+from studies.locks.sensitivity import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.joints.sampling import SampledJoint, sampled_joints
-from workflow.planning.snakefile import plan_of
 from workflow.schema.sampling import SamplingSection
 from workflow.steps import sampling as solve_step
 
@@ -252,24 +253,25 @@ def test_figures_are_drawn(points: pd.DataFrame) -> None:
         assert draw(points).axes
 
 
-def test_the_study_of_the_law_is_planned_in_batches() -> None:
-    study = read_study_file(ROOT / "studies/locks/config.yaml")
-    jobs = plan_of(study).jobs
-    joints = sum(section.joints for section in study.samplings.values())
+@pytest.mark.study
+def test_the_study_of_the_law_is_planned_in_batches(tmp_path: Path) -> None:
+    config = ROOT / "studies/locks/config.yaml"
+    joints = sum(section.joints for section in read_study_file(config).samplings.values())
     assert joints == 512 + 32 + 64 + 32
-    for kind in ("sampling", "law"):
-        assert sum(name.startswith(f"{kind}/") for name in jobs) == 8 + 3  # of 64 joints at most
-    assert "tables/law.csv" in jobs["errors"].written
+    made = outputs_of(read_yaml(config), tmp_path)
+    for rule in ("sampling", "law"):
+        assert len(made[rule]) == 8 + 3  # of 64 joints at most
+    assert "tables/law.csv" in made["errors"]
 
 
-def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only() -> None:
-    samplings = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": {"joints": 65}}}
-    jobs = plan_of(read_study(samplings)).made
-    assert [name for name in jobs if name.startswith("sampling")] == [
-        *("sampling/one-0000", "sampling/one-0001", "samplings")
-    ]
-    assert jobs["samplings"].written == ("tables/samplings.csv",)
-    assert not {"errors", "points", "law/one-0000"} & jobs.keys()
+@pytest.mark.study
+def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Path) -> None:
+    few = {"eccentricities": [0], "models": ["static"], "dem": {"engines": []}}
+    config = {"samples": {"n3": {"locks": 3}}, "samplings": {"one": {"joints": 65}}, **few}
+    made = outputs_of(config, tmp_path)
+    assert made["sampling"] == ["sampling/one-0000.parquet", "sampling/one-0001.parquet"]
+    assert made["samplings"] == ["tables/samplings.csv"]
+    assert not {"errors", "points", "law", "measured"} & made.keys()
 
 
 def test_a_campaign_that_there_is_not_is_refused() -> None:
@@ -286,7 +288,7 @@ def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:
     """In pure shear a hangs together with nothing: forces and strengths grow with it alike."""
     section = SamplingSection(joints=2, friction=(0.0, 1e-9))
     table = sensitivity_table(section.sampling(), Joint(3), draws=2)
-    assert len(table) == 2 * 2 * 2 * len(PARAMETERS)
+    assert len(table) == 2 * 2 * 2 * len(VARIED)
     total = table.set_index(["eccentricity_over_a", "parameter"])["total"]
     assert total.loc[(slice(None), "friction")].abs().max() < 0.05
     assert total.loc[(0.0, "a_over_b")].abs().max() < 0.05

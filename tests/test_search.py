@@ -7,20 +7,20 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.engines.scripts.assembly import Guide, Search
+from workflow.engines.scripts.assembly import GivenSearch, Guide
 from workflow.engines.scripts.increments import (
     STEPS,
     displacements_towards,
     peak_by_increments,
 )
 from workflow.engines.scripts.next_failure import failing, next_load, peak_by_failures
-from workflow.engines.scripts.records import BONDS, MECHANISM, NodeForce, Outcome
+from workflow.engines.scripts.records import BONDS, MECHANISM, EngineOutcome, NodeForce
 
 FIRST = 12.0  # N, the first increment
 
 
-def search(tolerance: float = 1e-3, guide: Guide | None = None) -> Search:
-    return Search(
+def search(tolerance: float = 1e-3, guide: Guide | None = None) -> GivenSearch:
+    return GivenSearch(
         time_step_s=1e-6,
         period_steps=20.0,
         ramp_steps=100,
@@ -50,13 +50,13 @@ class Breaking:
         self.count, self.kept, self.permanent, self.load = 0, 0, 0.0, 0.0
         self.attempts = 0
 
-    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
         self.permanent, self.load = permanent[1], end
         self.attempts += 1
         self.count = max(self.count, sum(strength < end for strength in self.strengths))
         if self.count >= self.needed or end > self.slides_at:
-            return Outcome.COLLAPSE
-        return Outcome.UNSETTLED if end > self.drifts_at else Outcome.EQUILIBRIUM
+            return EngineOutcome.COLLAPSE
+        return EngineOutcome.UNSETTLED if end > self.drifts_at else EngineOutcome.EQUILIBRIUM
 
     def displacement(self) -> float:
         return 1e-8 * self.load
@@ -124,7 +124,7 @@ def test_the_last_failure_is_tried_from_nearby() -> None:
     """One that was found in a long stride may be due to the stride."""
 
     class Swinging(Breaking):
-        def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+        def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
             outcome = super().raised(start, end + 0.05 * (end - start), permanent)
             self.load = end
             return outcome
@@ -228,22 +228,22 @@ class Cut:
     def bonds(self) -> tuple[int, ...]:
         return self.events[-1][1]
 
-    def _outcome(self) -> Outcome:
+    def _outcome(self) -> EngineOutcome:
         if not self.bonds or self.load > self.slides_at:
-            return Outcome.COLLAPSE
-        return Outcome.UNSETTLED if self.load > self.drifts_at else Outcome.EQUILIBRIUM
+            return EngineOutcome.COLLAPSE
+        return EngineOutcome.UNSETTLED if self.load > self.drifts_at else EngineOutcome.EQUILIBRIUM
 
-    def raised(self, load: float) -> Outcome:
+    def raised(self, load: float) -> EngineOutcome:
         self.events.append((load, self.bonds))
         self.load = load
         return self._outcome()
 
-    def cut(self, nodes: Iterable[int]) -> Outcome:
+    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
         gone = set(nodes)
         self.events.append((self.load, tuple(b for b in self.bonds if b not in gone)))
         outcome = self._outcome()
-        more = outcome is Outcome.EQUILIBRIUM and max(self.utilisation().values()) > 1.0
-        return Outcome.OVERSTRESSED if self.hurries and more else outcome
+        more = outcome is EngineOutcome.EQUILIBRIUM and max(self.utilisation().values()) > 1.0
+        return EngineOutcome.OVERSTRESSED if self.hurries and more else outcome
 
     def back(self) -> None:
         self.events.pop()

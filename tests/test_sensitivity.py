@@ -9,7 +9,7 @@ import pytest
 from sidmacib.errors import CapacityError
 from sidmacib.joint.effects import FIELDS, Effect, Sensitivity, sensitivity
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Block, Direction, Joint, OwnLock, UpperBody
+from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.joint.pieces import assemble, reassemble
 from sidmacib.mechanics.assembly import Elastic
@@ -46,7 +46,7 @@ JOINTS = {
     "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
     "under a force": (Joint(4, **ODD, hold_down=HoldDown.force(90.0)), Direction(0.1)),
     "heavy": (
-        Joint(3, **ODD, density=4e4, hold_down=HoldDown.weight(), first=Block.LOWER),
+        Joint(3, **ODD, density=4e4, hold_down=HoldDown.weight(), first=Side.LOWER),
         Direction(0.2),
     ),
     "weightless": (Joint(5, **ODD, density=0.0), Direction(0.3)),

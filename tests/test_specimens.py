@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from studies.measured.specimens import LEAST, LEVEL, POWER, specimens
+from studies.measured.specimens import LEAST, POWER, SIGNIFICANCE, specimens
 
 
 def test_so_many_specimens_find_a_difference_as_often_as_asked() -> None:
@@ -14,7 +14,7 @@ def test_so_many_specimens_find_a_difference_as_often_as_asked() -> None:
     difference, deviation = 0.1, 0.2
     count = specimens(difference, deviation)
     means = np.random.default_rng(3).normal(difference, deviation / math.sqrt(count), 20_000)
-    found = np.abs(means) > norm.isf(LEVEL / 2) * deviation / math.sqrt(count)
+    found = np.abs(means) > norm.isf(SIGNIFICANCE / 2) * deviation / math.sqrt(count)
     assert found.mean() == pytest.approx(POWER, abs=0.015)
 
 

@@ -10,11 +10,11 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
+from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.newton.elimination import solve_linear
 from sidmacib.mechanics.newton.faces import tangent_stiffness
-from sidmacib.mechanics.newton.nodes import put_slip
 from sidmacib.mechanics.rigid.ordering import ordering
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.springs import Springs
@@ -38,7 +38,7 @@ def solver(model: Assembly) -> RigidSolver:
 
 def dense(solver: RigidSolver) -> np.ndarray:
     """The solver's matrix, with rows and columns in the order of the solver."""
-    inner, outer, band = solver.structure.inner, solver.structure.outer, solver.structure.band
+    inner, outer, band = solver.contacts.inner, solver.contacts.outer, solver.contacts.band
     full = np.zeros((inner + outer, inner + outer))
     for i in range(inner):
         first, last = max(i - band, 0), min(i + band, inner - 1)
@@ -72,10 +72,10 @@ def test_the_stiffness_is_that_of_the_equilibrium_matrix(model: Assembly) -> Non
 def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    structure, whole = rigid_solver.structure, np.ones_like(state.whole)
+    contacts, whole = rigid_solver.contacts, np.ones_like(state.whole)
     slip = components(state.slip)
-    here = point_at(structure, slip, whole, unknowns)
-    tangent_stiffness(structure, slip, whole, here, 0.0, rigid_solver.matrix)
+    here = point_at(contacts, slip, whole, unknowns)
+    tangent_stiffness(contacts, slip, whole, here, 0.0, rigid_solver.matrix)
     expected = Springs.of(model).elastic_stiffness()
     assert dense(rigid_solver)[np.ix_(rigid_solver.place, rigid_solver.place)] == pytest.approx(
         expected, rel=1e-9, abs=1e-5
@@ -85,7 +85,7 @@ def test_the_compiled_stiffness_of_bonded_nodes_is_the_elastic_one(model: Assemb
 def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    here = point_at(rigid_solver.structure, components(state.slip), state.whole, unknowns)
+    here = point_at(rigid_solver.contacts, components(state.slip), state.whole, unknowns)
     inside = (equilibrium_matrix(model) @ here.force.T.ravel())[free_rows(model)]
     expected = inside / rigid_solver.units
     assert -here.residual[rigid_solver.place] == pytest.approx(expected, rel=1e-9, abs=1e-9)
@@ -96,7 +96,7 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
     unknowns, state = some_state(model)
     bonded = np.ones_like(state.whole)
     none = np.zeros((2, len(bonded)))
-    force = point_at(rigid_solver.structure, none, bonded, unknowns).force.T
+    force = point_at(rigid_solver.contacts, none, bonded, unknowns).force.T
     displacement = unknowns[rigid_solver.place] / rigid_solver.units
     delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
     contact_law = ContactLaw.of(model)
@@ -110,13 +110,12 @@ def test_nodes_move_with_their_pieces(model: Assembly) -> None:
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    structure, nodes = rigid_solver.structure, (components(state.slip), state.whole)
-    here = point_at(structure, *nodes, unknowns)
-    tangent_stiffness(structure, *nodes, here, 0.0, rigid_solver.matrix)
+    contacts, nodes = rigid_solver.contacts, (components(state.slip), state.whole)
+    here = point_at(contacts, *nodes, unknowns)
+    tangent_stiffness(contacts, *nodes, here, 0.0, rigid_solver.matrix)
     direction = np.random.default_rng(2).normal(size=len(unknowns))
     after, before = (
-        point_at(structure, *nodes, unknowns + step * direction).residual
-        for step in (1e-12, -1e-12)
+        point_at(contacts, *nodes, unknowns + step * direction).residual for step in (1e-12, -1e-12)
     )
     expected = dense(rigid_solver) @ direction
     found = (before - after) / 2e-12
@@ -126,13 +125,13 @@ def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembl
 def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
-    structure, whole, before = rigid_solver.structure, state.whole, components(state.slip)
-    here = point_at(structure, before, whole, unknowns)
+    contacts, whole, before = rigid_solver.contacts, state.whole, components(state.slip)
+    here = point_at(contacts, before, whole, unknowns)
     slip, same = np.empty_like(before), np.empty_like(before)
-    put_slip(structure, before, whole, here, slip)
-    again = point_at(structure, slip, whole, unknowns)
+    put_slip(contacts.law, before, whole, here.moved, here.force, slip)
+    again = point_at(contacts, slip, whole, unknowns)
     assert again.force == pytest.approx(here.force, rel=1e-9, abs=1e-9)
-    put_slip(structure, slip, whole, again, same)
+    put_slip(contacts.law, slip, whole, again.moved, again.force, same)
     assert same == pytest.approx(slip, rel=1e-9, abs=1e-18)
     assert (slip[:, state.bonded] == before[:, state.bonded]).all()
 
@@ -141,17 +140,15 @@ def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
 def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
     rigid_solver, random = solver(model), np.random.default_rng(seed)
     rigid_solver.matrix.band[:] = random.normal(size=rigid_solver.matrix.band.shape)
-    rigid_solver.matrix.band[:, 2 * rigid_solver.structure.band + 1 :] = (
-        0.0  # filled by elimination
-    )
+    rigid_solver.matrix.band[:, 2 * rigid_solver.contacts.band + 1 :] = 0.0  # filled by elimination
     rigid_solver.matrix.right[:] = random.normal(size=rigid_solver.matrix.right.shape)
     rigid_solver.matrix.below[:] = random.normal(size=rigid_solver.matrix.below.shape)
-    rigid_solver.matrix.band[::3, rigid_solver.structure.band] = (
+    rigid_solver.matrix.band[::3, rigid_solver.contacts.band] = (
         0.0  # small pivots, unless rows are exchanged
     )
     full, right = dense(rigid_solver), random.normal(size=len(rigid_solver.place))
     solution = right.copy()
-    assert solve_linear(rigid_solver.structure, rigid_solver.matrix, solution)
+    assert solve_linear(rigid_solver.contacts, rigid_solver.matrix, solution)
     assert full @ solution == pytest.approx(right, rel=1e-7, abs=1e-7)
 
 
@@ -160,13 +157,13 @@ def test_equations_without_a_solution_are_reported(model: Assembly) -> None:
     for part in (rigid_solver.matrix.band, rigid_solver.matrix.right, rigid_solver.matrix.below):
         part[:] = 0.0
     assert not solve_linear(
-        rigid_solver.structure, rigid_solver.matrix, np.ones(len(rigid_solver.place))
+        rigid_solver.contacts, rigid_solver.matrix, np.ones(len(rigid_solver.place))
     )
-    rigid_solver.matrix.band[:, rigid_solver.structure.band] = 1.0
+    rigid_solver.matrix.band[:, rigid_solver.contacts.band] = 1.0
     solved = solve_linear(
-        rigid_solver.structure, rigid_solver.matrix, np.ones(len(rigid_solver.place))
+        rigid_solver.contacts, rigid_solver.matrix, np.ones(len(rigid_solver.place))
     )
-    assert solved is (rigid_solver.structure.outer == 0)
+    assert solved is (rigid_solver.contacts.outer == 0)
 
 
 @pytest.mark.parametrize("locks", [7, 31])

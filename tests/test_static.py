@@ -29,10 +29,10 @@ from sidmacib.mechanics.assembly import (
     self_weight,
 )
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.mechanics.static.model import Mode, StaticSolution, static_first_failure, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 
 
 def solved(joint: Joint, e_over_a: float, mesh: float = 0.03) -> tuple[Assembly, StaticSolution]:

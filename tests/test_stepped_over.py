@@ -11,7 +11,7 @@ import pytest
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block, Direction, Joint
+from sidmacib.joint.joint import Direction, Joint, Side
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.solution import Mode
@@ -25,7 +25,7 @@ BY_WEIGHT = Joint(
     density=307728,
     inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.2219e5),
     dry=FaceMaterial(3e11, 1.5576e12, 0.28547, 0, 0),
-    first=Block.LOWER,
+    first=Side.LOWER,
     hold_down=HoldDown.weight(),
 )
 BY_FORCE = Joint(
@@ -33,7 +33,7 @@ BY_FORCE = Joint(
     density=210,
     inner=FaceMaterial(1e10, 3e10, 0, 8e4, 2.37e5),
     dry=FaceMaterial(3e11, 1.665e12, 0.3727, 0, 0),
-    first=Block.LOWER,
+    first=Side.LOWER,
     hold_down=HoldDown.force(2453),
 )
 FOUND = [(BY_WEIGHT, 2.2374), (BY_FORCE, 5.268)]

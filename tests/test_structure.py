@@ -17,9 +17,9 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.structure.blocks import Block, box, normal_of, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
 from sidmacib.structure.overlaps import overlap, shared_volume

@@ -1,6 +1,5 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
-import json
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -13,16 +12,15 @@ import yaml
 from conftest import ROOT
 
 from analysis.summary.structures import summary
-from analysis.tables.structures import most_used
+from analysis.tables.structures import most_used, structures_table
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.planning.plan import why
-from workflow.planning.snakefile import plan_of
+from workflow.models import MODELS
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.run.job import run_job
+from workflow.steps import structure_engine, structure_solve
 from workflow.structures.case import StructureCase, changed
-from workflow.structures.cases import structure_cases
-from workflow.structures.record import InterfaceRow
+from workflow.structures.cases import structure_cases, structure_jobs
+from workflow.structures.record import InterfaceRow, read_structure_records
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -43,10 +41,22 @@ def test_a_study_may_have_structures_and_no_joint() -> None:
     assert names == {("static", "trilith-load"), ("limit", "trilith-load")}
 
 
-def test_a_study_may_have_joints_and_structures() -> None:
-    study = read_study({**study_of(), "samples": {"n3": {"locks": 3}}})
-    plan = plan_of(study)
-    assert {"collect", "structure_tables", "structures/static/trilith"} <= plan.made.keys()
+def made(folder: Path, **config: Any) -> pd.DataFrame:
+    """The table of structures of a study, whose steps are called one by one."""
+    jobs, records = structure_jobs(read_study(config)), []
+    for (model, case), data in jobs.engines.items():
+        path = folder / model / case / "record.json"
+        path.parent.mkdir(parents=True)
+        arguments = {"case": data.to_json(), "time_limit": 300.0, "last_try": 1}
+        structure_engine.run(arguments, {}, {"record": path})
+        records.append(path)
+    for (model, name), cases in jobs.solved.items():
+        path = folder / f"{model}-{name}.jsonl"
+        module = MODELS[model].structures
+        arguments = {"module": module, "cases": [case.to_json() for case in cases]}
+        structure_solve.run(arguments, {}, {"records": path})
+        records.append(path)
+    return structures_table(read_structure_records(records))
 
 
 def test_loads_and_variants_multiply_and_change_the_description() -> None:
@@ -143,23 +153,8 @@ def test_a_structure_without_a_description_is_refused() -> None:
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A small study of a trilith and of keyed blocks, made job by job, in this process."""
-    folder = tmp_path_factory.mktemp("structures")
-    keyed = read_yaml(ROOT / "studies/structures/keyed.yaml")
-    (locks,) = keyed["locks"]
-    condensed = {"locks": [{**locks, "condensed": {"working": 1}}]}
-    config = study_of(variants={"dry": {"special": None}})
-    config["structures"]["trilith"]["loads"] = {
-        "load": TRILITH["load"],
-        "tilt": {"tilt": {"axis": [0, 1, 0]}},
-    }
-    config["structures"]["keyed"] = {"description": keyed, "variants": {"condensed": condensed}}
-    plan = plan_of(read_study({**config, "results": str(folder)}))
-    for job in plan.made.values():
-        run_job(json.loads(json.dumps(job.plan(job.digest(), folder))))
-        assert why(job, job.digest(), folder) is None
-    return folder
+def results(structures_study: Path) -> Path:
+    return structures_study
 
 
 @pytest.mark.study
@@ -190,17 +185,19 @@ def test_a_peak_that_depends_on_the_mesh_is_said_not_to_count(results: Path) -> 
 
 
 @pytest.mark.study
-def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(results: Path) -> None:
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
-    tilts = table.loc["trilith-tilt-dry"]
+def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Path) -> None:
+    loads = {"load": TRILITH["load"], "tilt": {"tilt": {"axis": [0, 1, 0]}}}
+    dry = changed(TRILITH, {"special": None})
+    table = made(tmp_path, **study_of(description=dry, loads=loads)).set_index(["case", "model"])
+    tilts = table.loc["trilith-tilt"]
     # Dry blocks at a tilt are blocks under an acceleration of its tangent.
-    push = table.loc["trilith-load-dry"]["load_over_weight"]
+    push = table.loc["trilith-load"]["load_over_weight"]
     expected = np.degrees(np.arctan(push.to_numpy()))
     assert tilts["tilt_degrees"].to_numpy() == pytest.approx(expected, rel=1e-3)
     static = tilts.loc["static"]
     assert static["first_failure_tilt_degrees"] <= static["tilt_degrees"]
     assert tilts[["load_N", "load_over_weight", "failed_load_N"]].isna().all(axis=None)
-    assert "tilt (degrees)" in (results / "structures.txt").read_text()
+    assert "tilt (degrees)" in summary("results", table.reset_index())
 
 
 @pytest.mark.study
@@ -208,11 +205,11 @@ def test_a_model_that_cannot_do_condensed_locks_says_so_and_the_study_is_complet
     results: Path,
 ) -> None:
     table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
-    refused = table.loc[("keyed-load-condensed", "static"), "refused"]
+    refused = table.loc[("keyed-load", "static"), "refused"]
     assert (
         refused == "static: base-block has condensed locks, which have no stiffness; cut them out"
     )
-    assert table.loc[("keyed-load-condensed", "limit"), "load_N"] > 0.0
+    assert table.loc[("keyed-load", "limit"), "load_N"] > 0.0
     assert (results / ".structures_complete").read_text() == f"{len(table)} cases\n"
     assert f"refused: {refused}" in (results / "structures.txt").read_text()
 
@@ -321,12 +318,8 @@ def test_what_never_falls_is_an_answer_of_the_static_model_and_of_engines(tmp_pa
         "load": {"tilt": {"axis": [0, 1, 0]}},
     }
     config = {"structures": {"glued": {"description": glued}}, "models": ["static"]}
-    plan = plan_of(read_study({**config, "dem": {"engines": ["yade"]}, "results": str(tmp_path)}))
-    for job in plan.made.values():
-        run_job(json.loads(json.dumps(job.plan(job.digest(), tmp_path))))
-    table = read_table(STRUCTURES, tmp_path / "tables/structures.csv").set_index("model")
+    table = made(tmp_path, **config, dem={"engines": ["yade"]}).set_index("model")
     for model in ("static", "yade"):
         words = f"{model}: in equilibrium up to a tilt of 180 degrees"
         assert table.loc[model, "refused"] == words
     assert table["error"].isna().all()
-    assert (tmp_path / ".structures_complete").is_file()

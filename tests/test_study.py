@@ -16,7 +16,7 @@ from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
-from workflow.configuration import ConfigError, installed_engines, read_study
+from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.consistency import node_estimate, notes
 from workflow.engines import ENGINES
 from workflow.engines.numerics import Numerics
@@ -391,9 +391,10 @@ def test_an_engine_that_is_not_installed_is_left_out_and_named(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     study = read_study(ONE)
-    assert installed_engines(study) == [*DISTINCT]
+    assert with_installed_engines(study) == study
+    assert study.dem.engines == DISTINCT
     monkeypatch.setenv("PATH", "")
-    assert installed_engines(study) == []
+    assert with_installed_engines(study).dem.engines == ()
     assert "yade: not installed; on Debian: apt-get install yade" in capsys.readouterr().err
 
 

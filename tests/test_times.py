@@ -1,18 +1,16 @@
 """What jobs took."""
 
-import json
 from pathlib import Path
 
-from workflow.run.job import KEYS, read_times
+from workflow.results.files import BENCHMARKS, read_times
+
+HEAD = "s\th:m:s\tcpu_time\n"
 
 
-def test_times_that_are_not_whole_are_left_out(tmp_path: Path) -> None:
-    folder = tmp_path / ".times"
-    (folder / "yade").mkdir(parents=True)
-    whole = dict.fromkeys(KEYS, 1.5)
-    (folder / "yade" / "one.json").write_text(json.dumps(whole | {"own_memory_MB": 3.0}))
-    (folder / "collect.json").write_text(json.dumps(whole))
-    for name, text in (("cut", '{"wall_s": 1'), ("other", '{"wall_s": 1}'), ("list", "[1]")):
-        (folder / f"{name}.json").write_text(text)
-    assert list(read_times(tmp_path)) == [("collect", whole), ("yade", whole)]
+def test_times_are_those_of_the_jobs_that_were_measured(tmp_path: Path) -> None:
+    folder = tmp_path / BENCHMARKS / "yade"
+    folder.mkdir(parents=True)
+    (folder / "one.tsv").write_text(f"{HEAD}2.5\t0:00:02\t1.5\n")
+    (folder / "two.tsv").write_text(f"{HEAD}0.1\t0:00:00\tNA\n")  # it ended at once
+    assert list(read_times(tmp_path)) == [("yade", 2.5, 1.5)]
     assert list(read_times(tmp_path / "nothing")) == []

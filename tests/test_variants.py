@@ -10,7 +10,7 @@ import pytest
 from made_up_results import capacity_of, record_with
 
 from analysis.figures.catalogue import FigureSpec
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from analysis.figures.variants import fracture_energy, stiffness
 from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.variants import variants_table
@@ -125,5 +125,5 @@ def test_figures_show_every_sample(study: Study, draw: Callable[..., Any], panel
     empty = pd.DataFrame()
     spec = FigureSpec("made_up", "made_up")
     models = detailed(study.model_names)
-    figure = draw(Material(spec, study, models, capacity, empty, empty, empty, table, None))
+    figure = draw(FigureData(spec, study, models, capacity, empty, empty, empty, table, None))
     assert len([axes for axes in figure.axes if axes.lines]) == panels

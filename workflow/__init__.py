@@ -1,1 +1,1 @@
-"""What is run: the study's configuration, its cases, and external programs."""
+"""The workflow: a study's configuration, its cases, and external programs."""

@@ -1,90 +1,95 @@
 """The commands behind `make study`, `make report`, `make decks` and `make cases`."""
 
-from workflow.run.process import end_on_signals, read_utf8
-
-if __name__ == "__main__":  # before the other imports, which take half a second
-    end_on_signals()
-    read_utf8()
-
-import subprocess
+import json
+import os
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from sidmacib.command.output import FORMATS, text_of
-from workflow.configuration import ConfigError, installed_engines, read_study_file
+from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.models import REFERENCE_MODEL
 from workflow.planning.cases import case_count
-from workflow.planning.results_folder import REPORT
+from workflow.results.files import BATCH_RECORDS, RECORD
 from workflow.run.command import (
-    because,
     options_of,
     profile_named,
     run_command,
     snakemake,
     study_with_joints,
 )
-from workflow.run.waiting import waiting
+from workflow.run.results_folder import REPORT
 from workflow.schema import Study
 
-# Of joints, and of structures: the job of that name, and its rule, by the file that it writes.
-SUMMARIES = {"summary.txt": "summary", "structures.txt": "structure_summary"}
+SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written
+    "summary.txt": "complete",
+    "structures.txt": "structures_complete",
+}
 MANY = 5000  # cases, which take a while to plan
+RETRY = "RETRY"  # in the environment: try all cases without a result again
+NO_ANSWER = "no answer"  # of an engine, which would say so again
 
 
-def run_study(config: Path, results: str | None, profile: Path | None = None) -> str | None:
+def run_study(config: Path, results: str | None, options: Sequence[str] = ()) -> str | None:
     """Run a study and print its summary; returns why it is incomplete, None if it is complete."""
-    from workflow.run import progress
-
-    with waiting(f"Reading {config}"):
-        study = read_study_file(config, results)
-        count = case_count(study)
+    study = read_study_file(config, results)
     for line in notes(study):
         print(f"Note: {line}", file=sys.stderr)
-    if count > MANY:
+    if (count := case_count(study)) > MANY:
         print(f"{count:,} cases", file=sys.stderr)
-    engines = installed_engines(study)
-    if profile is None:  # nothing is computed on a cluster's front end
-        _first_report(config, study, engines)
-    whole = snakemake(config, study.results, (), engines, profile)
-    old = ""
-    for name, rule in SUMMARIES.items():
-        if not (study.samples if rule == "summary" else study.structures):
-            continue
-        path = Path(study.results, name)
-        ours = whole or progress.last_run().is_made(rule)
-        if ours and path.is_file():
-            print(path.read_text(), end="")
-        elif path.is_file():
-            old += f" ({name} is from an earlier run)"
+    forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
+    if not options:  # nothing is computed on a cluster's front end
+        _first_report(config, study)
+    started = time.time()
+    whole = snakemake(config, study.results, options=options)
+    for name, mark in SUMMARIES.items():
+        summary, log = Path(study.results, name), Path(study.results, f"logs/{mark}.log")
+        ours = whole or (log.is_file() and log.stat().st_mtime > started)
+        if (
+            ours
+            and summary.is_file()
+            and (study.samples if mark == "complete" else study.structures)
+        ):
+            print(summary.read_text(), end="")
     if whole and study.structures and not study.samples:  # the summary of joints names it
         print(f"Report: {study.results}/{REPORT}")
-    return None if whole else f"{study.results}: the study is incomplete{old}{because()}"
+    return None if whole else f"{study.results}: the study is incomplete, see above"
 
 
-def _first_report(config: Path, study: Study, engines: Sequence[str]) -> None:
+def forget_failures(results: Path, *, every: bool) -> None:
+    """Remove the records of cases without a result, so that the next run tries them again.
+
+    Those that an engine broke down in, or ``every`` one.
+    """
+    for path in (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS)):
+        errors = [json.loads(line)["error"] or "" for line in path.read_text().splitlines()]
+        broke = path.name == RECORD and any(errors) and NO_ANSWER not in errors[0]
+        if broke or (every and any(errors)):
+            path.unlink()
+
+
+def _first_report(config: Path, study: Study) -> None:
     """Write a first report without the engines, which may take long.
 
     Only if there is no report yet; it is written again when the engines have ended.
     """
     path = Path(study.results, REPORT)
-    if study.samples and engines and REFERENCE_MODEL in study.models and not path.exists():
+    engines = study.samples and study.dem.engines and REFERENCE_MODEL in study.models
+    if engines and not path.exists():
         print("Writing a first report without the engines", file=sys.stderr)
-        # In a separate process, whose lock of the results folder ends with it.
-        words = ["report", str(config), f"--results={study.results}"]
-        words += ["--without-engines", "--end-with-parent"]
-        subprocess.run([sys.executable, "-m", "workflow", *words], check=False)
+        snakemake(config, study.results, (str(path),), engines=False)
 
 
-def write_report(config: Path, results: str | None, engines: bool = True) -> str | None:
-    """Write the report, on request without engines; returns an error message, or None."""
+def write_report(config: Path, results: str | None) -> str | None:
+    """Write the report; returns an error message, or None."""
     study = read_study_file(config, results)
     if not study.samples and not study.structures:
         raise ConfigError("samples: missing; a report needs joints or structures")
     path = str(Path(study.results, REPORT))
-    if not snakemake(config, study.results, (path,), installed_engines(study) if engines else ()):
-        return f"no report{because()}"
+    if not snakemake(config, study.results, (path,)):
+        return "no report, see above"
     print(f"Report: {path}")
     return None
 
@@ -92,8 +97,8 @@ def write_report(config: Path, results: str | None, engines: bool = True) -> str
 def write_decks(config: Path, results: str | None) -> str | None:
     """Write the decks for 3DEC; returns an error message, or None."""
     study = study_with_joints(config, results)
-    if not snakemake(config, study.results, ("decks",), list(study.dem.engines)):
-        return f"no decks{because()}"
+    if not snakemake(config, study.results, ("decks",)):
+        return "no decks, see above"
     print(f"Decks: {study.results}/decks/3dec")
     return None
 
@@ -112,16 +117,13 @@ def main() -> None:
         "--profile", help="profile of a cluster: a folder in profiles, such as slurm"
     )
     parser.add_argument(
-        "--without-engines", action="store_true", help="write the report without results of engines"
-    )
-    parser.add_argument(
         "--format", default="table", choices=FORMATS, help="of the list of cases; default: table"
     )
     arguments = parser.parse_args()
     config, results = arguments.config, arguments.results or None
     commands = {
         "study": lambda: run_study(config, results, profile_named(arguments.profile)),
-        "report": lambda: write_report(config, results, not arguments.without_engines),
+        "report": lambda: write_report(config, results),
         "decks": lambda: write_decks(config, results),
         "cases": lambda: list_cases(config, results, arguments.format),
     }

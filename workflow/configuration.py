@@ -93,12 +93,13 @@ def read_study(config: Mapping[str, Any]) -> Study:
     return study
 
 
-def installed_engines(study: Study) -> list[str]:
-    """The engines of ``study`` that are installed; names those that are not on stderr."""
+def with_installed_engines(study: Study) -> Study:
+    """``study`` without the engines that are not installed, which are named on stderr."""
     missing = {name: ENGINES[name].missing() for name in study.dem.engines}
     for reason in filter(None, missing.values()):
         print(f"{reason}. The study continues without it.", file=sys.stderr)
-    return [name for name, reason in missing.items() if reason is None]
+    engines = tuple(name for name, reason in missing.items() if reason is None)
+    return study.model_copy(update={"dem": study.dem.model_copy(update={"engines": engines})})
 
 
 def _merged(config: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:

@@ -79,7 +79,7 @@ def _measured(study: Study) -> Iterator[str]:
 
 
 def requirements(study: Study, assembly: AssemblySection, sample: str) -> tuple[Requirement, ...]:
-    """What ``study`` requires of a model that runs ``sample`` with ``assembly``."""
+    """Requirements of ``study`` on a model that runs ``sample`` with ``assembly``."""
     return tuple(_requirements(study, assembly, sample))
 
 

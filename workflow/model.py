@@ -88,7 +88,7 @@ class SolvedModel(Model):
     structures: str
 
     def run(self, problem: Problem) -> Outcome:
-        """What the model finds for ``problem``.
+        """The model's outcome for ``problem``.
 
         Raises `sidmacib.errors.CapacityError` where it has no answer.
         """

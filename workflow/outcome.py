@@ -27,9 +27,9 @@ class Outcome:
 
     ``failed_load``: the smallest load known not to be carried. ``first_failure_load``: where the
     first node fails; None in a model without failure. ``mode``: how the joint gives way; None if
-    the model does not say. ``peak_spread``: of the peak, see
-    `sidmacib.mechanics.static.peak_spread`; in a joint, where that is above its limit, the last
-    state is the first failure. ``peak_load``: of the peak; None in a model without one.
+    the model does not say. ``peak_spread``: of the peaks that were found, see
+    `sidmacib.mechanics.static.lowest_peak`. ``peak_load``: of the peak; None in a model without
+    one.
     """
 
     path: tuple[State, ...]

@@ -12,7 +12,7 @@ import pandas as pd
 import yaml
 
 from analysis.calibration.candidates import (
-    Candidate,
+    Trial,
     best_rows,
     candidate_of,
     candidate_study,
@@ -29,11 +29,11 @@ from analysis.calibration.candidates import (
 from analysis.calibration.figure import calibration
 from analysis.figures import style
 from analysis.published import read_published
-from workflow.configuration import installed_engines, read_study_file
+from workflow.configuration import read_study_file
 from workflow.results.tables import CASES, WEIGHTS, read_table
 from workflow.schema import Study
 
-Snakemake = Callable[[Path, str, Sequence[str], Sequence[str]], bool]
+Snakemake = Callable[[Path, str, Sequence[str]], bool]
 
 
 def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | None:
@@ -44,11 +44,11 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
     place = Path(study.results, "calibration")
     of_study = {f"own{n}": each for n, each in enumerate(study_candidates(study, published))}
 
-    def done(name: str, content: Mapping[str, Any], engines: Sequence[str]) -> Tables | None:
-        return run_study(place / f"{name}.yaml", content, engines, snakemake)
+    def done(name: str, content: Mapping[str, Any]) -> Tables | None:
+        return run_study(place / f"{name}.yaml", content, snakemake)
 
     every = {f"g{n:05}": each for n, each in enumerate(candidates(study, published))} | of_study
-    tables = done("map", candidate_study(study, locks, every, str(place / "map")), ())
+    tables = done("map", candidate_study(study, locks, every, str(place / "map")))
     if tables is None:
         return "the map of joints is incomplete, see above"
     table = misfit_table(*tables, published)
@@ -59,7 +59,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 
     best = [candidate_of(row) for _, row in best_rows(grid).iterrows()]
     chosen = of_study | ranked(best)
-    tables = done("curves", curve_study(study, locks, chosen, str(place / "curves")), ())
+    tables = done("curves", curve_study(study, locks, chosen, str(place / "curves")))
     if tables is None:
         return "the curves are incomplete, see above"
     curves = curve_table(tables[0], tables[1])
@@ -71,8 +71,7 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 
     chosen = of_study | ranked(best[: study.calibration.confirmed])
     content = engine_study(study, locks, chosen, str(place / "best"))
-    able = [name for name in installed_engines(study) if name in content["dem"]["engines"]]
-    tables = done("best", content, able)
+    tables = done("best", content)
     if tables is None:
         return "the confirmation is incomplete, see above"
     confirmed = misfit_table(*tables, published)
@@ -84,14 +83,12 @@ def calibrate(config: Path, results: str | None, snakemake: Snakemake) -> str | 
 Tables = tuple[Study, pd.DataFrame, pd.DataFrame]
 
 
-def ranked(best: Sequence[Candidate]) -> dict[str, Candidate]:
+def ranked(best: Sequence[Trial]) -> dict[str, Trial]:
     """Candidates by rank."""
     return {f"rank{rank}": each for rank, each in enumerate(best, start=1)}
 
 
-def run_study(
-    path: Path, content: Mapping[str, Any], engines: Sequence[str], snakemake: Snakemake
-) -> Tables | None:
+def run_study(path: Path, content: Mapping[str, Any], snakemake: Snakemake) -> Tables | None:
     """Write a configuration, run its cases, and return the study with its cases and weights."""
     path.parent.mkdir(parents=True, exist_ok=True)
     text = yaml.safe_dump(dict(content), sort_keys=False)
@@ -99,7 +96,7 @@ def run_study(
         path.write_text(text)
     study = read_study_file(path)
     tables = [Path(study.results, f"tables/{name}.csv") for name in ("cases", "weights")]
-    if not snakemake(path, study.results, [str(table) for table in tables], engines):
+    if not snakemake(path, study.results, [str(table) for table in tables]):
         return None
     return study, read_table(CASES, tables[0]), read_table(WEIGHTS, tables[1])
 

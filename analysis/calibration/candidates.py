@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from analysis.calibration.curve_shape import TwoParts
 from analysis.published import Published
 from sidmacib.joint.joint import Joint
+from sidmacib.mechanics.assembly import Floats
 from workflow.configuration import ConfigError
 from workflow.model import Ability
 from workflow.models import MODELS
@@ -37,18 +37,18 @@ PEAK_AIM, WEIGHT_AIM = (
     0.04,
 )  # largest differences of a joint that fits
 ANGLES = np.linspace(0.0, 90.0, 19)  # degrees in the (V, M / a) plane
-SIZES = ("a_m", "b_m", "h_m", "H_m")
+SIZE_COLUMNS = ("a_m", "b_m", "h_m", "H_m")
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Trial:
     """A geometry, and the friction coefficient of the dry faces."""
 
     geometry: Geometry
     friction: float
 
 
-def candidates(study: Study, published: Published) -> Iterator[Candidate]:
+def candidates(study: Study, published: Published) -> Iterator[Trial]:
     """The grid of ``study.calibration``, with the published a * b."""
     grid = study.calibration
     area = published.numbers["sample"]["T0"] / study.materials.inner.cohesion
@@ -56,15 +56,15 @@ def candidates(study: Study, published: Published) -> Iterator[Candidate]:
     for a, share, ratio, friction in product(*axes):
         b = area / a
         geometry = Geometry(a=a, b=b, h=share * ratio * b, H=(1.0 - share) * ratio * b)
-        yield Candidate(geometry, friction)
+        yield Trial(geometry, friction)
 
 
-def study_candidates(study: Study, published: Published) -> list[Candidate]:
+def study_candidates(study: Study, published: Published) -> list[Trial]:
     """The joints of the study's published samples, each size and friction once."""
-    chosen: list[Candidate] = []
+    chosen: list[Trial] = []
     for sample in published.samples(study):
         joint = study.joint(sample)
-        candidate = Candidate(geometry_of(joint), joint.dry.friction)
+        candidate = Trial(geometry_of(joint), joint.dry.friction)
         if candidate not in chosen:
             chosen.append(candidate)
     return chosen
@@ -81,7 +81,7 @@ def read_as_degrees(published: Published) -> float:
 
 
 def candidate_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """Configuration of a study of the static model in pure shear on ``chosen`` candidates.
 
@@ -108,7 +108,7 @@ def candidate_study(
 
 
 def curve_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """The same in all directions, `ANGLES` apart."""
     ratios = [float(r) for r in np.tan(np.radians(ANGLES[:-1]))]
@@ -116,7 +116,7 @@ def curve_study(
 
 
 def engine_study(
-    study: Study, locks: Sequence[int], chosen: Mapping[str, Candidate], results: str
+    study: Study, locks: Sequence[int], chosen: Mapping[str, Trial], results: str
 ) -> dict[str, Any]:
     """The same in pure shear, in the study's engines as well that know rigid pieces."""
     able = [name for name in study.dem.engines if Ability.RIGID in MODELS[name].abilities]
@@ -154,7 +154,7 @@ class CandidateMisfit:
         weights: Mapping[Place, Sequence[float]],
         published: Published,
     ) -> "CandidateMisfit":
-        """Of peaks (N) and weights, by number of locks and mesh.
+        """Misfit of peaks (N) and weights, by number of locks and mesh.
 
         Every peak counts. The paper does not give the mesh of its weights: those at the finest one
         count in the misfit, and those at all meshes in the largest difference.
@@ -260,7 +260,7 @@ def size_columns(geometry: Geometry) -> dict[str, float]:
     sizes = (geometry.a, geometry.b, geometry.h, geometry.H)
     ratios = {"height_share": geometry.h / height, "height_over_b": height / geometry.b}
     ratios = {name: round(value, 9) for name, value in ratios.items()}  # as in the grid
-    return dict(zip(SIZES, sizes, strict=True)) | ratios
+    return dict(zip(SIZE_COLUMNS, sizes, strict=True)) | ratios
 
 
 def curve_table(study: Study, cases: pd.DataFrame) -> pd.DataFrame:
@@ -296,10 +296,10 @@ def best_rows(table: pd.DataFrame) -> pd.DataFrame:
     return best.sort_values("misfit_swapped")
 
 
-def candidate_of(row: pd.Series) -> Candidate:
+def candidate_of(row: pd.Series) -> Trial:
     """The candidate of a row of `misfit_table`."""
     geometry = Geometry(a=row["a_m"], b=row["b_m"], h=row["h_m"], H=row["H_m"])
-    return Candidate(geometry, float(row["friction"]))
+    return Trial(geometry, float(row["friction"]))
 
 
 def describe(table: pd.DataFrame, frictions: pd.DataFrame, published: Published) -> str:
@@ -350,3 +350,38 @@ def check(study: Study, published: Published) -> list[int]:
             f"{shortest:g} m, the shortest side of a lock in calibration.a"
         )
     return locks
+
+
+@dataclass(frozen=True)
+class TwoParts:
+    """A curve as two straight parts, in V and M over their largest values.
+
+    ``turn``: share of the curve's length, from pure shear on, where they meet; ``slopes``: -dM/dV
+    of both; ``residual``: root mean square distance from the curve.
+    """
+
+    turn: float
+    slopes: tuple[float, float]
+    residual: float
+
+    @classmethod
+    def of(cls, points: Floats) -> "TwoParts":
+        """The closest two straight parts to ``points`` (V, M) from pure shear on, (N, 2)."""
+        scaled = points / points.max(axis=0)
+        length = length_along(scaled)
+        place = length / length[-1]
+        fits = []
+        for turn in np.linspace(0.1, 0.9, 81):
+            base = np.column_stack([np.interp(place, [0.0, turn, 1.0], row) for row in np.eye(3)])
+            knots = np.linalg.lstsq(base, scaled, rcond=None)[0]
+            residual = float(np.sqrt(np.mean(np.sum((base @ knots - scaled) ** 2, axis=1))))
+            fits.append((residual, float(turn), knots))
+        residual, turn, knots = min(fits, key=lambda fit: fit[0])
+        first, second = np.diff(knots, axis=0)
+        slopes = (float(-first[1] / first[0]), float(-second[1] / second[0]))
+        return cls(turn, slopes, residual)
+
+
+def length_along(points: Floats) -> Floats:
+    """Length of a curve from its first point to each of ``points``, (N, 2); shape (N,)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])

@@ -10,9 +10,9 @@ from analysis.calibration.candidates import (
     PEAK_SCALE,
     WEIGHT_SCALE,
     friction_table,
+    length_along,
     read_as_degrees,
 )
-from analysis.calibration.curve_shape import length_along
 from analysis.figures import style
 from analysis.published import Published
 

@@ -20,9 +20,15 @@ from analysis.drawing.labels import label_of
 from analysis.explore.covered import covered
 from analysis.explore.desk import Desk, SupersededError
 from analysis.explore.effects import effects
-from analysis.explore.examples import EXAMPLES, Chosen, checked_choice, choice_in, defaults
-from analysis.explore.examples import MODELS as STRUCTURE_MODELS
-from analysis.explore.examples import SLIDERS as STRUCTURE_SLIDERS
+from analysis.explore.examples import (
+    EXAMPLES,
+    STRUCTURE_MODELS,
+    STRUCTURE_SLIDERS,
+    Chosen,
+    checked_choice,
+    choice_in,
+    defaults,
+)
 from analysis.explore.guard import HEADERS, in_one_line, require_own
 from analysis.explore.pictures import answers, peak, pictures, ratios, which_counts
 from analysis.explore.state import (
@@ -119,7 +125,7 @@ class Explorer:
         raise NotFound(f"There are {len(self._pages)} pages, {' and '.join(self._pages)}.")
 
     def _answer(self, request: Request) -> dict[str, Any]:
-        """What follows the sliders at once."""
+        """The answer that follows the sliders at once."""
         asked = _asked(request, checked)
         state = asked.checked.state
         with self._desk.turn(*asked.turn):
@@ -158,7 +164,7 @@ class Explorer:
         }
 
     def _structure(self, request: Request) -> dict[str, Any]:
-        """What follows the choices of the other page; a newer request ends it between stages."""
+        """The answer to choices of the other page; a newer request ends it between stages."""
         asked = _asked(request, checked_choice)
         chosen = asked.checked.state
         for stage in STAGES:
@@ -172,7 +178,7 @@ class Explorer:
 
 @dataclass(frozen=True)
 class _Asked(Generic[State]):
-    """What a page asks for, and which of its requests this is."""
+    """A request of a page, with its number."""
 
     page: str
     number: int
@@ -180,12 +186,12 @@ class _Asked(Generic[State]):
 
     @property
     def turn(self) -> tuple[str, int]:
-        """What it waits with."""
+        """The page and the number that it waits with."""
         return self.page, self.number
 
     @property
     def echo(self) -> dict[str, Any]:
-        """What each answer begins with: which request it is for, and what was changed in it."""
+        """The beginning of each answer: the request's number, and changes made to it."""
         return {"number": self.number, "notes": list(self.checked.notes)}
 
 

@@ -12,7 +12,7 @@ class SupersededError(Exception):
 
 
 class Desk:
-    """Where requests wait. A newer request of a page sends its older ones away at once."""
+    """A queue of requests. A newer request of a page sends its older ones away at once."""
 
     def __init__(self) -> None:
         self._changed = Condition()

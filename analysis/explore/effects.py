@@ -1,4 +1,4 @@
-"""Which way to pull each slider for a larger first failure, by the static model."""
+"""Direction of each slider for a larger first failure, by the static model."""
 
 from dataclasses import replace
 from functools import lru_cache

@@ -15,10 +15,10 @@ from analysis.explore.state import Checked, Slider, in_note, in_query, nearest_v
 from sidmacib.yaml_text import read_yaml
 
 STUDIES = Path(__file__).parents[2] / "studies"
-MODELS = ("static", "limit")  # of which one is drawn
+STRUCTURE_MODELS = ("static", "limit")  # of which one is drawn
 Key = tuple[str | int, ...]  # of a description, from outside in
 
-SLIDERS = {
+STRUCTURE_SLIDERS = {
     "friction": Slider(0, 1, 0.01, "friction"),
     "cohesion": Slider(0, 300, 1, "cohesion (kPa)"),
     "tensile_strength": Slider(0, 500, 1, "tensile strength (kPa)"),
@@ -53,7 +53,11 @@ class Example:
     def sliders(self) -> dict[str, Slider]:
         """The sliders that it has."""
         angles = ("azimuth",) if self.tilts else ("azimuth", "slope")
-        return {name: each for name, each in SLIDERS.items() if name in {*dict(self.keys), *angles}}
+        return {
+            name: each
+            for name, each in STRUCTURE_SLIDERS.items()
+            if name in {*dict(self.keys), *angles}
+        }
 
 
 EXAMPLES = {
@@ -116,11 +120,11 @@ class Chosen:
 
     example: str = FIRST
     values: tuple[tuple[str, float], ...] = ()
-    model: str = MODELS[0]
+    model: str = STRUCTURE_MODELS[0]
 
     @property
     def description(self) -> dict[str, Any]:
-        """Of the structure and its load, as in a file for `multilock assembly`."""
+        """The structure and its load, as in a file for `multilock assembly`."""
         example, values = EXAMPLES[self.example], dict(self.values)
         found = deepcopy(_original(self.example))
         for name, key in example.keys:
@@ -141,14 +145,14 @@ class Chosen:
         """The query of a link: the example, and what differs from its file."""
         first = defaults(self.example)
         given = {name: f"{value:g}" for name, value in self.values if value != first[name]}
-        model = {} if self.model == MODELS[0] else {"model": self.model}
+        model = {} if self.model == STRUCTURE_MODELS[0] else {"model": self.model}
         return urlencode({"structure": self.example} | given | model)
 
 
 def checked_choice(given: Mapping[str, object]) -> Checked[Chosen]:
     """The structure nearest to ``given`` that the page allows; the rest is as in its file."""
     given, notes = dict(given), []
-    choices = {"structure": tuple(EXAMPLES), "model": MODELS}
+    choices = {"structure": tuple(EXAMPLES), "model": STRUCTURE_MODELS}
     for name, allowed in choices.items():
         value = given.setdefault(name, allowed[0])
         if value not in allowed:

@@ -79,5 +79,5 @@ def _require_small(request: Request) -> None:
 
 
 def in_one_line(error: HTTPException) -> str:
-    """What is wrong with a request."""
+    """The fault of a request."""
     return f"{error.code} {error.name}: {error.description}\n"

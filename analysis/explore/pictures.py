@@ -42,7 +42,7 @@ class Peak:
 
 @dataclass(frozen=True)
 class Answers:
-    """What models say of a joint at the chosen eccentricity, and why some do not."""
+    """Answers of the models at the chosen eccentricity, and reasons where there are none."""
 
     peak: Peak | None
     rules: dict[str, LawCapacity]
@@ -51,7 +51,7 @@ class Answers:
 
 @dataclass(frozen=True)
 class Counted:
-    """V (N) of the load that counts, the legend of it, and a sentence where it is no peak."""
+    """V (N) of the load that counts, its legend, and a sentence where others were found."""
 
     shear: float | None = None
     legend: str = ""
@@ -95,11 +95,10 @@ def which_counts(state: Settings) -> Counted:
     except CapacityError:
         return Counted()
     shear = found.load * loading.direction.shear
-    if not found.capacity.is_peak:
-        words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
-        return Counted(shear, f" (first failure counts at {state.eccentricity:g} a)", words)
-    spread = 100.0 * found.capacity.spread
-    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)")
+    if not (spread := 100.0 * found.solution.spread):
+        return Counted(shear, f" (no lower peak found at {state.eccentricity:g} a)")
+    words = f"The load that counts is the {found.why}: V = {shear:.4g} N."
+    return Counted(shear, f" (spread {spread:.1f} % at {state.eccentricity:g} a)", words)
 
 
 def _peak(joint: Joint, direction: Direction) -> Peak | None:
@@ -148,7 +147,7 @@ def ratios(state: Settings) -> tuple[float, ...]:
 
 
 def pictures(state: Settings, results: Answers) -> dict[str, Any]:
-    """What the page draws: points in the V-M plane, weights, the joint from the side (mm)."""
+    """Drawings of the page: points in the V-M plane, weights, the joint from the side (mm)."""
     name = "static" if state.joint.elastic is None else "law"
     kind = "peak" if state.joint.elastic is None else "first failure"
     return {

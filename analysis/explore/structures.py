@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of
-from analysis.explore.examples import EXAMPLES, MODELS, Chosen, defaults
+from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
@@ -43,7 +43,7 @@ STAGES = (limit, static)  # what an answer needs, in this order
 
 
 def structure_answer(chosen: Chosen) -> dict[str, Any]:
-    """What the page shows: rows of models, and blocks and interfaces of the one that is drawn."""
+    """Content of the page: rows of models, and blocks and interfaces of the one that is drawn."""
     records = {"limit": limit(same(chosen)), "static": static(same(chosen))}
     table = structures_table([*records.values()])
     rows = {row["model"]: row for row in _plain(table)}
@@ -62,11 +62,11 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
 
 def same(chosen: Chosen) -> Chosen:
     """The structure whatever is drawn of it: what results are kept by."""
-    return replace(chosen, model=MODELS[0])
+    return replace(chosen, model=STRUCTURE_MODELS[0])
 
 
 def _lines(rows: dict[str, dict[str, Any]]) -> list[list[Any]]:
-    """What, load or tilt, load over weight, mesh error (%), remark: a line for each result."""
+    """Lines: result, load or tilt, load over weight, mesh error (%), remark."""
     limit_row, static_row = rows["limit"], rows["static"]
     name = label_of("static").name
     if static_row["error"]:
@@ -139,7 +139,7 @@ def _reason(error: BaseException) -> str:
 
 @lru_cache(maxsize=KEPT)
 def _shape(example: str, locks: float | None) -> dict[str, Any]:
-    """What is drawn of an example with so many locks: no other slider changes blocks."""
+    """Drawing of an example with so many locks: no other slider changes blocks."""
     values = defaults(example) | ({} if locks is None else {"locks": locks})
     return shape_of(structure_of(Chosen(example, tuple(values.items())).description).assembly)
 

@@ -1,4 +1,4 @@
-"""Which figures a study has. To add one: an entry here and a function in a module beside it."""
+"""Figures of a study. To add one: an entry here and a function in a module beside it."""
 
 import math
 from collections.abc import Iterable, Iterator

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from analysis.drawing.labels import PUBLISHED, label_of, option_colour, option_name, rule_name
 from analysis.figures import style
 from analysis.figures.catalogue import REVISED, shown_samples
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from sidmacib.drawing import vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
 from workflow.joints.case import REFERENCE
@@ -34,7 +34,7 @@ def first_quadrant(vertices: Floats) -> Floats:
     return np.asarray(inside[np.argsort(np.arctan2(inside[:, 1], inside[:, 0]))])
 
 
-def options(material: Material) -> Figure:
+def options(material: FigureData) -> Figure:
     """All contact-point options of a sample, every lock counting."""
     study, joint = material.study, material.study.joint(material.sample)
     given = joint.pressing_force
@@ -63,7 +63,7 @@ def options(material: Material) -> Figure:
     return figure
 
 
-def meshes(material: Material) -> Figure:
+def meshes(material: FigureData) -> Figure:
     """The curves of every model of the pieces and sample, at every mesh."""
     samples = shown_samples(material.study)
     across = min(len(samples), 2)
@@ -90,7 +90,7 @@ def meshes(material: Material) -> Figure:
     return figure
 
 
-def mesh_error_words(material: Material) -> str:
+def mesh_error_words(material: FigureData) -> str:
     """The largest mesh error at each mesh of the study, as a sentence; empty if none is known."""
     rows = material.capacity[material.capacity["variant"] == REFERENCE]
     largest = rows.groupby("mesh_m")["mesh_error"].max()
@@ -102,7 +102,7 @@ def mesh_error_words(material: Material) -> str:
     return f"Mesh error, estimated from two meshes: up to {', '.join(found)}. " if found else ""
 
 
-def revised(material: Material) -> Figure:
+def revised(material: FigureData) -> Figure:
     """Revised SiDMACIB by two reductions, and the leading detailed model."""
     study = material.study
     titles = {name: rule_name(name) for name in REVISED if name in study.sidmacib.reductions}
@@ -146,7 +146,7 @@ def revised(material: Material) -> Figure:
 
 
 def model_curve(
-    axis: Axes, material: Material, model: str, sample: str, mesh: float, **changes: Any
+    axis: Axes, material: FigureData, model: str, sample: str, mesh: float, **changes: Any
 ) -> None:
     """The V-M curve of a model of the pieces, in the style of the model but for ``changes``."""
     curve = material.curve(model, sample, mesh)
@@ -155,7 +155,7 @@ def model_curve(
     vm_curve(axis, curve["shear_N"], curve["torque_Nm"], label, clip_on=False, zorder=3, **line)
 
 
-def rule_curve(axis: Axes, material: Material, rule: str, sample: str, mesh: float) -> None:
+def rule_curve(axis: Axes, material: FigureData, rule: str, sample: str, mesh: float) -> None:
     """The V-M curve of the law or the safe rule, if the study asks for it."""
     curve, label = material.curve(rule, sample, mesh), label_of(rule)
     line = {"linestyle": ":", "linewidth": 1.2, "color": label.colour}
@@ -170,7 +170,7 @@ def published_point(axis: Axes, capacity: pd.DataFrame, sample: str) -> None:
     vm_curve(axis, rows["shear_N"], rows["torque_Nm"], f"{PUBLISHED.name}, e = 0", **mark)
 
 
-def measured_points(axes: Axes, material: Material, sample: str) -> None:
+def measured_points(axes: Axes, material: FigureData, sample: str) -> None:
     """Loads that were measured on a sample, if the study has any."""
     given = material.study.measured
     loads = [load for load in given.loads if load.sample == sample] if given else []

@@ -1,15 +1,14 @@
 """Draw all figures of a study."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 
 from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
-from analysis.figures.material import Material, Stresses
+from analysis.figures.material import FigureData, Stresses
 from workflow.results.files import BATCH_NODES, read_records
 from workflow.results.tables import (
     CAPACITY,
@@ -19,15 +18,16 @@ from workflow.results.tables import (
     VARIANTS,
     read_table,
 )
+from workflow.run.step import Arguments, FileLists, Files, step
 from workflow.schema import Study
 
-DRAWN_BY: dict[str, Callable[[Material], Figure]] = {
+DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "joint": joint.joint,
     "options": curves.options,
     "meshes": curves.meshes,
     "revised": curves.revised,
-    "shear_stress": stress_maps.shear_stress,
-    "torsion_stress": stress_maps.torsion_stress,
+    "shear_stress": stress_maps.stress_map,
+    "torsion_stress": stress_maps.stress_map,
     "models": models.models,
     "side_by_side": side_by_side.side_by_side,
     "stiffness": variants.stiffness,
@@ -37,7 +37,7 @@ KINDS = (CAPACITY, VALIDATION, MODELS, ENVELOPES, VARIANTS)
 
 
 def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
-    """What the figure shows, ``records`` being the file with the case's record; None if it failed.
+    """Stresses of the case whose record is in the file ``records``; None if it failed.
 
     The nodes are in the case's own folder, or in those of the batch that it was solved in.
     """
@@ -54,9 +54,7 @@ def stresses_of(spec: FigureSpec, records: Path) -> Stresses | None:
     return Stresses(case, record, nodes)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     """Draw every figure into the files that are named after it.
 
     ``inputs``: the tables, and by a figure's name the records of the case whose stresses it shows.
@@ -66,7 +64,7 @@ def run(
     tables = {kind.name: read_table(kind, inputs[kind.name]) for kind in KINDS}
     for name, spec in figures_of(study, detailed_models).items():
         stresses = stresses_of(spec, inputs[name]) if name in inputs else None
-        material = Material(
+        material = FigureData(
             spec,
             study,
             detailed_models,
@@ -79,3 +77,7 @@ def run(
         )
         figure = DRAWN_BY[spec.kind](material)
         style.save(figure, [path for path in outputs["figures"] if path.stem == name])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -6,7 +6,7 @@ from matplotlib.patches import Rectangle
 
 from analysis.drawing.boxes import MM, boxes
 from analysis.figures import style
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from sidmacib.drawing import BLACK, BLUE, GREY, VERMILION
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Push
@@ -14,7 +14,7 @@ from sidmacib.joint.loading import Push
 X, Y, Z = range(3)
 
 
-def joint(material: Material) -> Figure:
+def joint(material: FigureData) -> Figure:
     """A sample's joint from the side and from below, as stress maps show it."""
     drawn, push = material.study.joint(material.sample), material.study.assembly.push
     figure = Figure(figsize=(8.6, 4.8), layout="constrained")

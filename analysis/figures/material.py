@@ -1,4 +1,4 @@
-"""What a figure is drawn from."""
+"""Data that figures are drawn from."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ class Stresses:
 
 
 @dataclass(frozen=True)
-class Material:
+class FigureData:
     """A figure's specification, the study, its tables, and the stresses that the figure shows.
 
     ``detailed``: the models that SiDMACIB is compared with, the leading one first. ``table``: the
@@ -80,7 +80,7 @@ class Material:
 
     @property
     def assumed_geometry(self) -> str:
-        """What to say of geometry and friction where they stand for the paper's."""
+        """Words on geometry and friction where they stand for the paper's."""
         published = read_published()
         samples = published.samples(self.study)
         if not samples:
@@ -98,7 +98,7 @@ class Material:
 
     @property
     def place_in_paper(self) -> str:
-        """Which figure of the paper this redraws, as a sentence; empty if none."""
+        """A sentence that names the figure of the paper this redraws; empty if none."""
         numbers = IN_THE_PAPER.get(self.spec.kind, {})
         published = read_published().samples(self.study)
         shown = self.spec.sample

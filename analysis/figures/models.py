@@ -11,13 +11,13 @@ from matplotlib.figure import Figure
 from analysis.drawing.labels import label_of
 from analysis.figures import style
 from analysis.figures.curves import model_curve, published_point, rule_curve
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
 from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, REFERENCE_MODEL
 from workflow.planning.cases import cases_of
@@ -26,7 +26,7 @@ from workflow.schema import Study
 MOST_BEHIND = 40  # points of a path behind its peak
 
 
-def models(material: Material) -> Figure:
+def models(material: FigureData) -> Figure:
     """Curves, weights, displacements and friction of all models of a sample, at the finest mesh."""
     study, mesh = material.study, min(material.study.meshes)
     if not material.models:
@@ -110,7 +110,7 @@ def _displacements(axes: Axes, models: Sequence[str], rows: pd.DataFrame) -> Non
     axes.set_xlabel("displacement (µm)")
 
 
-def _path(axes: Axes, material: Material) -> str:
+def _path(axes: Axes, material: FigureData) -> str:
     """The static model's whole path, to the peak and behind it; the sentence on it."""
     study, mesh = material.study, min(material.study.meshes)
     first = [
@@ -125,7 +125,7 @@ def _path(axes: Axes, material: Material) -> str:
     case = first[0]
     try:
         problem = posed(case.joint, case.loading, case.mesh, case.nodes)
-        path = static_peak(*problem).path
+        path = lowest_peak(*problem).path
     except CapacityError:
         return ""
     behind = [path[-1], *islice(after_peak(*problem, path[-1]), MOST_BEHIND)]

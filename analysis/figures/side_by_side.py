@@ -6,11 +6,11 @@ from matplotlib.figure import Figure
 
 from analysis.drawing.labels import PUBLISHED, label_of
 from analysis.figures import style
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from sidmacib.drawing import GREY
 
 
-def side_by_side(material: Material) -> Figure:
+def side_by_side(material: FigureData) -> Figure:
     """Peaks and weights as bars; the table of validation has all published values."""
     table = material.validation
     if table.empty:

@@ -12,7 +12,7 @@ from matplotlib.patheffects import withStroke
 from analysis.drawing.boxes import MM
 from analysis.drawing.labels import label_of
 from analysis.figures import style
-from analysis.figures.material import Material, Stresses
+from analysis.figures.material import FigureData, Stresses
 from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Rectangle
@@ -20,17 +20,8 @@ from sidmacib.mechanics.assembly import Rectangle
 TEXT = 8.0  # points, of all that is written in a map
 
 
-def shear_stress(material: Material) -> Figure:
-    """The inner faces at the smallest eccentricity: pure shear, if the study has it."""
-    return _map(material)
-
-
-def torsion_stress(material: Material) -> Figure:
-    """The inner faces under torsion and shear."""
-    return _map(material)
-
-
-def _map(material: Material) -> Figure:
+def stress_map(material: FigureData) -> Figure:
+    """The inner faces of all locks in the case whose stresses the figure shows."""
     shown = material.stresses
     if shown is None:
         return _without_result(material)
@@ -75,7 +66,7 @@ def _map(material: Material) -> Figure:
     return figure
 
 
-def _without_result(material: Material) -> Figure:
+def _without_result(material: FigureData) -> Figure:
     case = material.spec.case
     name = f"{case.name} ({case.model})" if case else material.spec.name
     return style.words_only(f"{name} has no result; see the summary.")

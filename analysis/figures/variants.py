@@ -1,4 +1,4 @@
-"""What variants do: capacity against the stiffness of the block, and against fracture energy."""
+"""Effects of variants: capacity against the stiffness of the block, and against fracture energy."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from analysis.figures import style
 from analysis.figures.catalogue import shown_samples
-from analysis.figures.material import Material
+from analysis.figures.material import FigureData
 from sidmacib.joint.joint import UpperBody
 
 BODIES = {  # those that are drawn: words and line
@@ -20,7 +20,7 @@ BODIES = {  # those that are drawn: words and line
 RIGID = 30.0  # a rigid block is drawn this many times as stiff as the stiffest that bends
 
 
-def shown_rows(material: Material) -> pd.DataFrame:
+def shown_rows(material: FigureData) -> pd.DataFrame:
     """Rows of the table of variants that are drawn: at the finest mesh of the study."""
     table, study = material.variants, material.study
     return table[
@@ -30,13 +30,15 @@ def shown_rows(material: Material) -> pd.DataFrame:
     ]
 
 
-def of_one_model(material: Material, rows: pd.DataFrame, varied: "pd.Series[bool]") -> pd.DataFrame:
+def of_one_model(
+    material: FigureData, rows: pd.DataFrame, varied: "pd.Series[bool]"
+) -> pd.DataFrame:
     """The ``rows`` of the first detailed model that has any of the ``varied``; of none, no rows."""
     able = set(rows["model"][varied])
     return rows[rows["model"] == next((m for m in material.detailed if m in able), None)]
 
 
-def stiffness(material: Material) -> Figure:
+def stiffness(material: FigureData) -> Figure:
     """Capacity, lower locks' weights and the rule's error against the stiffness of the block."""
     rows = shown_rows(material)
     rows = of_one_model(material, rows, rows["stiffness_ratio"].notna())
@@ -75,7 +77,7 @@ def stiffness(material: Material) -> Figure:
     return figure
 
 
-def fracture_energy(material: Material) -> Figure:
+def fracture_energy(material: FigureData) -> Figure:
     """Capacity against the fracture energy of the bonds, direction by direction."""
     rows = shown_rows(material)
     rows = of_one_model(material, rows, rows["failure"] == "softening")
@@ -141,7 +143,7 @@ def _stiffness_axis(axes: Axes, ratios: list[float], stiffest: float) -> None:
 
 
 def _key(figure: Figure, rows: pd.DataFrame) -> None:
-    """Which colour is which sample, and which line which body: once, above all panels."""
+    """Draw the legend of samples (colours) and bodies (lines) once, above all panels."""
     samples = dict(zip(dict.fromkeys(rows["sample"]), style.COLOURS * 3, strict=False))
     handles = [Line2D([], [], color=colour, label=name) for name, colour in samples.items()]
     drawn = set(rows["upper_body"])

@@ -8,7 +8,7 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.json_values import json_value
-from analysis.summary.answers import Answer, answers, percent
+from analysis.summary.answers import Question, answers, percent
 from analysis.summary.rules import (
     PEAK_ACCURACY,
     RuleError,
@@ -19,7 +19,7 @@ from analysis.summary.rules import (
 from analysis.summary.summary import leading_models
 from workflow.schema import Study
 
-NO_RULE = Answer("What does the joint carry?", "See the curves and tables below, by model.")
+NO_RULE = Question("What does the joint carry?", "See the curves and tables below, by model.")
 HYPHEN = re.compile(r"(?<![\w.-])-(?=\d)")  # before a number
 
 
@@ -53,14 +53,14 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     }
 
 
-def _words(answer: Answer) -> dict[str, str]:
+def _words(answer: Question) -> dict[str, str]:
     return {
         "question": _typeset(answer.question),
         "answer": _typeset(answer.answer),
     }
 
 
-def _by_sample(study: Study, given: Sequence[Answer]) -> dict[str, Any]:
+def _by_sample(study: Study, given: Sequence[Question]) -> dict[str, Any]:
     """A table of the answers that are given sample by sample: ``columns`` and ``rows``."""
     shown = [answer for answer in given if answer.by_sample]
     return {

@@ -19,7 +19,7 @@ from analysis.report.structures import (
 )
 from workflow.engines import ENGINES
 from workflow.models import MODELS
-from workflow.run.job import read_times
+from workflow.results.files import read_times
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 
@@ -71,11 +71,10 @@ def labels() -> dict[str, dict[str, Any]]:
 def times_of(results: Path) -> list[list[Any]]:
     """Seconds of each kind of job: on the clock, of processors; how many there were."""
     totals: dict[str, list[float]] = {}
-    for kind, times in read_times(results):
+    for kind, wall, cpu in read_times(results):
         total = totals.setdefault(kind, [0.0, 0.0, 0.0])
-        total[0] += 1
-        total[1] += times["wall_s"]
-        total[2] += times["own_cpu_s"] + times["programs_cpu_s"]
+        for position, value in enumerate((1.0, wall, cpu)):
+            total[position] += value
     return [
         [kind, int(n), round(wall, 1), round(cpu, 1)] for kind, (n, wall, cpu) in totals.items()
     ]

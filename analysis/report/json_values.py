@@ -1,4 +1,4 @@
-"""Tables and their values for JSON."""
+"""Findings, tables and their values for JSON."""
 
 import math
 from typing import Any
@@ -21,3 +21,8 @@ def json_value(value: Any) -> Any:
     if isinstance(value, float):
         return "inf" if math.isinf(value) else float(f"{value:.6g}")
     return value.item() if hasattr(value, "item") else value
+
+
+def finding(title: str, text: str, kind: str = "note") -> dict[str, str]:
+    """A line of the report's verdict; ``kind``: good, bad or note."""
+    return {"title": title, "text": text, "kind": kind}

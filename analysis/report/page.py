@@ -13,6 +13,7 @@ from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYL
 from analysis.report.provenance import as_yaml
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 from workflow.structures.case import StructureCase
 
@@ -61,9 +62,7 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
     )
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the page from the tables that it has in full, and the summaries.
 
     ``arguments``: ``study`` as JSON, None without joints; ``structures``: the sections of that name
@@ -83,3 +82,7 @@ def run(
     configuration = as_yaml(json.loads(arguments["configuration"]))
     summaries = [inputs[name].read_text() for name in SUMMARIES if name in inputs]
     outputs["page"].write_text(page(data, configuration, "\n".join(summaries)))
+
+
+if __name__ == "__main__":
+    step(run)

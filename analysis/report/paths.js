@@ -24,7 +24,7 @@ function drawDisplacement(path, step) {
   if (path.behind && path.behind.length) traces.push(line([peak, ...path.behind], "behind the peak", { mode: "lines+markers", line: { color: BEHIND, dash: "dot", width: 1.5 }, marker: { symbol: "circle-open", size: 6, color: BEHIND } }));
   traces.push(line([path.curve.reduce((one, other) => (Math.abs(other[1] - step.load) < Math.abs(one[1] - step.load) ? other : one))], "shown below", { mode: "markers", marker: { symbol: "circle", size: 9, color: "#000000" } }));
   chart("move-plot", traces, { xaxis: axis("displacement along the load (µm)", { rangemode: "tozero" }), yaxis: axis(amount.title, { rangemode: "tozero" }) });
-  at("move-text").textContent = `First failure ${amount.said(path.first)}, ${path.end.toLowerCase()} ${amount.said(peak[1])} at ${short(1e6 * peak[0])} µm. ${behindWords(path, amount)}`;
+  at("move-text").textContent = `First failure ${amount.said(path.first)}, peak ${amount.said(peak[1])} at ${short(1e6 * peak[0])} µm. ${behindWords(path, amount)}`;
 }
 
 function behindWords({ behind, curve }, amount) {
@@ -65,7 +65,7 @@ function drawOrder(path, step) {
   chart("order-plot", traces, { shapes: [here], xaxis: axis(amount.title), yaxis: axis("largest shear / cohesion", { rangemode: "tozero" }) });
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${amount.said(face.fails_from)})`).join(", then ")}. ` : "No bond fails before the peak. ") + `${path.end}: ${amount.said(last.load)}.`;
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${amount.said(face.fails_from)})`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${amount.said(last.load)}.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {

@@ -14,7 +14,7 @@ from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import after_peak
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.problem import Problem
 from workflow.joints.case import REFERENCE, Case
 from workflow.models import REFERENCE_MODEL
@@ -59,7 +59,7 @@ def path_of(case: Case) -> dict[str, Any] | None:
     joint = case.joint
     try:
         problem = posed(joint, case.loading, case.mesh, case.nodes)
-        solution = static_peak(*problem)
+        solution = lowest_peak(*problem)
     except CapacityError:
         return None
     path, assembly = solution.path, problem.assembly

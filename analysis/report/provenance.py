@@ -1,4 +1,4 @@
-"""What a report was made from: sizes of joints, versions of programs, the configuration as YAML."""
+"""Origin of a report: sizes of joints, versions of programs, the configuration as YAML."""
 
 import platform
 import subprocess

@@ -42,7 +42,7 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
 
 
 def points_of(shape: dict[str, Any]) -> int:
-    """How many points a shape has."""
+    """Number of points of a shape."""
     return sum(len(each["points"]) for part in ("blocks", "interfaces") for each in shape[part])
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of
+from analysis.report.json_values import finding
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
@@ -71,12 +72,12 @@ def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
 
 
 def structures_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
-    """Findings: ``title``, ``text``, and ``kind``: good, bad or note."""
+    """Findings on the structures of a study."""
     return [*_carried(table), *_without(table), *_agreement(table), *_limit(table)]
 
 
 def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
-    """What each structure carries in the static model, or in the first model that answers."""
+    """Capacity of each structure in the static model, or in the first model that answers."""
     for structure, rows in table.groupby("structure", sort=False):
         lines = []
         for (load, variant), own in rows.groupby(["load", "variant"], sort=False):
@@ -89,7 +90,7 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
             lines.append(f"{case}: {_of_model(row)}")
         more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
         text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has an answer"
-        yield {"title": str(structure), "text": f"{text}.", "kind": "note"}
+        yield finding(str(structure), f"{text}.")
 
 
 def _of_model(row: Mapping[str, Any]) -> str:
@@ -117,17 +118,11 @@ def _answer(row: Mapping[str, Any]) -> str | None:
 def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     failed, refused = int(table["error"].notna().sum()), int(table["refused"].notna().sum())
     if failed:
-        yield {
-            "title": "Structures without a result",
-            "text": f"{failed} of {len(table)} cases: they are listed at the end.",
-            "kind": "bad",
-        }
+        text = f"{failed} of {len(table)} cases: they are listed at the end."
+        yield finding("Structures without a result", text, "bad")
     if refused:
-        yield {
-            "title": "Structures that a model cannot do",
-            "text": f"{refused} of {len(table)} cases: the reasons stand beside the drawing.",
-            "kind": "note",
-        }
+        text = f"{refused} of {len(table)} cases: the reasons stand beside the drawing."
+        yield finding("Structures that a model cannot do", text)
 
 
 def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
@@ -136,21 +131,20 @@ def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
         return
     worst = compared.loc[compared["difference_to_static"].abs().idxmax()]
     apart = float(worst["difference_to_static"])
-    yield {
-        "title": "Engines against the static model, structures",
-        "text": f"{len(compared)} cases on the same nodes, at most {100 * abs(apart):.2f} % apart: "
+    yield finding(
+        "Engines against the static model, structures",
+        f"{len(compared)} cases on the same nodes, at most {100 * abs(apart):.2f} % apart: "
         f"{worst['case']}, {label_of(worst['model']).name}.",
-        "kind": "good" if abs(apart) < AGREEMENT else "bad",
-    }
+        "good" if abs(apart) < AGREEMENT else "bad",
+    )
 
 
 def _limit(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     apart = table.loc[table["model"].eq(LIMIT), "difference_to_static"].dropna()
     if apart.empty:
         return
-    yield {
-        "title": "Limit analysis against the static model",
-        "text": f"From {100 * apart.min():+.2f} % to {100 * apart.max():+.2f} %: it takes bonds as "
+    yield finding(
+        "Limit analysis against the static model",
+        f"From {100 * apart.min():+.2f} % to {100 * apart.max():+.2f} %: it takes bonds as "
         "ductile and lets joints open as they slide.",
-        "kind": "note",
-    }
+    )

@@ -1,7 +1,6 @@
 # Included if the study has measured loads.
 rule measured:
     input:
-        plan=plan("measured"),
         capacity=rules.capacity.output.capacity,
     output:
         measured=shown("tables/measured.csv"),
@@ -9,12 +8,10 @@ rule measured:
         below("logs/measured.log"),
     group:
         "tables"
-    resources:
-        **asks("measured"),
     params:
-        step="analysis.tables.measured",
         study=lambda wildcards: STUDY.measured_json(),
+        code=code("analysis.tables.measured"),
     message:
         "Compare measured loads with the models"
-    shell:
-        STEP
+    script:
+        "../tables/measured.py"

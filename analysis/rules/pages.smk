@@ -10,7 +10,6 @@ STRESSES = {  # by figure, the record of the case whose stresses it shows
 rule figures:
     input:
         **STRESSES,
-        plan=plan("figures"),
         capacity=rules.capacity.output.capacity,
         validation=rules.validation.output.validation,
         models=rules.collect.output.models,
@@ -22,22 +21,18 @@ rule figures:
         below("logs/figures.log"),
     group:
         "tables"
-    resources:
-        **asks("figures"),
     params:
-        step="analysis.figures.draw",
         study=lambda wildcards: STUDY.figures_json(),
         detailed_models=DETAILED,
-        files=PUBLISHED,
+        code=code("analysis.figures.draw", files=PUBLISHED),
     message:
         "Draw the figures"
-    shell:
-        STEP
+    script:
+        "../figures/draw.py"
 
 
 rule summary:
     input:
-        plan=plan("summary"),
         validation=rules.validation.output.validation,
         fit=rules.fit.output.fit,
         best_fit=rules.fit.output.best_fit,
@@ -49,10 +44,7 @@ rule summary:
         below("logs/summary.log"),
     group:
         "tables"
-    resources:
-        **asks("summary"),
     params:
-        step="analysis.summary.summary",
         results=lambda wildcards: STUDY.results,
         meshes=STUDY.meshes,
         ductile=[
@@ -60,30 +52,28 @@ rule summary:
             for name, change in STUDY.every_variant.items()
             if change.assembly(STUDY.assembly).failure == "ductile"
         ],
+        code=code("analysis.summary.summary"),
     message:
         "Write the summary"
-    shell:
-        STEP
+    script:
+        "../summary/summary.py"
 
 
 # Not in a group: a failing group loses all its outputs, and this rule fails if a case has no result.
 rule complete:
     input:
-        plan=plan("complete"),
         cases=rules.collect.output.cases,
         summary=rules.summary.output.summary,
     output:
         mark=below(".complete"),
     log:
         below("logs/complete.log"),
-    resources:
-        **asks("complete"),
     params:
-        step="analysis.summary.complete",
+        code=code("analysis.summary.complete"),
     message:
         "Check that every case has a result"
-    shell:
-        STEP
+    script:
+        "../summary/complete.py"
 
 
 REPORT_INPUTS |= {

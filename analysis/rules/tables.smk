@@ -5,7 +5,6 @@ PUBLISHED = ("analysis/published.yaml",)
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule collect:
     input:
-        plan=plan("collect"),
         records=list(dict.fromkeys(RECORDS.values())),
     output:
         weights=shown("tables/weights.csv"),
@@ -14,20 +13,17 @@ rule collect:
         models=shown("tables/models.csv"),
     log:
         below("logs/collect.log"),
-    resources:
-        **asks("collect"),
     params:
-        step="analysis.tables.collect",
         cases=[case.id for case in CASES.cases.values()],
+        code=code("analysis.tables.collect"),
     message:
         "Collect the cases' results"
-    shell:
-        STEP
+    script:
+        "../tables/collect.py"
 
 
 rule capacity:
     input:
-        plan=plan("capacity"),
         cases=rules.collect.output.cases,
         weights=rules.collect.output.weights,
     output:
@@ -37,21 +33,17 @@ rule capacity:
         below("logs/capacity.log"),
     group:
         "tables"
-    resources:
-        **asks("capacity"),
     params:
-        step="analysis.tables.capacity",
         study=lambda wildcards: STUDY.tables_json(),
-        files=PUBLISHED,
+        code=code("analysis.tables.capacity", files=PUBLISHED),
     message:
         "Solve SiDMACIB and tabulate all capacities"
-    shell:
-        STEP
+    script:
+        "../tables/capacity.py"
 
 
 rule fit:
     input:
-        plan=plan("fit"),
         capacity=rules.capacity.output.capacity,
     output:
         fit=shown("tables/fit.csv"),
@@ -60,20 +52,17 @@ rule fit:
         below("logs/fit.log"),
     group:
         "tables"
-    resources:
-        **asks("fit"),
     params:
-        step="analysis.tables.fit",
         study=lambda wildcards: STUDY.tables_json(),
+        code=code("analysis.tables.fit"),
     message:
         "Fit SiDMACIB to the detailed models"
-    shell:
-        STEP
+    script:
+        "../tables/fit.py"
 
 
 rule variants:
     input:
-        plan=plan("variants"),
         capacity=rules.capacity.output.capacity,
         weight_sums=rules.collect.output.weight_sums,
     output:
@@ -82,20 +71,17 @@ rule variants:
         below("logs/variants.log"),
     group:
         "tables"
-    resources:
-        **asks("variants"),
     params:
-        step="analysis.tables.variants",
         study=lambda wildcards: STUDY.pieces_json(),
+        code=code("analysis.tables.variants"),
     message:
         "Compare the variants with the reference"
-    shell:
-        STEP
+    script:
+        "../tables/variants.py"
 
 
 rule validation:
     input:
-        plan=plan("validation"),
         capacity=rules.capacity.output.capacity,
         weights=rules.collect.output.weights,
         fit=rules.fit.output.fit,
@@ -105,13 +91,10 @@ rule validation:
         below("logs/validation.log"),
     group:
         "tables"
-    resources:
-        **asks("validation"),
     params:
-        step="analysis.tables.validation",
         study=lambda wildcards: STUDY.tables_json(),
-        files=PUBLISHED,
+        code=code("analysis.tables.validation", files=PUBLISHED),
     message:
         "Compare with the published numbers"
-    shell:
-        STEP
+    script:
+        "../tables/validation.py"

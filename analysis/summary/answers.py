@@ -18,7 +18,7 @@ SHOWN = 6  # samples in one answer
 
 
 @dataclass(frozen=True)
-class Answer:
+class Question:
     """A question, and its answer in a few words.
 
     ``by_sample``: the answer for each sample, by its name, on a line below where there are words
@@ -41,7 +41,7 @@ class Answer:
 
 def answers(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
-) -> Iterator[Answer]:
+) -> Iterator[Question]:
     """The answers, at the finest ``mesh`` (m); ``leading``: see the summary."""
     yield from _half(tables, leading, mesh)
     yield from _locks(tables["best_fit"], leading, mesh)
@@ -72,14 +72,14 @@ def listed(words: Iterable[str]) -> str:
 
 def _half(
     tables: Mapping[str, pd.DataFrame], leading: Mapping[str, str], mesh: float
-) -> Iterator[Answer]:
+) -> Iterator[Question]:
     """Whether (n - 1) / 2 locks may be counted, with any option, and where not."""
     errors = [each for each in rule_errors(tables, leading, mesh) if each.rule == "half"]
     if not errors:
         return
     (worst,) = worst_of(errors)
     where = f"({worst.sample}, {direction_words(worst.ratio)})"
-    yield Answer(
+    yield Question(
         "May I count (n - 1) / 2 locks?",
         "Yes, for these joints" if worst.safe else f"No: unsafe by {percent(worst.error)} {where}",
         {error.sample: _verdict(error) for error in errors},
@@ -92,16 +92,16 @@ def _verdict(error: RuleError) -> str:
     return f"{verdict} ({option_name(str(error.option))})"
 
 
-def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+def _locks(best: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """The number of locks that fits best, which need not be whole."""
     selected = best[(best["friction"] == False) & np.isclose(best["mesh_m"], mesh)]  # noqa: E712
     selected = selected[selected["model"] == selected["sample"].map(leading)]
     if len(selected):
         parts = {row.sample: f"{row.locks_that_count:.2f}" for row in selected.itertuples()}
-        yield Answer("How many locks fit best?", by_sample=parts, column="locks that fit best")
+        yield Question("How many locks fit best?", by_sample=parts, column="locks that fit best")
 
 
-def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answer]:
+def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Question]:
     """Design loads in the first and the last direction of each sample."""
     safe = capacity[(capacity["model"] == DESIGN) & capacity["case"].isin(ratio)]
     if safe.empty:
@@ -118,7 +118,7 @@ def _design(capacity: pd.DataFrame, ratio: Mapping[str, float]) -> Iterator[Answ
             parts[sample] = "no answer, see below"
             continue
         parts[sample] = ", ".join(map(_at, ends.itertuples()))
-    yield Answer(
+    yield Question(
         "What may I design for?",
         "The safe rule's V (N) or M (N m), others below:",
         parts,
@@ -138,7 +138,7 @@ def _at(row: object) -> str:
     return f"{loads} at {direction_words(ratio)}" if ratio and math.isfinite(ratio) else loads
 
 
-def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """The option of SiDMACIB that fits best, with its rule."""
     selected = fit[(fit["model"] == fit["sample"].map(leading)) & np.isclose(fit["mesh_m"], mesh)]
     rows = [winner(selected, sample, mesh) for sample in selected["sample"].unique()]
@@ -149,10 +149,10 @@ def _option(fit: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Itera
             for row in rows
         }
         question = "Which option and rule of SiDMACIB fit best?"
-        yield Answer(question, by_sample=parts, column="SiDMACIB that fits best (misfit)")
+        yield Question(question, by_sample=parts, column="SiDMACIB that fits best (misfit)")
 
 
-def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Answer]:
+def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> Iterator[Question]:
     """Differences of the peaks in pure shear from the published ones."""
     selected = table[(table["quantity"] == "dem_pure_shear_N") & np.isclose(table["mesh_m"], mesh)]
     selected = selected[selected["model"] == selected["sample"].map(leading)]
@@ -161,29 +161,31 @@ def _published(table: pd.DataFrame, leading: Mapping[str, str], mesh: float) -> 
             row.sample: f"{100 * float(row.relative_difference):+.2f} %"
             for row in selected.itertuples()
         }
-        yield Answer("Are published peaks met?", by_sample=parts, column="from the published peak")
+        yield Question(
+            "Are published peaks met?", by_sample=parts, column="from the published peak"
+        )
 
 
-def _engines(cases: pd.DataFrame) -> Iterator[Answer]:
+def _engines(cases: pd.DataFrame) -> Iterator[Question]:
     """Differences of the engines from the static model."""
     engines = cases[cases["model"].isin(list(ENGINES))]
     size = engines["difference_to_static"].abs().dropna()
     if len(size):
         names = ", ".join(label_of(model).name for model in engines["model"].unique())
-        yield Answer(
+        yield Question(
             "Do models of the same pieces agree?",
             f"{names} and the static model within {100 * size.max():.2g} % in {len(size)} cases",
         )
 
 
-def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[Answer]:
+def _mesh(capacity: pd.DataFrame, mesh: float) -> Iterator[Question]:
     """Whether the finest mesh is fine enough."""
     selected = capacity[capacity["mesh_error"].notna() & np.isclose(capacity["mesh_m"], mesh)]
     if selected.empty:
         return
     row = selected.sort_values("mesh_error", kind="stable").iloc[-1]
     verdict = "No" if row["mesh_error"] > MESH_LIMIT else "Yes"
-    yield Answer(
+    yield Question(
         f"Is a mesh of {mesh:g} m fine enough?",
         f"{verdict}: mesh error up to {percent(row['mesh_error'])} ({row['model']}, {row['case']})",
     )

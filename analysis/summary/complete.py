@@ -1,19 +1,18 @@
 """The last step of a study, which fails unless every case has a result."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from workflow.results.tables import CASES, read_table
+from workflow.results.tables import CASES, STRUCTURES, read_table
+from workflow.run.step import Arguments, Files, step
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write how many cases there are; returns the names and reasons of those without a result."""
-    return marked(read_table(CASES, inputs["cases"]), "name", outputs["mark"])
+    joints = "cases" in inputs
+    kind, names = (CASES, "name") if joints else (STRUCTURES, "case")
+    return marked(read_table(kind, inputs[kind.name]), names, outputs["mark"])
 
 
 def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
@@ -25,3 +24,7 @@ def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
     rows = failed[[names, "model", "error"]].itertuples(index=False)
     lines = [f"{name} ({model}): {error}" for name, model, error in rows]
     return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])
+
+
+if __name__ == "__main__":
+    step(run)

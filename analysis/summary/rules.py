@@ -1,4 +1,4 @@
-"""How far each rule for the capacity of a joint is on the unsafe side, and where."""
+"""Largest unsafe error of each rule for the capacity of a joint, and its place."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -83,7 +83,7 @@ def worst_of(errors: list[RuleError]) -> list[RuleError]:
 
 
 def safest(fit: pd.DataFrame, leading: Mapping[str, str], reduction: str) -> Iterator[pd.Series]:
-    """Of each sample's rows by ``reduction`` the best that is safe, else the least unsafe."""
+    """The best safe row of each sample by ``reduction``, else the least unsafe."""
     rows = fit[fit["reduction"].eq(reduction) & fit["model"].eq(fit["sample"].map(leading))]
     for sample in rows["sample"].unique():
         sample_rows = rows[rows["sample"] == sample]

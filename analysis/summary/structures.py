@@ -1,7 +1,6 @@
 """Summary of the structures of a study: the capacity of each, by each model."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -9,6 +8,7 @@ import pandas as pd
 from sidmacib.answers.structure import FIRST_FAILURE
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
+from workflow.run.step import Arguments, Files, step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
@@ -80,9 +80,11 @@ def _with_unit(row: Mapping[str, Any], load: str, tilt: str) -> str:
     return f"{row[load]:.5g} N"
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the summary."""
     rows = read_table(STRUCTURES, inputs["structures"])
     outputs["summary"].write_text(summary(arguments["results"], rows))
+
+
+if __name__ == "__main__":
+    step(run)

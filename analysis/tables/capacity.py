@@ -1,8 +1,7 @@
 """The table of capacities: every model's largest load in every direction of loading."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -26,6 +25,7 @@ from workflow.results.tables import (
     read_table,
     write_table,
 )
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
@@ -174,12 +174,14 @@ def capacity_table(study: Study, cases: pd.DataFrame, weights: pd.DataFrame) -> 
     return both[list(CAPACITY.columns)]
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the capacities and the envelopes."""
     study = Study.model_validate_json(arguments["study"])
     cases, weights = read_table(CASES, inputs["cases"]), read_table(WEIGHTS, inputs["weights"])
     write_table(CAPACITY, capacity_table(study, cases, weights), outputs["capacity"])
     envelopes = pd.DataFrame(envelope_rows(study), columns=list(ENVELOPES.columns))
     write_table(ENVELOPES, envelopes, outputs["envelopes"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,9 +1,8 @@
 """Collect the records of all cases in tables."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from pathlib import Path
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,9 @@ from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from workflow.joints.case import REFERENCE
 from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
-from workflow.results.record import CaseRecord, rounded
+from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
+from workflow.run.step import Arguments, FileLists, Files, step
 
 SHARES = (0.25, 0.5, 0.75)  # given loads over the leading model's first failure load
 SHARED = (
@@ -25,7 +25,7 @@ SHARED = (
 
 
 @dataclass(frozen=True)
-class MeshErrors:
+class ResultErrors:
     """Relative mesh errors of a result's load and of its first failure; None: not known."""
 
     load: float | None = None
@@ -51,7 +51,7 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
     """One row per case; failed ones have the reason.
 
     ``all_records``: these and those on further meshes. Each record is compared with that of the
-    static model for the same joint, nodes and load, see `compared_loads`; mesh errors come from all
+    static model for the same joint, nodes and load, see `_compared`; mesh errors come from all
     meshes.
     """
     all_records = list(all_records)
@@ -59,16 +59,15 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
     static = {record.physics: record for record in all_records if record.model == REFERENCE_MODEL}
     rows = []
     for record in records:
-        static_record = static.get(record.physics) if record.model != REFERENCE_MODEL else None
-        static_load, load = compared_loads(record, static_record) if static_record else (None, None)
+        load, compared = record.load_N, _compared(record, static.get(record.physics))
         row = _columns(record) | {
             name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
         }
         row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
         row["peak_N"] = None if first_failure_only(record.model) else record.peak_N
-        row["static_load_N"] = static_load
-        row["difference_to_static"] = load / static_load - 1.0 if static_load and load else None
-        errors = mesh_errors.get((record.model, record.name), MeshErrors())
+        row["static_load_N"] = compared
+        row["difference_to_static"] = load / compared - 1.0 if compared and load else None
+        errors = mesh_errors.get((record.model, record.name), ResultErrors())
         row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
     table = pd.DataFrame(rows, columns=list(CASES.columns))
@@ -81,40 +80,11 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
     return table
 
 
-def compared_loads(
-    record: CaseRecord, static_record: CaseRecord
-) -> tuple[float | None, float | None]:
-    """Loads (N) of the static model and of a record that are compared with each other.
-
-    They are the first failures of both where peaks spread too far; the static model's first failure
-    for models that end there; the peaks of both otherwise.
-    """
-    if first_failure_only(record.model):
-        return static_record.first_failure_load_N, record.load_N
-    if static_record.is_peak or record.first_failure_load_N is None:
-        return static_record.load_N, record.load_N
-    return static_record.first_failure_load_N, record.first_failure_load_N
-
-
-def counted(record: CaseRecord, static_record: CaseRecord | None) -> CaseRecord:
-    """The ``record`` of an engine with its first failure as the load where that counts.
-
-    It does where the static model's peaks spread too far, for the same joint, nodes and load: an
-    engine does not find how far its own do.
-    """
-    first, load = record.first_failure_load_N, record.load_N
-    if static_record is None or static_record.is_peak or not record.is_peak or not load:
-        return record
-    if record.peak_N is None or first is None or record.shear_N is None or not first:
-        return record
-    assert record.torque_Nm is not None
-    return replace(
-        record,
-        load_N=first,
-        shear_N=rounded(record.shear_N * first / load),
-        torque_Nm=rounded(record.torque_Nm * first / load),
-        peak_spread=static_record.peak_spread,
-    )
+def _compared(record: CaseRecord, static: CaseRecord | None) -> float | None:
+    """The load (N) of the static model that a record's is compared with."""
+    if record.model == REFERENCE_MODEL or static is None:
+        return None
+    return static.first_failure_load_N if first_failure_only(record.model) else static.load_N
 
 
 def friction_share(record: CaseRecord) -> float:
@@ -154,7 +124,7 @@ def models_table(
             columns
             | {
                 "load_N": record.load_N,
-                "mesh_error": mesh_errors.get((record.model, record.name), MeshErrors()).load,
+                "mesh_error": mesh_errors.get((record.model, record.name), ResultErrors()).load,
                 "first_failure_load_N": failure,
                 "peak_spread": record.peak_spread,
                 "friction_share": friction_share(record),
@@ -185,13 +155,9 @@ def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> It
     return (by_case[model, name] for model, name in names)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables."""
-    read = read_records(inputs["records"])
-    static = {record.physics: record for record in read if record.model == REFERENCE_MODEL}
-    every = [counted(record, static.get(record.physics)) for record in read]
+    every = read_records(inputs["records"])
     records = list(ordered(every, arguments["cases"]))
     weights = weights_table(records)
     write_table(WEIGHTS, weights, outputs["weights"])
@@ -200,7 +166,7 @@ def run(
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors]:
+def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], ResultErrors]:
     """Mesh errors of results by model and name of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
@@ -211,7 +177,7 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors
     for r in records:
         series.setdefault((r.model, r.variant, r.series), []).append(r)
     by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
-    lendable: dict[tuple[str, float], MeshErrors] = {}
+    lendable: dict[tuple[str, float], ResultErrors] = {}
     for lender in SOLVED:
         for (model, _, joint), errors in by_series.items():
             if model == lender:
@@ -227,11 +193,8 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], MeshErrors
     return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
-def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
-    """Mesh errors of results of one joint and model, by mesh (m).
-
-    Where peaks spread too far the load is the first failure, and so is its error.
-    """
+def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, ResultErrors]:
+    """Mesh errors of results of one joint and model, by mesh (m)."""
     records = list(records)
     layout = NodeLayout(records[0].nodes)
     loads = {r.cells: r.load_N for r in records if r.load_N is not None}
@@ -240,7 +203,11 @@ def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, MeshErrors]:
     known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {
-        r.mesh_m: MeshErrors((load if r.is_peak else first).get(r.cells), first.get(r.cells))
+        r.mesh_m: ResultErrors(load.get(r.cells), first.get(r.cells))
         for r in records
         if r.cells in load
     }
+
+
+if __name__ == "__main__":
+    step(run)

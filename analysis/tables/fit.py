@@ -6,8 +6,7 @@ relative difference of the loads: positive where SiDMACIB promises more than the
 """
 
 import math
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -23,6 +22,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.joints.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 
@@ -120,11 +120,13 @@ def best_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(BEST_FIT.columns))
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the fits of all options and reductions, and the free fit."""
     study = Study.model_validate_json(arguments["study"])
     capacity = read_table(CAPACITY, inputs["capacity"])
     write_table(FIT, fit_table(capacity), outputs["fit"])
     write_table(BEST_FIT, best_table(study, capacity), outputs["best_fit"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,14 +1,13 @@
 """Comparison of measured loads with those of all models in the same direction."""
 
 import math
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from analysis.tables.study_points import study_points
 from workflow.results.tables import CAPACITY, MEASURED, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 
@@ -48,10 +47,12 @@ def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(MEASURED.columns))
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     study = Study.model_validate_json(arguments["study"])
     capacity = read_table(CAPACITY, inputs["capacity"])
     write_table(MEASURED, measured_table(study, capacity), outputs["measured"])
+
+
+if __name__ == "__main__":
+    step(run)

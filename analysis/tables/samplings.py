@@ -1,13 +1,12 @@
 """The joints of a study's samplings, one row for each joint and direction; loads over T0."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, write_table
+from workflow.run.step import Arguments, FileLists, Files, step
 
 
 def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -17,9 +16,11 @@ def samplings_table(batches: Sequence[pd.DataFrame]) -> pd.DataFrame:
     return table
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Put the batches of all samplings together."""
     table = samplings_table([*map(pd.read_parquet, inputs["batches"])])
     write_table(SAMPLINGS, table, outputs["samplings"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -19,6 +18,7 @@ from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import tilt_of_load
 from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
+from workflow.run.step import Arguments, FileLists, Files, step
 from workflow.structures.record import (
     InterfaceRow,
     StructureRecord,
@@ -172,12 +172,14 @@ NUMBERS = (
 )
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, list[Path]], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
     found = {record.id: record for record in read_structure_records(inputs["records"])}
     records = [found[model, name] for model, name in arguments["cases"]]  # type: ignore[index]
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
     write_table(INTERFACES, interfaces_table(records), outputs["interfaces"])
     write_table(BLOCKS, blocks_table(records), outputs["blocks"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -4,7 +4,6 @@ import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -15,6 +14,7 @@ from analysis.tables.study_points import pure_shear_weights, study_points
 from workflow.joints.case import REFERENCE
 from workflow.models import LAWS, first_failure_only
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
@@ -133,7 +133,7 @@ def _option_rows(fit: pd.DataFrame, sample: str, value: int) -> Iterator[dict[st
 
 
 @dataclass(frozen=True)
-class Line:
+class PublishedLine:
     """A published number and the rows of the validation table that belong to it, by sample."""
 
     quantity: str
@@ -143,15 +143,15 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PublishedSamples:
     """Published numbers for ``locks`` locks, and the samples with as many: a description each."""
 
     locks: int
     samples: Mapping[str, str]
-    lines: tuple[Line, ...]
+    lines: tuple[PublishedLine, ...]
 
 
-def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Comparison]:
+def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[PublishedSamples]:
     """The validation table by number of locks; ``leading``: the model that is shown, by sample.
 
     SiDMACIB's numbers are those without friction along the locks; with it they are the same.
@@ -169,10 +169,10 @@ def comparisons(table: pd.DataFrame, leading: Mapping[str, str]) -> Iterator[Com
             for row in rows.drop_duplicates("sample").itertuples()
         }
         lines = tuple(
-            Line(quantity, mesh, next(iter(line.values())).published, line)
+            PublishedLine(quantity, mesh, next(iter(line.values())).published, line)
             for (quantity, mesh), line in by_line.items()
         )
-        yield Comparison(int(str(locks)), samples, lines)
+        yield PublishedSamples(int(str(locks)), samples, lines)
 
 
 QUANTITIES = (  # of the validation table: pattern and label
@@ -203,9 +203,7 @@ def difference_text(row: Any) -> str:
     return f"{100 * row.relative_difference:+.2f} %"
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table of published and computed numbers."""
     study = Study.model_validate_json(arguments["study"])
     capacity, weights, fit = (
@@ -213,3 +211,7 @@ def run(
     )
     table = validation_table(study, capacity, weights, fit, read_published())
     write_table(VALIDATION, table, outputs["validation"])
+
+
+if __name__ == "__main__":
+    step(run)

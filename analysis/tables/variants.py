@@ -1,9 +1,8 @@
 """The table of variants: capacity, weights and best-fitting option under each change."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import fields
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import pandas as pd
 
 from analysis.tables.misfit import LoadErrors, misfit
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
 
 FEWEST = 3  # directions that an option is judged by
@@ -68,10 +68,12 @@ def _errors(promised: pd.DataFrame, curve: pd.DataFrame) -> Iterator[dict[str, A
             yield {"option": option, **vars(misfit(promised_loads, loads.to_numpy(dtype=float)))}
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     study = Study.model_validate_json(arguments["study"])
     capacity, sums = (read_table(kind, inputs[kind.name]) for kind in (CAPACITY, WEIGHT_SUMS))
     write_table(VARIANTS, variants_table(study, capacity, sums), outputs["variants"])
+
+
+if __name__ == "__main__":
+    step(run)

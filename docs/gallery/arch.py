@@ -1,4 +1,5 @@
 """An arch that is pushed
+======================
 
 The models of the joint take any blocks. A semicircular arch of 20 voussoirs carries 0.29 of its
 weight as a horizontal force; at more, it turns into a mechanism with four hinges.

@@ -1,4 +1,5 @@
 """Behind the peak
+===============
 
 Five locks under V at e = a / 2. Nodes of lock 2 fail first, and the load still rises a little.
 Behind the peak each point is the load that is left if it is let down as bonds fail. Where the line

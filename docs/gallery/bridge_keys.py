@@ -1,4 +1,5 @@
 """Keys of a bridge: what does the next key add?
+=============================================
 
 Dry joints of segmental bridges have keys, which are locks in one piece. Codes add up the keys. If
 keys fail one after the other, the sum is an upper bound: the curves show which part of it the

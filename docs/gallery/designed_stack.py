@@ -1,4 +1,5 @@
 """How many locks does a structure need?
+=====================================
 
 A block on a base is pushed by 2000 N along y, or by 0.2 of its weight along x. Friction alone does
 not hold it. The cheapest locks are found, with a bound below which none do, and checked by the

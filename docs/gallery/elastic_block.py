@@ -1,4 +1,5 @@
 """A block that bends
+==================
 
 Published joints are rigid. Here the upper block of five locks is one elastic piece, from soft
 stone to steel. The stiffer it is, the more evenly it loads the locks; two locks are all that

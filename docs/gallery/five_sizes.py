@@ -1,4 +1,5 @@
 """V–M curves of five joints
+=========================
 
 The upper body of seven locks grows from 20 to 100 mm. A taller body passes more load on to the
 locks behind the first ones. Each curve is the load to design for, by the safe rule.

@@ -1,4 +1,5 @@
 """A joint of your own: which lock fails first?
+============================================
 
 Nine locks under V at e = 0.3 a. Each bar is the mean shear stress on a lock's inner face over its
 cohesion at the peak. Lock 2 carries most, and yet only half of its strength: the torque breaks its

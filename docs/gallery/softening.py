@@ -1,4 +1,5 @@
 """Bonds that soften
+=================
 
 A brittle bond loses its strength at once, a ductile one keeps it. In between, the fracture energy
 of the inner faces decides how many of five locks work together: about 10 J/m² are needed before

@@ -1,8 +1,4 @@
-"""What the static model answers for a joint, and which of its loads counts.
-
-It is solved on two meshes, the finer of which gives the load. The peak counts; where it spreads too
-far, see `sidmacib.mechanics.static.peak_spread`, the first failure does.
-"""
+"""What the static model answers for a joint: its lowest peak, on the finer of two meshes."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,10 +7,9 @@ from sidmacib.joint.joint import Joint
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
-from sidmacib.mechanics.solution import Equilibrium, StaticSolution
-from sidmacib.mechanics.static.peak_spread import StaticCapacity, static_capacity
-from sidmacib.mesh_error import LoadKind, cells_of, kind_of, mesh_errors
-from sidmacib.problem import Problem
+from sidmacib.mechanics.solution import StaticSolution
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mesh_error import cells_of, kind_of, mesh_errors
 
 # Coarse and fine mesh over the shorter side of a lock; both give the mesh error on the fine one.
 # Elastic pieces take much longer.
@@ -26,37 +21,29 @@ KEPT = 64  # answers: what a page asks about one joint
 class JointAnswer:
     """What the static model answers for a joint along a direction, on the fine mesh.
 
-    ``capacity``: its path on the pieces of ``assembly``, and which of its loads counts.
+    ``solution``: its path to the lowest peak that is found, on the pieces of ``assembly``.
     """
 
     assembly: Assembly
-    capacity: StaticCapacity
+    solution: StaticSolution
 
     @property
     def load(self) -> float:
-        """The load that counts along the direction, in N."""
-        return float(self.capacity.load)
+        """The peak along the direction, in N."""
+        return float(self.solution.peak.load)
 
     @property
     def first_failure(self) -> float | None:
-        """The first failure over that load; None where nothing is carried."""
-        first = float(self.capacity.solution.first_failure_load)
+        """The first failure over the peak; None where nothing is carried."""
+        first = float(self.solution.first_failure_load)
         return first / self.load if self.load else None
 
     @property
-    def state(self) -> Equilibrium:
-        """The equilibrium at that load."""
-        return self.capacity.path[-1]
-
-    @property
     def why(self) -> str:
-        """Which load counts, and why."""
+        """Which load that is."""
         if not self.load:
             return "nothing is carried"
-        if self.capacity.is_peak:
-            return "peak"
-        spread = 100.0 * self.capacity.spread
-        return f"first failure; peaks behind it spread by {spread:.0f} % or more"
+        return "lowest peak found" if self.solution.spread else "peak"
 
 
 def meshes(joint: Joint) -> tuple[float, float]:
@@ -65,20 +52,13 @@ def meshes(joint: Joint) -> tuple[float, float]:
     return coarse * joint.least_side, fine * joint.least_side
 
 
-def on_given_cells(problem: Problem) -> StaticCapacity:
-    """The path of the static model for a joint's ``problem`` on its cells, and what counts there.
-
-    `sidmacib.errors.CapacityError` if there is none.
-    """
-    return static_capacity(*problem)
-
-
 def quick_path(joint: Joint, loading: Loading) -> tuple[Assembly, StaticSolution]:
-    """Pieces and path on the fine mesh, without the spread of the peak, which may not count.
+    """Pieces and one path on the fine mesh: there may be a lower peak.
 
     Errors of `sidmacib.joint.load_path.load_path`.
     """
-    return load_path(joint, loading, meshes(joint)[1])
+    problem = posed(joint, loading, meshes(joint)[1])
+    return problem.assembly, static_peak(*problem)
 
 
 @lru_cache(maxsize=KEPT)
@@ -87,8 +67,7 @@ def joint_answer(joint: Joint, loading: Loading) -> JointAnswer:
 
     `sidmacib.errors.CapacityError` if it has none.
     """
-    problem = posed(joint, loading, meshes(joint)[1])
-    return JointAnswer(problem.assembly, on_given_cells(problem))
+    return JointAnswer(*load_path(joint, loading, meshes(joint)[1]))
 
 
 def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:
@@ -97,14 +76,11 @@ def joint_mesh_error(joint: Joint, loading: Loading) -> float | None:
     From the coarse mesh, too. Errors of `joint_answer`.
     """
     coarse = load_path(joint, loading, meshes(joint)[0])[1]
-    fine = joint_answer(joint, loading).capacity
-    if not (fine.load > 0.0 and coarse.peak.load > 0.0):
+    fine = joint_answer(joint, loading).solution
+    if not (fine.peak.load > 0.0 and coarse.peak.load > 0.0):
         return None
-    both = coarse, fine.solution
+    both = coarse, fine
     cells = [cells_of(joint, mesh) for mesh in meshes(joint)]
-    kind, loads = LoadKind.FIRST_FAILURE, [one.first_failure_load for one in both]
-    if fine.is_peak:
-        kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
-        loads = [one.peak.load for one in both]
-    errors = mesh_errors(dict(zip(cells, loads, strict=True)), NodeLayout.LOBATTO, kind)
-    return float(errors[cells[1]])
+    kind = kind_of((one.peak.load, one.first_failure_load) for one in both)
+    loads = dict(zip(cells, (one.peak.load for one in both), strict=True))
+    return float(mesh_errors(loads, NodeLayout.LOBATTO, kind)[cells[1]])

@@ -3,8 +3,8 @@
 It is solved on the cells of the file and on cells of half the size. Where no bond fails before the
 peak, the peak counts. Where one does, how far the peak moves from one mesh to another says little
 of how far it still will: it counts only if three meshes agree on it, the third with cells of a
-quarter of the size, and if it does not spread. Otherwise the first failure counts, which hardly
-depends on the mesh.
+quarter of the size, on which the lowest peak is sought. Otherwise the first failure counts, which
+hardly depends on the mesh.
 """
 
 from collections.abc import Mapping
@@ -12,14 +12,9 @@ from dataclasses import dataclass
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.solution import (
-    LEAST_INCREMENT,
-    SPREAD_LIMIT,
-    Equilibrium,
-    StaticSolution,
-)
+from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.mechanics.static.peak_spread import peak_spread
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import Failures, MeshErrors, structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
@@ -54,8 +49,8 @@ class StaticAnswer:
 
     ``assembly``: on the cells that all of it belongs to, but ``given``, the failures on the cells
     of the file. ``path``: equilibria to the peak. ``mode``: how it ends; ``mechanism``: how the
-    blocks then move where gravity turns, see `StaticTilt`. ``spread``: of the peak; None where it
-    was not asked.
+    blocks then move where gravity turns, see `StaticTilt`. ``spread``: of the peaks; None
+    where the lowest was not sought.
     """
 
     assembly: Assembly
@@ -103,18 +98,14 @@ def bond_fails(failures: Failures) -> bool:
 
 @dataclass(frozen=True)
 class _Followed:
-    """A path to the peak on some cells; ``solution``: where it is loads that are raised."""
+    """A path to the peak on some cells; ``spread``: as in `StaticAnswer`."""
 
     assembly: Assembly
     failures: Failures
     path: tuple[Equilibrium, ...]
     mode: str
     mechanism: Floats | None = None
-    solution: StaticSolution | None = None
-
-    def spread(self, loads: Loads) -> float | None:
-        """The spread of the peak under ``loads``; None where gravity turns."""
-        return None if self.solution is None else peak_spread(self.assembly, loads, self.solution)
+    spread: float | None = None
 
 
 def static_answer(problem: Problem) -> StaticAnswer:
@@ -127,32 +118,27 @@ def static_answer(problem: Problem) -> StaticAnswer:
         raise NoEquilibriumError(DOES_NOT_STAND)
     if not bond_fails(found[HALF].failures):
         return _answer(found, Counts(peak=True, why=NO_BOND))
-    why, spread = _doubt(problem, found)
+    why = _doubt(problem, found)
     if why and not found[max(found)].failures.first > 0.0:
         raise CapacityError(f"bonds fail under its own weight alone, and {why}")
-    return _answer(found, Counts(peak=not why, why=why or AGREE), spread)
+    return _answer(found, Counts(peak=not why, why=why or AGREE))
 
 
-def _doubt(problem: Problem, found: dict[int, _Followed]) -> tuple[str, float | None]:
-    """Why the peak does not count though a bond fails before it, or nothing; and its spread.
+def _doubt(problem: Problem, found: dict[int, _Followed]) -> str:
+    """Why the peak does not count though a bond fails before it, or nothing.
 
     A path on a third mesh is added to those that are ``found`` if it may decide.
     """
     if unsettled := _unsettled(found):
-        return unsettled, None
+        return unsettled
     third = refined(problem.assembly, QUARTER)
     if len(third.nodes.area) > MOST_NODES:
-        return "a third mesh, which shows whether the peak depends on it, is too large", None
+        return "a third mesh, which shows whether the peak depends on it, is too large"
     try:
-        found[QUARTER] = _followed(third, problem.loads)
+        found[QUARTER] = _followed(third, problem.loads, lowest=True)
     except CapacityError as error:
-        return f"there is no peak on a third mesh: {error}", None
-    if unsettled := _unsettled(found):
-        return unsettled, None
-    spread = found[QUARTER].spread(problem.loads)
-    if spread is not None and spread > SPREAD_LIMIT:
-        return f"peaks spread by {100.0 * spread:.0f} % or more", spread
-    return "", spread
+        return f"there is no peak on a third mesh: {error}"
+    return _unsettled(found)
 
 
 def _unsettled(found: Mapping[int, _Followed]) -> str:
@@ -165,17 +151,19 @@ def _unsettled(found: Mapping[int, _Followed]) -> str:
     return ""
 
 
-def _followed(assembly: Assembly, loads: Loads) -> _Followed:
+def _followed(assembly: Assembly, loads: Loads, *, lowest: bool = False) -> _Followed:
+    """The path under ``loads``; ``lowest``: to the lowest peak, where loads are raised."""
     try:
         if loads.axis is not None:
             tilt = static_tilt(assembly, Tilt(loads.axis))
             failures = Failures(float(tilt.first_failure), float(tilt.angle))
             return _Followed(assembly, failures, tilt.path, str(tilt.motion), tilt.mechanism)
-        found = static_peak(assembly, loads)
+        found = (lowest_peak if lowest else static_peak)(assembly, loads)
     except NoEquilibriumError:
         raise NoEquilibriumError(DOES_NOT_STAND) from None
     failures = Failures(float(found.first_failure_load), float(found.peak.load))
-    return _Followed(assembly, failures, found.path, str(found.mode), solution=found)
+    spread = found.spread if lowest else None
+    return _Followed(assembly, failures, found.path, str(found.mode), spread=spread)
 
 
 def _mesh_errors(found: Mapping[int, _Followed]) -> MeshErrors:
@@ -183,9 +171,7 @@ def _mesh_errors(found: Mapping[int, _Followed]) -> MeshErrors:
     return structure_mesh_errors(found[1].assembly, failures)
 
 
-def _answer(
-    found: Mapping[int, _Followed], counts: Counts, spread: float | None = None
-) -> StaticAnswer:
+def _answer(found: Mapping[int, _Followed], counts: Counts) -> StaticAnswer:
     finest = found[max(found)]
     return StaticAnswer(
         finest.assembly,
@@ -196,5 +182,5 @@ def _answer(
         finest.path,
         finest.mode,
         finest.mechanism,
-        spread,
+        finest.spread,
     )

@@ -20,7 +20,7 @@ class Answer:
     """A model's load (N) along a direction, None if it has none, and further results.
 
     ``first_failure``: over the load; ``mesh_error``: of the load, over it; ``peak_spread``: see
-    `sidmacib.mechanics.static.peak_spread`.
+    `sidmacib.mechanics.static.lowest_peak`.
     """
 
     load: float | None
@@ -54,7 +54,7 @@ def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
 
     loading = Loading(direction, push=push)
     found, error = joint_answer(joint, loading), joint_mesh_error(joint, loading)
-    return Answer(found.load, found.why, found.first_failure, error, found.capacity.spread)
+    return Answer(found.load, found.why, found.first_failure, error, found.solution.spread)
 
 
 def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -136,7 +136,7 @@ def reason(error: Exception) -> str:
 
 
 def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
-    """What each lock carries at the load that counts in the static model.
+    """Loads of the locks at the load that counts in the static model.
 
     `CapacityError` if there is none.
     """
@@ -153,7 +153,7 @@ def weight_rows(joint: Joint, ratio: float, push: Push) -> list[Row]:
             "Vy (N)": _without_noise(each.shear_y_N, joint),
             "largest shear / cohesion": each.max_shear_ratio,
         }
-        for each in lock_weights(joint, found.assembly, found.state.force)
+        for each in lock_weights(joint, found.assembly, found.solution.peak.force)
     ]
 
 
@@ -196,7 +196,7 @@ def effect_rows(
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
-    """How many locks work in pure shear: the closed form, the law, the safe rule."""
+    """Numbers of working locks in pure shear: the closed form, the law, the safe rule."""
     from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)

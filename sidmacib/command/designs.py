@@ -1,4 +1,4 @@
-"""What the command says of a design."""
+"""Output of the command for a design."""
 
 import math
 from collections.abc import Iterator
@@ -40,7 +40,7 @@ def design_tables(design: Design) -> dict[str, list[Row]]:
         "cost": cost_rows(design),
         "locks": lock_rows(design),
         "checks": check_rows(design),
-        "order of placing": order_rows(design),
+        "order of placing": [*order_rows(design)],
     }
 
 
@@ -88,7 +88,7 @@ def _lock_row(design: Design, number: int, row: Layout) -> Row:
 
 
 def check_rows(design: Design) -> list[Row]:
-    """What every model carries of every case, over the case's load."""
+    """Load that each model carries in each case, over the case's load."""
     return [
         {
             "case": check.case,
@@ -101,12 +101,8 @@ def check_rows(design: Design) -> list[Row]:
     ]
 
 
-def order_rows(design: Design) -> list[Row]:
+def order_rows(design: Design) -> Iterator[Row]:
     """The blocks in the order of placing, and how each comes; then those that are stuck."""
-    return list(_order_rows(design))
-
-
-def _order_rows(design: Design) -> Iterator[Row]:
     pieces = design.task.structure.assembly.pieces
     for number, step in enumerate(design.order.steps, start=1):
         along = " ".join(f"{each:.3g}" for each in step.along)

@@ -1,4 +1,4 @@
-"""Which joints carry a load: what is asked on the command line, rows, and the chart."""
+"""Joints that carry a load: reading of the command line, rows, and the chart."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -34,7 +34,7 @@ GREY = "0.7"
 
 
 def demand_of(shear: float, torque: float, ratio: float | None) -> Demand:
-    """What is to be carried; `click.UsageError` if nothing is, or what contradicts itself."""
+    """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
     for flag, value in (("-V", shear), ("-M", torque), ("-e", ratio or 0.0)):
         if not math.isfinite(value) or (flag == "-V" and value < 0.0):
             allowed = "a finite number" + (" of at least 0" if flag == "-V" else "")
@@ -116,7 +116,7 @@ def sought(
 def candidate_rows(
     candidates: Sequence[Candidate], values: Mapping[str, Sequence[float]], prices: Prices
 ) -> list[Row]:
-    """What varies of each joint, what it carries and what it costs."""
+    """Varied parameters, capacity and cost of each joint."""
     units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES[1:]}}
     rows = []
     for each in candidates:
@@ -154,7 +154,7 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
 
 
 def why_none(tried: Sequence[Candidate]) -> str:
-    """How far the joints that were tried are from carrying the load."""
+    """Reason why none of the joints that were tried carries the load."""
     refused = [each.reason for each in tried if each.load is None]
     usage = [each.usage for each in tried if each.usage is not None]
     words = [f"none of {len(tried)} joints carries this by the safe rule"]

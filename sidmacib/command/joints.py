@@ -38,7 +38,7 @@ class EccentricityType(click.ParamType[float]):
 
 
 class HoldDownType(click.ParamType[HoldDown]):
-    """What holds the joint down."""
+    """Hold-down of the joint."""
 
     name = "hold-down"
 

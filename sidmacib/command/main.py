@@ -117,7 +117,7 @@ def capacity(
 
 @contextmanager
 def _refused_in_one_line() -> Iterator[None]:
-    """What a model says of a joint that it does not take, as an error of click."""
+    """Report a model's refusal of a joint as an error of click."""
     from sidmacib.command.answers import ERRORS, reason
 
     try:
@@ -166,7 +166,7 @@ def envelope(
 @_format
 @_picture
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
-    """What each lock carries over its strength, at the load that counts (static model)."""
+    """Load of each lock over its strength, at the load that counts (static model)."""
     from sidmacib.command.answers import weight_rows
 
     joint = joint_of(flags)
@@ -184,7 +184,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 )
 @_format
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
-    """How the first failure depends on each size and property (static model).
+    """Effect of each size and property on the first failure (static model).
 
     Each row has the change of V, in %, for 1 % more and for 1 % less of one parameter at the same
     e / a, and the derivative of V from both; in pure torsion those of M. Largest effects come
@@ -207,7 +207,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
 @joint_options
 @_format
 def law(form: str, push: str, **flags: Any) -> None:
-    """How many locks work in pure shear: closed form, law and safe rule."""
+    """Number of locks that work in pure shear: closed form, law and safe rule."""
     from sidmacib.command.answers import law_rows
 
     joint = joint_of(flags)
@@ -288,7 +288,7 @@ def inverse(
 )
 @_format
 def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
-    """What a structure of blocks of any shape carries; FILE describes it in YAML.
+    """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
 
     Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
     name beside it has what it lacks: interfaces, locks, load.
@@ -341,7 +341,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
         from sidmacib.design.file import read_task, write_designed
 
         task = read_task(file)
-        found = design_of(task, (lambda _: None) if quiet else _progress)
+        found = design_of(task, lambda line: None if quiet else click.echo(line, err=True))
         if output is not None:
             write_designed(task, found.choice, output)
     tables = design_tables(found)
@@ -354,7 +354,3 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
                 click.echo(f"\n{name}\n{text_of(rows, form)}")
     if not found.passes:
         sys.exit(1)
-
-
-def _progress(line: str) -> None:
-    click.echo(line, err=True)

@@ -44,7 +44,7 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
         return stream.getvalue().rstrip("\n")
     cells = [head, *([_cell(row[key]) for key in head] for row in rows)]
     widths = [max(len(line[place]) for line in cells) for place in range(len(head))]
-    numeric = [all(_is_number(row[key]) for row in rows) for key in head]
+    numeric = [all(isinstance(row[key], int | float | None) for row in rows) for key in head]
     lines = [
         "  ".join(
             cell.rjust(width) if right else cell.ljust(width)
@@ -53,10 +53,6 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
         for line in cells
     ]
     return "\n".join(lines)
-
-
-def _is_number(value: Any) -> bool:
-    return value is None or isinstance(value, int | float)
 
 
 def _cell(value: Any) -> str:

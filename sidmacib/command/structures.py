@@ -1,4 +1,4 @@
-"""What the command says of structures of blocks."""
+"""Output of the command for structures of blocks."""
 
 from collections.abc import Iterator
 
@@ -27,7 +27,7 @@ def limit_of(problem: Problem) -> LimitState | CapacityError | None:
 
 
 def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = None) -> list[Row]:
-    """What a structure carries after each model: loads, or angles if gravity turns.
+    """Capacity of a structure by each model: loads, or angles if gravity turns.
 
     ``limit``: by `limit_of` if that was asked before, as it is solved once.
     """
@@ -38,7 +38,7 @@ def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = 
 
 
 def interface_rows(problem: Problem) -> list[Row]:
-    """What each interface carries at the load that counts in the static model.
+    """Forces of each interface at the load that counts in the static model.
 
     `CapacityError` if the model has no answer.
     """
@@ -92,7 +92,7 @@ def _static(problem: Problem) -> Row:
 
 
 def _note(answer: StaticAnswer) -> str:
-    """Which load counts, why, and how the peak ends."""
+    """The load that counts, the reason, and the end of the peak."""
     moves = ""
     if answer.mechanism is not None:
         moves = f"; {moves_most(answer.assembly, answer.mechanism)} moves most"

@@ -31,7 +31,7 @@ def envelope(model: Sidmacib) -> Envelope:
 
     Raises `sidmacib.errors.CapacityError` if the set is empty.
     """
-    furthest = SupportFunction.of(model)
+    furthest = SupportFunction(model)
     in_units = polygon(furthest)
     # Plus 0 turns -0 into 0.
     return Envelope(in_units.vertices * furthest.plane + 0.0, in_units.programmes)

@@ -1,14 +1,7 @@
 """SiDMACIB: capacity of the joint by limit analysis on contact points (the paper, section 2).
 
-At point i of lock j act a normal force r_n, a force along the lock r_t1 and one across it r_t2,
-
-    r_n >= 0,    |r_t1| <= mu r_n,    |r_t2| <= w_j p_ij T0_j,
-
-in equilibrium with the loads on the upper block, C_eq r + E = 0. E contains the self-weight of the
-block, an overload against rocking, the shear V at the block's centroid and the torque M. T0_j is
-the strength of lock j, without the friction that its bond may have; w_j is 1, or less if a
-reduction applies to the lock. The paper raises V in steps and checks feasibility; the linear
-programme here maximises the load, with the same result.
+The paper raises V in steps and checks feasibility; the linear programme here, see `programme`,
+maximises the load, with the same result.
 """
 
 import math
@@ -26,7 +19,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.pieces import cut_pieces, upper_block
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.equilibrium import wrenches
-from sidmacib.mechanics.optimisation import Family
+from sidmacib.mechanics.optimisation import solve
 from sidmacib.validation import refused, require_not_negative
 
 LEAST_FRICTION = 1e-300  # less counts as none: products with it are no normal numbers
@@ -112,8 +105,8 @@ class _Units:
 
 
 @dataclass(frozen=True)
-class _Programme:
-    """The feasible set: variables, in ``units``, and the constraints common to all programmes.
+class Admissible:
+    """The loads that a joint carries: variables, in ``units``, and the constraints on them.
 
     ``loads``: V and M. ``forces``: r_t1, r_t2, r_n at every point.
     """
@@ -124,16 +117,32 @@ class _Programme:
     constraints: list[cp.Constraint]
 
 
-def _programme(model: Sidmacib) -> _Programme:
-    joint = model.joint
-    points = contact_points(joint, model.option)
-    count = len(points.lock)
+def programme(model: Sidmacib) -> Admissible:
+    r"""The constraints of SiDMACIB on the loads V and M and the forces r at the contact points.
+
+    .. math::
+
+        \begin{array}{rl}
+        \max_{\lambda, r} \quad & \lambda \\
+        \text{subject to} \quad & C_{eq} r + E = 0, \quad (V, M) = \lambda (v, m) \\
+        & r_n \ge 0, \quad |r_{t1}| \le \mu r_n, \quad |r_{t2}| \le w_j p_{ij} T_{0j}
+        \end{array}
+
+    At point i of lock j, :math:`r_n` is normal, :math:`r_{t1}` along the lock and :math:`r_{t2}`
+    across it. E contains the self-weight of the upper block, the force that presses it, the shear V
+    at its centroid and the torque M. :math:`T_{0j}` is the strength of lock j, without the friction
+    that its bond may have, of which the point has the portion :math:`p_{ij}`; :math:`w_j` is 1, or
+    less if a reduction applies to the lock.
+    """
+    joint, points = model.joint, contact_points(model.joint, model.option)
+    lock, count = points.lock - 1, len(points.lock)
     weight, centroid = block_above(joint)
     pressure = weight + model.pressing_force
-    strength = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
-    limit = strength[points.lock - 1] * points.portion * np.array(joint.strengths)[points.lock - 1]
+    w = np.array(model.strength if model.strength is not None else [1.0] * joint.locks)
+    limit = w[lock] * points.portion * np.array(joint.strengths)[lock]
     units = _Units.of(model, limit, pressure, float(centroid[2] - joint.h / 2))
-    loads, forces = cp.Variable(2), cp.Variable((count, 3))
+    loads, r = cp.Variable(2), cp.Variable((count, 3))
+    r_t1, r_t2, r_n = r[:, 0], r[:, 1], r[:, 2]
 
     axes = np.broadcast_to(np.eye(3), (count, 3, 3))
     along, across, normal = units.forces
@@ -149,20 +158,16 @@ def _programme(model: Sidmacib) -> _Programme:
     E = permanent + lateral @ loads
 
     mu = friction_along(model) * normal / along
-    return _Programme(
-        units,
-        loads,
-        forces,
-        [
-            C_eq @ cp.vec(forces, order="C") + E == 0,
-            forces[:, 2] >= 0,
-            # Two inequalities each, as absolute values would add unknowns.
-            forces[:, 0] <= mu * forces[:, 2],
-            -forces[:, 0] <= mu * forces[:, 2],
-            forces[:, 1] <= limit / across,
-            -forces[:, 1] <= limit / across,
-        ],
-    )
+    constraints = [
+        C_eq @ cp.vec(r, order="C") + E == 0,
+        r_n >= 0,
+        # Two inequalities each, as absolute values would add unknowns.
+        r_t1 <= mu * r_n,
+        -r_t1 <= mu * r_n,
+        r_t2 <= limit / across,
+        -r_t2 <= limit / across,
+    ]
+    return Admissible(units, loads, r, constraints)
 
 
 def pressing_lever(joint: Joint, centroid: Floats) -> float:
@@ -191,15 +196,17 @@ def block_above(joint: Joint) -> tuple[float, Floats]:
 
 
 @lru_cache(maxsize=KEPT)
-def _directed(model: Sidmacib, thread: int) -> tuple[_Programme, cp.Variable, Family]:
-    """The programme of ``model``, its load, and the load's largest values along any direction.
+def _directed(
+    model: Sidmacib, thread: int
+) -> tuple[Admissible, cp.Problem, cp.Variable, cp.Parameter]:
+    """The programme of the largest load along a direction, that load, and the direction (v, m).
 
     Cached, because building it takes longer than solving it; each ``thread`` fills a separate one.
     """
-    programme = _programme(model)
-    load, slope = cp.Variable(), cp.Parameter(2)
-    along = [*programme.constraints, load >= 0, programme.loads == slope * load]
-    return programme, load, Family(cp.Problem(cp.Maximize(load), along))
+    admissible = programme(model)
+    load, direction = cp.Variable(), cp.Parameter(2)
+    along = [*admissible.constraints, load >= 0, admissible.loads == direction * load]
+    return admissible, cp.Problem(cp.Maximize(load), along), load, direction
 
 
 def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacity]:
@@ -207,15 +214,17 @@ def capacities(model: Sidmacib, directions: Iterable[Direction]) -> list[Capacit
 
     Raises `sidmacib.errors.CapacityError` if there is none.
     """
-    programme, load, family = _directed(model, threading.get_ident())
+    admissible, problem, load, slope = _directed(model, threading.get_ident())
+    units = admissible.units
 
     def along(direction: Direction) -> Capacity:
         # V and M per newton of load, and the load at which they are about their units.
         each = np.array([direction.shear, direction.torque * model.joint.a])
-        unit = 1.0 / float(np.abs(each / programme.units.plane).sum())
-        family.solve(unit * each / programme.units.plane, f"e = {direction.eccentricity:g} a")
+        unit = 1.0 / float(np.abs(each / units.plane).sum())
+        slope.value = unit * each / units.plane
+        solve(problem, f"e = {direction.eccentricity:g} a")
         value = unit * float(cast(float, load.value)) + 0.0  # no -0
-        forces = programme.units.forces * programme.forces.value
+        forces = units.forces * admissible.forces.value
         return Capacity(value, value * each[0], value * each[1], forces)
 
     return [along(direction) for direction in directions]
@@ -226,30 +235,20 @@ def capacity(model: Sidmacib, direction: Direction) -> Capacity:
     return capacities(model, [direction])[0]
 
 
-@dataclass(frozen=True)
 class SupportFunction:
     """Finds the point of the feasible set that lies furthest along a direction.
 
     Points and directions are of shape (2,), V and M in units of ``plane`` (N, N m).
     """
 
-    programme: _Programme
-    family: Family
-
-    @classmethod
-    def of(cls, model: Sidmacib) -> "SupportFunction":
-        """Set up the programme of ``model``."""
-        programme, normal = _programme(model), cp.Parameter(2)
-        aim = cp.Maximize(normal @ programme.loads)
-        return cls(programme, Family(cp.Problem(aim, programme.constraints)))
-
-    @property
-    def plane(self) -> Floats:
-        """The units of V and M."""
-        return self.programme.units.plane
+    def __init__(self, model: Sidmacib) -> None:
+        admissible, self.normal = programme(model), cp.Parameter(2)
+        self.plane, self.loads = admissible.units.plane, admissible.loads
+        self.problem = cp.Problem(cp.Maximize(self.normal @ self.loads), admissible.constraints)
 
     def __call__(self, normal: Floats) -> Floats:
         """The furthest point along ``normal``."""
         V, M = normal / self.plane
-        self.family.solve(normal, f"outward normal (V, M) = ({V:g}, {M:g})")
-        return np.array(self.programme.loads.value, dtype=float)
+        self.normal.value = normal
+        solve(self.problem, f"outward normal (V, M) = ({V:g}, {M:g})")
+        return np.array(self.loads.value, dtype=float)

@@ -90,7 +90,7 @@ def conflict(
 
 
 def _touching(assembly: Assembly) -> dict[int, list[tuple[int, int, Floats]]]:
-    """Of each block: the faces it touches others at, the other block, and the way away from it."""
+    """For each block, the faces that touch others, the other block, and the way away from it."""
     found: dict[int, list[tuple[int, int, Floats]]] = {}
     for number, face in enumerate(assembly.faces):
         found.setdefault(face.above, []).append((number, face.below, face.axes[0]))
@@ -100,7 +100,7 @@ def _touching(assembly: Assembly) -> dict[int, list[tuple[int, int, Floats]]]:
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """What locks bar, by face: motion ``across`` them, (3,), either way.
+    """Motions that locks bar, by face: ``across`` them, (3,), either way.
 
     ``walls``: directions, (K, 3), into which the block above must move by 0 or more, as seen from
     the block below.

@@ -28,7 +28,7 @@ CLOSE = 1e-6  # over the factor: what a check may lack, for rounding
 
 @dataclass(frozen=True)
 class Check:
-    """How much of a case a model carries.
+    """Share of a case that a model carries.
 
     ``factor``: load over that of the case; infinite if it can grow without limit, None without an
     answer. ``decides``: whether the design stands or falls by it.
@@ -50,7 +50,7 @@ class Check:
 def checks_of(
     task: Task, choice: Choice, note: Callable[[str], None] = lambda _: None
 ) -> tuple[Check, ...]:
-    """What the design's model and the others carry of every case with the rows of ``choice``."""
+    """Loads of all cases by the design's model and the others, with the rows of ``choice``."""
     found = [
         Check(each.case, DESIGN, each.factor, "condensed locks, associated friction", True)
         for each in carried(task.structure, choice)

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 
 from sidmacib.design.blocking import Choice, Order, conflict, order_of
 from sidmacib.design.checks import Check, checks_of
-from sidmacib.design.direction import Directions, Found, Search, choice_of
+from sidmacib.design.direction import Directions, FoundRows, RowSearch, choice_of
 from sidmacib.design.file import Task, with_demand
 from sidmacib.design.layouts import Layout
-from sidmacib.design.model import Structure
+from sidmacib.design.model import DesignProblem
 from sidmacib.design.sizing import Carried, Needed, carried, largest_factor, needed
 from sidmacib.errors import InfeasibleError, SolverError
 
@@ -39,8 +39,8 @@ class Design:
     choice: tuple[Layout | None, ...]
     cost: float
     bound: float
-    mixed: Found
-    whole: Found
+    mixed: FoundRows
+    whole: FoundRows
     demand: Mapping[str, float]
     states: tuple[Carried, ...]
     needed: tuple[Needed, ...]
@@ -110,7 +110,7 @@ def _raised(design: Design) -> dict[str, float]:
     return demand
 
 
-def _stronger(structure: Structure, choice: Choice) -> Choice | None:
+def _stronger(structure: DesignProblem, choice: Choice) -> Choice | None:
     """The next stronger row in place of each row, along the same direction; None if none is."""
     found = list(choice)
     for number, (site, row) in enumerate(zip(structure.sites, choice, strict=True)):
@@ -166,7 +166,7 @@ def _once(
     """A design for a ``demand`` on each case; ``last``: of the round before."""
     structure = with_demand(task, demand).structure
     try:
-        search = Search(structure, task.asked.factor)
+        search = RowSearch(structure, task.asked.factor)
     except (InfeasibleError, SolverError) as error:
         # Proofs that no strengths do are often inexact; a largest factor says it as well.
         raise _why_not(structure, task.asked.factor) or error from None
@@ -209,7 +209,7 @@ def _once(
     )
 
 
-def _why_not(structure: Structure, factor: float) -> InfeasibleError | None:
+def _why_not(structure: DesignProblem, factor: float) -> InfeasibleError | None:
     """Why no locks carry ``factor`` times all cases; None if some do."""
     most = "with all locks that there is room for"
     alone: dict[str, float] = {}

@@ -18,7 +18,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, eye_array, hstack
 
 from sidmacib.design.layouts import Layout
-from sidmacib.design.model import Case, CaseForces, Structure, case_forces
+from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
 from sidmacib.design.silence import silent
 from sidmacib.design.sizing import ENOUGH, WHAT, Mechanism, least_cost, work_of
 from sidmacib.errors import InfeasibleError, SolverError
@@ -38,11 +38,11 @@ Directions = frozenset[tuple[int, int]]  # pairs of a site and the direction tha
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundRows:
     """The cheapest rows found, or mixtures of rows that have one direction.
 
-    ``parts``: of each of `Structure.layouts`; ``cost``: theirs; ``bound``: no choice without what
-    is barred costs less. ``mechanisms``: how many it took; ``rounds``: of whole-number programmes.
+    ``parts``: of each of `DesignProblem.layouts`; ``cost``: theirs; ``bound``: no choice without
+    what is barred costs less. ``mechanisms``, ``rounds`` of whole-number programmes: how many.
     """
 
     parts: Floats
@@ -53,17 +53,17 @@ class Found:
 
     @property
     def gap(self) -> float:
-        """How much cheaper a choice might be, over the cost; 0 without locks."""
+        """Largest possible saving over the cost; 0 without locks."""
         return max(1.0 - self.bound / self.cost, 0.0) if self.cost > 0.0 else 0.0
 
 
-class Search:
+class RowSearch:
     """The search for the cheapest rows that carry ``factor`` times every case of a structure.
 
     Mechanisms are kept, as they hold whatever is barred, and whether rows are whole or mixed.
     """
 
-    def __init__(self, structure: Structure, factor: float) -> None:
+    def __init__(self, structure: DesignProblem, factor: float) -> None:
         """Errors of `least_cost`."""
         self.structure = structure
         self.relaxed = least_cost(structure, factor)
@@ -80,7 +80,7 @@ class Search:
         gap: float = GAP,
         time_limit: float = TIME_LIMIT,
         note: Callable[[str], None] = lambda _: None,
-    ) -> Found:
+    ) -> FoundRows:
         """The cheapest choice: ``whole`` rows, or mixtures of rows of one direction at each site.
 
         ``barred``: sets of sites with directions of which at least one must be otherwise. ``gap``:
@@ -108,7 +108,7 @@ class Search:
             note(f"round {rounds}: {count} mechanisms, cost {cost:.6g}, at least {bound:.6g}")
         if best is None:
             raise SolverError(f"{WHAT}: no rows of locks found in {time_limit:g} s")
-        return Found(best, cost, min(bound, cost), len(self.mechanisms), rounds)
+        return FoundRows(best, cost, min(bound, cost), len(self.mechanisms), rounds)
 
     def carries(self, parts: Floats) -> bool:
         """Whether rows, of which there are these parts, carry all cases."""
@@ -132,10 +132,12 @@ class Search:
         of_row = csr_array(structure.strengths > 0.0, dtype=float)
         sites = np.array([site for site, _ in structure.rows])
         once = csr_array((np.ones(rows), (sites, np.arange(rows))), (len(structure.sites), rows))
+        none = csr_array((len(structure.sites), layouts))
+        mixture = float(self.relaxed.cost / structure.costs.max()) * (1.0 - SHORT)
         constraints = [
             LinearConstraint(hstack([of_row, -eye_array(rows)], format="csr"), -np.inf, 0.0),
-            LinearConstraint(hstack([_zeros(once, layouts), once], format="csr"), -np.inf, 1.0),
-            LinearConstraint(np.append(cost, np.zeros(rows)), self._least_cost()),
+            LinearConstraint(hstack([none, once], format="csr"), -np.inf, 1.0),
+            LinearConstraint(np.append(cost, np.zeros(rows)), mixture),  # at least
         ]
         for each in barred:
             cut = [0.0] * layouts + [float(row in each) for row in structure.rows]
@@ -161,10 +163,6 @@ class Search:
             return None, bound
         found = np.clip(answer.x[:layouts], 0.0, 1.0)
         return np.asarray(np.round(found) if whole else found), bound
-
-    def _least_cost(self) -> float:
-        """No mixture costs less, over the largest cost."""
-        return float(self.relaxed.cost / self.structure.costs.max()) * (1.0 - SHORT)
 
     def _cut(self, parts: Floats) -> bool:
         """Whether rows do not carry all cases; mechanisms that they do not resist are kept."""
@@ -250,13 +248,13 @@ class Search:
 
 @dataclass(eq=False)
 class _Lack:
-    """How much strength locks lack for a case: one programme for many strengths.
+    """Strength that locks lack for a case: one programme for many strengths.
 
-    ``largest``: strength along each of `Structure.rows` in units; what is lacking is a part of it.
+    ``largest``: strength along each of `DesignProblem.rows` in units, of which a part is lacking.
     """
 
-    structure: Structure
-    case: Case
+    structure: DesignProblem
+    case: LoadCase
     factor: float
     largest: Floats
     _strength: cp.Parameter = field(init=False)
@@ -272,13 +270,13 @@ class _Lack:
         self._problem = cp.Problem(cp.Minimize(self._short), forces.constraints)
 
     def of(self, strength: Floats) -> tuple[float, Floats]:
-        """What is lacking, and by how much less it is for a unit more along each of the rows."""
+        """Strength that is lacking, and how much less for a unit more along each of the rows."""
         self._strength.value = strength
         solve(self._problem, WHAT, ENOUGH)
         return float(self._short.value), work_of(self.structure, self._forces)
 
 
-def along(structure: Structure, wish: Floats) -> Flags:
+def along(structure: DesignProblem, wish: Floats) -> Flags:
     """Whether each layout has the direction of its site for which there is the largest ``wish``."""
     sums = np.zeros(len(structure.rows))
     row = structure.row_of
@@ -290,7 +288,7 @@ def along(structure: Structure, wish: Floats) -> Flags:
     return np.isin(row, list(best.values()))
 
 
-def rounded_up(structure: Structure, parts: Floats) -> Floats:
+def rounded_up(structure: DesignProblem, parts: Floats) -> Floats:
     """1 for the cheapest row of each site that is at least as strong as its ``parts``, else 0.
 
     Of a site with rows of several directions the direction with the largest strength counts. The
@@ -312,7 +310,7 @@ def rounded_up(structure: Structure, parts: Floats) -> Floats:
     return taken
 
 
-def choice_of(structure: Structure, taken: Floats) -> tuple[Layout | None, ...]:
+def choice_of(structure: DesignProblem, taken: Floats) -> tuple[Layout | None, ...]:
     """The row of each site, None without one, of whole ones: ``taken`` is 1 for each."""
     choice: list[Layout | None] = [None] * len(structure.sites)
     for number in np.flatnonzero(taken).tolist():
@@ -320,7 +318,7 @@ def choice_of(structure: Structure, taken: Floats) -> tuple[Layout | None, ...]:
     return tuple(choice)
 
 
-def _less(structure: Structure, taken: Floats, site: int) -> Floats | None:
+def _less(structure: DesignProblem, taken: Floats, site: int) -> Floats | None:
     """``taken`` with the next cheaper row of a site and direction, or none there.
 
     None if there is none to take away.
@@ -337,10 +335,6 @@ def _less(structure: Structure, taken: Floats, site: int) -> Floats | None:
     return less
 
 
-def _is_barred(structure: Structure, taken: Flags, barred: Sequence[Directions]) -> bool:
+def _is_barred(structure: DesignProblem, taken: Flags, barred: Sequence[Directions]) -> bool:
     chosen = {structure.rows[row] for row in structure.row_of[taken].tolist()}
     return any(each <= chosen for each in barred)
-
-
-def _zeros(rows: csr_array, columns: int) -> csr_array:
-    return csr_array((rows.shape[0], columns))

@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, StrictBool, model_validator
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.design.layouts import Layout, LockKind, Weights, directions_of, layouts_of
-from sidmacib.design.model import Case, Site, Structure
+from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.mechanics.assembly import CLOSE, Assembly, FaceMaterial, Kind, Loads
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Length, Number, shown
@@ -178,9 +178,9 @@ class CaseText:
         flow = yaml.safe_dump(values, default_flow_style=True, width=1000)
         return flow.strip().removeprefix("{").removesuffix("}")
 
-    def of(self, assembly: Assembly) -> Case:
+    def of(self, assembly: Assembly) -> LoadCase:
         """The case on an ``assembly``, whose locks may be cut out; ValueError."""
-        return Case(self.name, self.loads(assembly), self.amount(assembly))
+        return LoadCase(self.name, self.loads(assembly), self.amount(assembly))
 
     def loads(self, assembly: Assembly) -> Loads:
         """ValueError that names the case."""
@@ -205,7 +205,7 @@ class Task:
 
     description: Mapping[str, Any]
     folder: Path
-    structure: Structure
+    structure: DesignProblem
     cases: tuple[CaseText, ...]
     asked: DesignSection
 
@@ -232,7 +232,7 @@ def task_of(description: Any, folder: Path = Path()) -> Task:
     )
     plain.setdefault("load", cases[0].load)
     assembly = assembly_of(given, folder)
-    structure = Structure(
+    structure = DesignProblem(
         assembly,
         _sites(assembly, design),
         tuple(case.of(assembly) for case in cases),

@@ -46,7 +46,7 @@ class LockKind:
 
 @dataclass(frozen=True)
 class Weights:
-    """What is to be small: the cost of each lock that works, of each m2 of its root and m3 of it.
+    """Cost of each lock that works, of each m2 of its root and m3 of it, whose sum is to be small.
 
     ValueError for a number below 0, or if all are 0.
     """
@@ -83,16 +83,16 @@ class Layout:
 
     @property
     def volume(self) -> float:
-        """Of the locks that work, in m3."""
+        """Volume of the locks that work, in m3."""
         return self.area * self.kind.height
 
     @cached_property
     def width(self) -> float:
-        """Of a lock that works, in m."""
+        """Width of a lock that works, in m."""
         return self.widths[1]
 
     def cost(self, weights: Weights) -> float:
-        """What it costs, in the units of ``weights``."""
+        """Cost in the units of ``weights``."""
         parts = (
             weights.number * self.working,
             weights.area * self.area,

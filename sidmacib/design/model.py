@@ -28,7 +28,7 @@ from sidmacib.validation import require_not_negative
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class LoadCase:
     """A load case: ``loads``, and the ``load`` (N) of the variable ones that is to be carried."""
 
     name: str
@@ -49,8 +49,8 @@ class Site:
 
 
 @dataclass(frozen=True, eq=False)
-class Structure:
-    """What is to be designed: an assembly without locks, its sites and load cases.
+class DesignProblem:
+    """A task of design: an assembly without locks, its sites and load cases.
 
     That it stands before loads are raised is a case too. ``option``: where the forces of locks act.
     ValueError without a site.
@@ -58,7 +58,7 @@ class Structure:
 
     assembly: Assembly
     sites: tuple[Site, ...]
-    cases: tuple[Case, ...]
+    cases: tuple[LoadCase, ...]
     weights: Weights
     option: ContactOption = OPTIONS["option3"]
 
@@ -110,7 +110,7 @@ class Structure:
         return np.array([float(id(layout) in taken) for layout in self.layouts])
 
     @cached_property
-    def all_cases(self) -> tuple[Case, ...]:
+    def all_cases(self) -> tuple[LoadCase, ...]:
         """The cases, and that without any variable load."""
         return (*self.cases, replace(self.cases[0], name="at rest", load=0.0))
 
@@ -157,11 +157,11 @@ class Structure:
         values = np.tile(self.option.portions, len(self.rows))
         return csr_array((values, (np.arange(len(rows)), rows)), (len(rows), len(self.rows)))
 
-    def permanent(self, case: Case) -> Floats:
+    def permanent(self, case: LoadCase) -> Floats:
         """Permanent loads in units, (R,)."""
         return np.asarray(case.loads.permanent.ravel()[self.free] / self.row_scale)
 
-    def variable(self, case: Case) -> Floats:
+    def variable(self, case: LoadCase) -> Floats:
         """The variable loads of a case, as much as is to be carried, in units, (R,)."""
         variable = case.loads.variable.ravel()[self.free]
         return np.asarray(case.load * variable / self.row_scale)
@@ -197,28 +197,6 @@ class Structure:
 
 
 @dataclass(frozen=True, eq=False)
-class NodeLimits:
-    """What nodes carry, in units: shear up to ``held`` + ``slope`` times compression.
-
-    ``torn``: the largest tension. All (N,).
-    """
-
-    held: Floats
-    slope: Floats
-    torn: Floats
-
-    @classmethod
-    def of(cls, structure: Structure) -> "NodeLimits":
-        """Friction where it is dry, the bonds' law where there are bonds."""
-        law = ContactLaw.of(structure.assembly)
-        return cls(
-            np.where(law.cohesive, law.shear_strength, 0.0) / structure.unit,
-            np.where(law.cohesive, law.bond_friction, law.friction),
-            np.where(law.cohesive, law.tensile_strength, 0.0) / structure.unit,
-        )
-
-
-@dataclass(frozen=True, eq=False)
 class CaseForces:
     """Unknown forces of a case, in units: at ``nodes`` (N, 3), across locks (K,)."""
 
@@ -229,14 +207,14 @@ class CaseForces:
 
 
 def case_forces(
-    structure: Structure, case: Case, factor: cp.Expression | float, strength: cp.Expression
+    structure: DesignProblem, case: LoadCase, factor: cp.Expression | float, strength: cp.Expression
 ) -> CaseForces:
     """Forces that carry ``factor`` times a case, with locks of a ``strength`` for each of `rows`.
 
     The strength is in units, and counts as it is.
     """
-    limits = NodeLimits.of(structure)
-    nodes = cp.Variable((len(limits.held), 3))
+    cone, unit = ContactLaw.of(structure.assembly).cone(), structure.unit
+    nodes = cp.Variable((len(cone.held), 3))
     locks = cp.Variable(structure.at_locks.shape[1])
     size = cp.norm(nodes[:, 1:], 2, axis=1)
     most = structure.portions @ strength
@@ -244,8 +222,8 @@ def case_forces(
     constraints = [
         structure.at_nodes @ cp.vec(nodes, order="C") + structure.at_locks @ locks
         == structure.permanent(case) + factor * structure.variable(case),
-        size <= limits.held + cp.multiply(limits.slope, nodes[:, 0]),
-        nodes[:, 0] >= -limits.torn,
+        size <= cone.held / unit + cp.multiply(cone.slope, nodes[:, 0]),
+        nodes[:, 0] >= -cone.torn / unit,
         *either,
     ]
     return CaseForces(nodes, locks, constraints, either)

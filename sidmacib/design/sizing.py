@@ -12,7 +12,7 @@ import cvxpy as cp
 import numpy as np
 
 from sidmacib.design.layouts import Layout
-from sidmacib.design.model import Case, CaseForces, Structure, case_forces
+from sidmacib.design.model import CaseForces, DesignProblem, LoadCase, case_forces
 from sidmacib.errors import InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import Flags
@@ -26,9 +26,9 @@ Choice = Sequence[Layout | None]  # for each site
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """What locks must resist: ``work`` times their strengths is at least ``least``.
+    """A mechanism that locks must resist: ``work`` times their strengths is at least ``least``.
 
-    ``work``: for each of `Structure.rows`; strengths in units, as much as counts.
+    ``work``: for each of `DesignProblem.rows`; strengths in units, as much as counts.
     """
 
     work: Floats
@@ -37,7 +37,7 @@ class Mechanism:
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """The least cost of mixed rows, and the part of each of `Structure.layouts` in the mixture.
+    """The least cost of mixed rows, and the part of each of `DesignProblem.layouts` in the mixture.
 
     ``mechanisms``: why nothing costs less.
     """
@@ -49,7 +49,7 @@ class Bound:
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """How much of a case a design carries.
+    """Share of a case that a design carries.
 
     ``factor``: of the case's load; infinite if it carries any. ``by_strength``: by how much the
     factor grows for each N that the locks of a site in the choice are stronger, (sites,); 0 where
@@ -63,7 +63,7 @@ class Carried:
 
 @dataclass(frozen=True, eq=False)
 class Needed:
-    """What locks carry of a case: of all forces that do, those with the least sum of squares.
+    """Forces of locks in a case: of all that carry it, those with the least sum of squares.
 
     ``across``: forces across the locks of each site in N, (sites,), and ``torque`` of these about
     the middle of its interface in N m. The squares are of forces over strengths.
@@ -74,10 +74,10 @@ class Needed:
     torque: Floats
 
 
-def least_cost(structure: Structure, factor: float, allowed: Flags | None = None) -> Bound:
+def least_cost(structure: DesignProblem, factor: float, allowed: Flags | None = None) -> Bound:
     """The least cost of locks that carry ``factor`` times every case, rows being mixed.
 
-    ``allowed``: whether each of `Structure.layouts` is; by default all. `InfeasibleError` if no
+    ``allowed``: whether each of `DesignProblem.layouts` is; by default all. `InfeasibleError` if no
     locks do.
     """
     parts = cp.Variable(len(structure.layouts), nonneg=True)
@@ -100,7 +100,7 @@ def least_cost(structure: Structure, factor: float, allowed: Flags | None = None
     return Bound(scale * float(problem.value), found, mechanisms)
 
 
-def largest_factor(structure: Structure) -> float:
+def largest_factor(structure: DesignProblem) -> float:
     """The largest factor of all cases that mixed rows carry; infinite if they carry any.
 
     `InfeasibleError` if no locks make it stand.
@@ -114,15 +114,15 @@ def largest_factor(structure: Structure) -> float:
     return _largest(factor, constraints)
 
 
-def carried(structure: Structure, choice: Choice) -> tuple[Carried, ...]:
-    """What the rows of ``choice`` carry of each case.
+def carried(structure: DesignProblem, choice: Choice) -> tuple[Carried, ...]:
+    """Loads of all cases that the rows of ``choice`` carry.
 
     `InfeasibleError` if a structure does not stand with them.
     """
     return tuple(_carried(structure, choice, case) for case in structure.cases)
 
 
-def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
+def _carried(structure: DesignProblem, choice: Choice, case: LoadCase) -> Carried:
     strength = _strength(structure, choice)
     factor = cp.Variable()
     forces = case_forces(structure, case, factor, cp.Constant(strength))
@@ -136,15 +136,15 @@ def _carried(structure: Structure, choice: Choice, case: Case) -> Carried:
     return Carried(case.name, largest, by_strength.astype(float))
 
 
-def needed(structure: Structure, choice: Choice, factor: float) -> tuple[Needed, ...]:
-    """What the rows of ``choice`` carry of ``factor`` times each case.
+def needed(structure: DesignProblem, choice: Choice, factor: float) -> tuple[Needed, ...]:
+    """Forces in the rows of ``choice`` under ``factor`` times each case.
 
     `InfeasibleError` if they do not carry it.
     """
     return tuple(_needed(structure, choice, factor, case) for case in structure.cases)
 
 
-def _needed(structure: Structure, choice: Choice, factor: float, case: Case) -> Needed:
+def _needed(structure: DesignProblem, choice: Choice, factor: float, case: LoadCase) -> Needed:
     strength = _strength(structure, choice)
     forces = case_forces(structure, case, factor, cp.Constant(strength))
     row = np.repeat(np.arange(len(strength)), len(structure.option.portions))
@@ -160,19 +160,19 @@ def _needed(structure: Structure, choice: Choice, factor: float, case: Case) -> 
     return Needed(case.name, across, torque)
 
 
-def _strength(structure: Structure, choice: Choice) -> Floats:
-    """Strength along each of `Structure.rows` in units, as much as counts."""
+def _strength(structure: DesignProblem, choice: Choice) -> Floats:
+    """Strength along each of `DesignProblem.rows` in units, as much as counts."""
     whole = np.asarray(structure.strengths @ structure.chosen(choice))
     return np.asarray(whole / structure.unit)
 
 
-def work_of(structure: Structure, forces: CaseForces) -> Floats:
-    """The multipliers of the strengths along `Structure.rows`: work in a mechanism, in units."""
+def work_of(structure: DesignProblem, forces: CaseForces) -> Floats:
+    """Work of each of `DesignProblem.rows` in a mechanism, in units: multipliers of strengths."""
     duals = sum(np.asarray(limit.dual_value) for limit in forces.limits)
     return np.clip(np.asarray(structure.portions.T @ duals), 0.0, None)
 
 
-def _arms(structure: Structure) -> Floats:
+def _arms(structure: DesignProblem) -> Floats:
     """Distance (m) of each contact point of locks from the middle of its interface, along them."""
     nodes, faces = structure.locked.nodes, structure.locked.faces
     return np.array(
@@ -191,7 +191,7 @@ def _largest(factor: cp.Variable, constraints: list[cp.Constraint]) -> float:
     return float(factor.value)
 
 
-def _each_once(structure: Structure, parts: cp.Variable) -> cp.Constraint:
+def _each_once(structure: DesignProblem, parts: cp.Variable) -> cp.Constraint:
     """The parts of a site's rows add up to at most 1."""
     sums = np.zeros((len(structure.sites), len(structure.layouts)))
     sums[structure.site_of, np.arange(len(structure.layouts))] = 1.0

@@ -1,4 +1,4 @@
-"""How the first failure of a joint depends on its sizes and materials, by the static model.
+"""Effects of a joint's sizes and materials on its first failure, by the static model.
 
 The model runs again with 1 % more and with 1 % less of each parameter, on the same cells. So an
 effect includes what changes on the way: another node that fails first, a contact that opens.
@@ -113,7 +113,7 @@ class Sensitivity:
 
     @property
     def amount(self) -> float:
-        """What the effects are of: V in N, or M in N m in pure torsion."""
+        """The amount that is affected: V in N, or M in N m in pure torsion."""
         return self.shear or self.torque
 
     @property
@@ -131,7 +131,7 @@ def sensitivity(
     fields: Sequence[Field] | None = None,
     progress: Callable[[str], object] = str,
 ) -> Sensitivity:
-    """How the first failure of ``joint`` depends on each parameter, by the static model.
+    """Effect of each parameter on the first failure of ``joint``, by the static model.
 
     ``mesh`` in m: the largest cell; the number of cells does not change with the sizes. The loading
     keeps its e / a. At a value of 0, the effect is that of more. ``fields``: the parameters; None:
@@ -173,7 +173,7 @@ def _effect(
     size = value or field.size
 
     def change(part: float) -> float | None:
-        """Of the amount, in %, for a change of the parameter by ``part`` of its size."""
+        """Change of the amount, in %, for a change of the parameter by ``part`` of its size."""
         other = field.put(joint, value + part * size)
         again = reassemble(other, assembly)
         try:

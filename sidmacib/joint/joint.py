@@ -21,14 +21,14 @@ from sidmacib.validation import is_number, refused
 
 
 class UpperBody(StrEnum):
-    """How the main body of the upper block is divided into pieces."""
+    """Division of the main body of the upper block into pieces."""
 
     COLUMNS = "columns"  # one column above each lock, as in the paper
     JOINED = "joined"  # columns that can come apart, without the compliance of a joint
     MONOLITHIC = "monolithic"  # one piece
 
 
-class Block(StrEnum):
+class Side(StrEnum):
     """The block that a lock belongs to."""
 
     UPPER = "upper"
@@ -85,7 +85,7 @@ class Joint:
     dry: FaceMaterial = DRY
     failure: Failure = Failure.BRITTLE
     upper_body: UpperBody = UpperBody.COLUMNS
-    first: Block = Block.UPPER
+    first: Side = Side.UPPER
     different: Mapping[int, OwnLock] | tuple[tuple[int, OwnLock], ...] = ()
     hold_down: HoldDown = FIXED_PLATE
     elastic: Elastic | None = None
@@ -184,7 +184,7 @@ class Joint:
 
     def is_upper(self, lock: int) -> bool:
         """Whether lock number ``lock`` belongs to the upper block."""
-        return (lock % 2 == 1) is (self.first is Block.UPPER)
+        return (lock % 2 == 1) is (self.first is Side.UPPER)
 
 
 def _in_order(

@@ -1,10 +1,10 @@
-"""The static model of a joint in one call: its pieces, and its path to the peak."""
+"""The static model of a joint in one call: its pieces, and its path to the lowest peak."""
 
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.solution import StaticSolution
-from sidmacib.mechanics.static.model import static_peak
+from sidmacib.mechanics.static.lowest_peak import lowest_peak
 
 
 def load_path(
@@ -12,7 +12,8 @@ def load_path(
 ) -> tuple[Assembly, StaticSolution]:
     """The pieces of ``joint`` on cells of at most ``mesh`` (m), and their path under ``loading``.
 
-    Errors of `sidmacib.joint.loading.posed` and `sidmacib.static_peak`.
+    That to the lowest of its peaks. Errors of `sidmacib.joint.loading.posed` and
+    `sidmacib.static_peak`.
     """
     problem = posed(joint, loading, mesh, nodes)
-    return problem.assembly, static_peak(*problem)
+    return problem.assembly, lowest_peak(*problem)

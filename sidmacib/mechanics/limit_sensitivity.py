@@ -22,8 +22,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Kind, Loads
-from sidmacib.mechanics.change import Change
+from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.equilibrium import unbalanced_forces
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
@@ -31,6 +30,21 @@ from sidmacib.mechanics.limit import LimitState, limit_load
 
 SHAKE = 1e-5  # of loads, areas and lengths
 SAME = 1e-3  # difference of derivatives to either side, over the largest or the load over the size
+
+
+@dataclass(frozen=True)
+class Change:
+    """A small change of a parameter.
+
+    ``before`` and ``after``: assembly and loads, with the same pieces, faces and number of nodes as
+    those without the change. ``difference``: of the parameter between them. ``size``: of the
+    parameter, 100 % of it.
+    """
+
+    before: tuple[Assembly, Loads]
+    after: tuple[Assembly, Loads]
+    difference: float
+    size: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -95,17 +109,13 @@ def _derivative(assembly: Assembly, state: LimitState, change: Change, friction:
     closing, *along = moved.reshape(-1, 3).T
     slip, normal = np.hypot(*along), state.force[:, 0]
     law = ContactLaw.of(assembly)
-    before, after = (ContactLaw.of(each) for each, _ in _sides(change))
-    friction_by = (after.friction - before.friction) * friction
-    bond_by = after.bond_friction - before.bond_friction
-    shear_by = after.shear_strength - before.shear_strength
-    opening = np.maximum(-closing - law.bond_friction * slip, 0.0)
-    bond = slip * (shear_by + normal * bond_by)
-    bond += opening * (after.tensile_strength - before.tensile_strength)
-    locked = np.abs(along[0]) * normal * friction_by + np.abs(along[1]) * shear_by
-    kind = np.array([face.kind for face in assembly.faces])[assembly.nodes.face]
-    by_node = np.where(law.cohesive, bond, slip * normal * friction_by)
-    value += float(np.sum(np.where(kind == Kind.LOCKED, locked, by_node)))
+    cone = law.cone(friction=friction)
+    before, after = (ContactLaw.of(each).cone(friction=friction) for each, _ in _sides(change))
+    held, slope = after.held - before.held, after.slope - before.slope
+    opening = np.maximum(-closing - cone.slope * slip, 0.0)
+    sliding = slip * (held + normal * slope) + opening * (after.torn - before.torn)
+    of_locks = np.abs(along[0]) * normal * slope + np.abs(along[1]) * held
+    value += float(np.sum(np.where(law.locked, of_locks, sliding)))
     return value / change.difference
 
 

@@ -11,14 +11,12 @@ other settings or another solver are tried. Programmes should be stated in units
 numbers are about 1.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import cvxpy as cp
 import numpy as np
-import scipy.sparse as sp
 
 from sidmacib.errors import InfeasibleError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Floats
@@ -71,91 +69,13 @@ def solve(problem: cp.Problem, what: str, *accuracies: float) -> float:
     ``what``: `sidmacib.errors.InfeasibleError`, `sidmacib.errors.UnboundedError`, or
     `sidmacib.errors.SolverError` if no solver's verdict passes its check.
     """
-    given = partial(problem.get_problem_data, solver_opts={})  # options do not change the form
-    return _solved(problem, what, accuracies, given)
-
-
-class Family:
-    """A programme that is solved for many values of its only parameter.
-
-    The standard form is affine in the parameter (disciplined parametrised programming, Agrawal et
-    al. 2019), so its coefficients are computed once instead of compiling each value anew.
-    """
-
-    def __init__(self, problem: cp.Problem) -> None:
-        """``problem``: with one parameter, a vector, and no constant in its objective."""
-        (self.parameter,) = problem.parameters()
-        self.problem = problem
-        self._forms: dict[str, _Form] = {}
-
-    def solve(self, value: Floats, what: str) -> None:
-        """Solve for a ``value`` of the parameter; errors of `solve`."""
-
-        def form(solver: str) -> _Input:
-            if solver not in self._forms:
-                self._forms[solver] = _Form.of(self.problem, self.parameter, solver)
-            return self._forms[solver].at(value)
-
-        _solved(self.problem, what, (), form)
-
-
-# Data for a solver, the reductions that made it, and how to invert them; and a function from the
-# name of a solver to these.
-_Input = tuple[dict[str, Any], Any, Any]
-_InputOf = Callable[[str], _Input]
-
-
-@dataclass(frozen=True)
-class _Form:
-    """The standard form as a function of a parameter p: c, b and the entries of A are affine in it.
-
-    ``constant``, ``slopes``: of c, b and A one after the other, (E,) and (E, p).
-    """
-
-    given: _Input
-    constant: Floats
-    slopes: Floats
-
-    @classmethod
-    def of(cls, problem: cp.Problem, parameter: cp.Parameter, solver: str) -> "_Form":
-        """From the standard forms at 0 and at the unit vectors."""
-        count = parameter.size
-        forms = []
-        for place in np.vstack([np.zeros(count), np.eye(count)]):
-            parameter.value = place
-            forms.append(problem.get_problem_data(solver, solver_opts={}))
-        (data, *rest), matrices = forms[0], [data["A"] for data, _, _ in forms]
-        pattern = sp.csc_array(sum(abs(matrix) for matrix in matrices))
-        pattern.sort_indices()
-        columns = np.repeat(np.arange(pattern.shape[1]), np.diff(pattern.indptr))
-        entries = [
-            np.concatenate([form["c"], form["b"], matrix.toarray()[pattern.indices, columns]])
-            for (form, _, _), matrix in zip(forms, matrices, strict=True)
-        ]
-        slopes = np.column_stack([each - entries[0] for each in entries[1:]])
-        return cls((data | {"A": pattern}, *rest), entries[0], slopes)
-
-    def at(self, value: Floats) -> _Input:
-        """The solver's input at a ``value`` of the parameter; overwritten by the next call."""
-        data, reductions, inverse = self.given
-        # Not by BLAS, whose rounding depends on the processor.
-        values = self.constant + np.sum(self.slopes * value, axis=1)
-        A, unknowns = data["A"], len(data["c"])
-        rows = unknowns + len(data["b"])
-        A.data[:] = values[rows:]
-        return {**data, "c": values[:unknowns], "b": values[unknowns:rows]}, reductions, inverse
-
-
-def _solved(
-    problem: cp.Problem, what: str, accuracies: tuple[float, ...], given: _InputOf
-) -> float:
-    """Implement `solve`; ``given``: input of each solver."""
     verdicts: list[str] = []
     optima: list[tuple[float, Any, Any]] = []  # error, reductions, raw answer with its inverse
     wanted = accuracies or (ACCURACY,)
     for solver, settings in _LINEAR if problem.is_lp() else _CONIC:
         try:
-            data, reductions, inverse = given(solver)
+            # Options do not change the form; cvxpy compiles it once for all values of parameters.
+            data, reductions, inverse = problem.get_problem_data(solver, solver_opts={})
             raw = reductions.solve_via_data(problem, data, solver_opts=dict(settings))
         except (cp.SolverError, ValueError) as refusal:
             verdicts.append(f"{solver}: {refusal}")

@@ -19,22 +19,21 @@ import numpy as np
 
 from sidmacib.errors import DOES_NOT_STAND, CapacityError, InfeasibleError, SolverError
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
-from sidmacib.mechanics.contact_law import ContactLaw
-from sidmacib.mechanics.limit import FALLS, LimitState, Sliding, limit_load, solved
+from sidmacib.mechanics.contact_law import Cone, ContactLaw, Flags
+from sidmacib.mechanics.limit import CALM, FALLS, LimitState, limit_load, solved
 from sidmacib.mechanics.twist import Twist
 
 SLOPE = 0.01  # of the limit, over the friction coefficient
 STEP = 0.6  # weight of the last round's normal forces, against those of the round before
 SHORTER = 0.7  # its factor after a round in which the load turned back, else its divisor
-LEAST, MOST = 0.05, 1.0  # of it
-ROUNDS = 30  # at most
-SETTLED = 3e-4  # change of the load over itself in one round
-CALM = 3  # rounds in a row that must have settled
+LEAST_WEIGHT, MOST_WEIGHT = 0.05, 1.0  # of it
+SLIDING_ROUNDS = 30  # at most
+SLIDING_SETTLED = 3e-4  # change of the load over itself in one round
 LAST = 10  # rounds of which the lowest load counts where they have not
-CLOSE = 3e-3  # over it, by which these may differ before all `ROUNDS` are done
+ALIKE = 3e-3  # over it, by which these may differ before all `SLIDING_ROUNDS` are done
 OFF_CONE = 0.02  # largest shear beyond friction at the end, over the largest normal force
 MOST_NODES = 20_000  # of an assembly: the rounds of a larger one would take an hour
-WHAT = "limit analysis without dilation"
+WITHOUT_DILATION = "limit analysis without dilation"
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class SlidingLimit:
 
     @property
     def note(self) -> str:
-        """What the load assumes, in words."""
+        """The assumption of the load, in words."""
         words = "sliding does not open the joints"
         if self.highest is None:
             return words
@@ -71,7 +70,9 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
     loads; `sidmacib.errors.CapacityError` for too large an assembly, at once.
     """
     if (nodes := len(assembly.nodes.area)) > MOST_NODES:
-        raise CapacityError(f"{WHAT}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed")
+        raise CapacityError(
+            f"{WITHOUT_DILATION}: {nodes:,} nodes; at most {MOST_NODES:,} are allowed"
+        )
     associated = limit_load(assembly, loads, friction=True)
     found = _rounds(assembly, loads, associated)
     if found.state.load < -FALLS * loads.scale:
@@ -82,14 +83,18 @@ def sliding_limit(assembly: Assembly, loads: Loads) -> SlidingLimit:
 def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> SlidingLimit:
     """The rounds from the state with ``associated`` friction on."""
     dry = np.array([face.kind is Kind.DRY for face in assembly.faces])[assembly.nodes.face]
-    friction = np.where(dry, ContactLaw.of(assembly).friction, 0.0)
+    cone = ContactLaw.of(assembly).cone()
     normal, twist = associated.force[:, 0], Twist.of(assembly, associated.force)
     held, found, calm, step, change = normal, [associated], 0, STEP, 0.0
-    for number in range(1, ROUNDS + 1):
-        limit = (1.0 - SLOPE) * friction * np.maximum(normal, 0.0)
-        sliding = Sliding(limit, SLOPE * friction)
+    for number in range(1, SLIDING_ROUNDS + 1):
+        given = (1.0 - SLOPE) * cone.slope * np.maximum(normal, 0.0)
+        flat = Cone(
+            np.where(dry, given, cone.held),
+            np.where(dry, SLOPE * cone.slope, cone.slope),
+            cone.torn,
+        )
         try:
-            state = solved(assembly, loads, True, sliding=sliding, twist=twist)
+            state = solved(assembly, loads, flat, twist=twist)
         except (InfeasibleError, SolverError):
             # Too little friction for the weight: half way back.
             normal, step, twist = (normal + held) / 2.0, SHORTER * step, twist.nearer()
@@ -98,28 +103,29 @@ def _rounds(assembly: Assembly, loads: Loads, associated: LimitState) -> Sliding
         before, change = change, state.load - found[-1].load
         found.append(state)
         turned = before * change < 0.0
-        step = max(LEAST, SHORTER * step) if turned else min(MOST, step / SHORTER)
+        step = max(LEAST_WEIGHT, SHORTER * step) if turned else min(MOST_WEIGHT, step / SHORTER)
         normal = step * state.force[:, 0] + (1.0 - step) * normal
         twist = twist.after(assembly, state.force, max(0.0, 1.0 - step))
-        calm = calm + 1 if abs(change) <= SETTLED * abs(state.load) else 0
-        if calm >= CALM and _off_cone(friction, state.force) <= OFF_CONE:
+        calm = calm + 1 if abs(change) <= SLIDING_SETTLED * abs(state.load) else 0
+        if calm >= CALM and _off_cone(cone, dry, state.force) <= OFF_CONE:
             return SlidingLimit(state, associated, number)
         if len(found) > LAST and _close([each.load for each in found[-LAST:]]):
             break
     if len(found) == 1:
-        raise SolverError(f"{WHAT}: {ROUNDS} rounds find no forces that balance the weight")
+        raise SolverError(
+            f"{WITHOUT_DILATION}: {SLIDING_ROUNDS} rounds find no forces that balance the weight"
+        )
     last = sorted(found[-LAST:], key=lambda each: each.load)
     return SlidingLimit(last[0], associated, number, last[-1].load)
 
 
 def _close(loads: list[float]) -> bool:
-    return max(loads) - min(loads) <= CLOSE * abs(min(loads))
+    return max(loads) - min(loads) <= ALIKE * abs(min(loads))
 
 
-def _off_cone(friction: Floats, force: Floats) -> float:
-    """Largest shear beyond Coulomb's friction, over the largest normal force."""
-    rough = friction > 0.0
-    shear = np.hypot(force[rough, 1], force[rough, 2])
-    beyond = shear - friction[rough] * force[rough, 0]
+def _off_cone(cone: Cone, dry: Flags, force: Floats) -> float:
+    """Largest shear of rough ``dry`` nodes beyond their ``cone``, over the largest normal force."""
+    beyond = np.hypot(force[:, 1], force[:, 2]) - cone.shear(force[:, 0])
+    beyond = beyond[dry & (cone.slope > 0.0)]
     largest = float(np.abs(force[:, 0]).max())
     return float(beyond.max(initial=0.0)) / largest if largest > 0.0 else 0.0

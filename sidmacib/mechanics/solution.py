@@ -9,9 +9,8 @@ import numpy as np
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.contact_law import ContactLaw, Flags, NodeState
 
+LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 LEAST_INCREMENT = 1e-5  # over the load: precision of the first failure and of the peak
-# Of a peak, see `sidmacib.mechanics.static.peak_spread`; above it the first failure counts.
-SPREAD_LIMIT = 0.02
 
 
 @dataclass(frozen=True)
@@ -65,7 +64,7 @@ def lifted_part(weight: Floats, motion: Floats) -> float:
 
 
 class Mode(StrEnum):
-    """Why the load cannot rise beyond the peak."""
+    """The reason why the load cannot rise beyond the peak."""
 
     BONDS = "bonds"  # bonds fail, and no equilibrium follows
     MECHANISM = "mechanism"  # pieces slide although no bond is at its strength
@@ -95,7 +94,8 @@ class StaticSolution:
     the equilibria; the last is the peak. ``mode``: why the load does not rise further.
     ``refinement``: the factor on the increments of the load at which the first failure converged.
     ``collapsed``: what was left of the bonds when no equilibrium followed, see `NodeState.whole`;
-    None if the path ended otherwise.
+    None if the path ended otherwise. ``spread``: of the peaks that were found, the highest less the
+    lowest, over the lowest; see `sidmacib.mechanics.static.lowest_peak`.
     """
 
     first_failure_load: float
@@ -103,6 +103,7 @@ class StaticSolution:
     mode: Mode
     refinement: float = 1.0
     collapsed: Floats | None = None
+    spread: float = 0.0
 
     @property
     def peak(self) -> Equilibrium:

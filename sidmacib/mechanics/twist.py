@@ -45,7 +45,7 @@ INSIDE = 1e-3  # over the distance from the centroid: a resultant on an edge is 
 TRIES = 20  # at the part of a face that is pressed
 WORST = 1e10  # condition of the equations for it
 EXACT = 1e4  # weight of a pressure's resultant against its least sum of squares
-STEPS = 60  # in the search for the motion that limits a face
+SEARCH_STEPS = 60  # in the search for the motion that limits a face
 STOP = 1e-6  # gain over the use of the limit at which it ends
 STUCK = 1e-9  # of the largest speed: points that move less are at the centre of rotation
 EXCESS = 1e-3  # over the limit that is none
@@ -86,7 +86,7 @@ class Pressure:
         return np.array([one - turn * y, other + turn * x])
 
     def worst(self, load: Floats) -> tuple[float, Floats]:
-        """How much of the limit a ``load``, (3,), uses and in which motion, (3,), that is reached.
+        """The part of the limit that a ``load``, (3,), uses, and the motion, (3,), that reaches it.
 
         ``load``: shears and torque / size, over mu N. Least resistance at unit work of the load, by
         weights that are one over the speeds of the step before.
@@ -95,7 +95,7 @@ class Pressure:
         one, zero = np.ones_like(x), np.zeros_like(x)
         rows = np.array([[one, zero], [zero, one], [-y, x]])  # (3, 2, J)
         weight, used, best = self.shares, 0.0, load
-        for _ in range(STEPS):
+        for _ in range(SEARCH_STEPS):
             matrix = (rows * weight).reshape(3, -1) @ rows.reshape(3, -1).T
             matrix += STUCK * matrix.trace() * np.eye(3)  # a line does not resist turning on it
             motion = np.linalg.solve(matrix, load)
@@ -148,11 +148,13 @@ class Twist:
                 motions[number] = np.vstack([motions.get(number, FIRST), motion])
         return replace(self, motions=motions)
 
-    def rows(self, assembly: Assembly, rough: Integers) -> tuple[sp.csr_array, sp.csr_array]:
+    def rows(
+        self, assembly: Assembly, rough: Integers, unit: Floats
+    ) -> tuple[sp.csr_array, sp.csr_array]:
         """Work of the shear forces of nodes and of their friction limits, in every motion.
 
-        ``rough``: the nodes that rub, (R,). Returns (K, 2 R) and (K, R): that of the forces is at
-        most that of the limits.
+        ``rough``: the nodes that rub, (R,). ``unit``: of the forces at each node, N, (N,). Returns
+        (K, 2 R) and (K, R): that of the forces is at most that of the limits.
         """
         lever = levers(assembly)
         forces, limits = [], []
@@ -166,14 +168,17 @@ class Twist:
             most = np.repeat(pressure.resistance(motions)[:, None], len(nodes), axis=1)
             forces.append(_placed(speeds, wide, 2 * len(rough)))
             limits.append(_placed(most, columns, len(rough)))
-        return sp.csr_array(sp.vstack(forces)), sp.csr_array(sp.vstack(limits))
+        size = unit[rough] / float(unit[rough].max())
+        both = (sp.vstack(forces), np.repeat(size, 2)), (sp.vstack(limits), size)
+        works, most_works = (rows @ sp.diags_array(of_nodes) for rows, of_nodes in both)
+        return works, most_works
 
 
 @dataclass(frozen=True, eq=False)
 class Resultants:
-    """Of each face: normal force (N), (F,), shear (N), (2, F), torque about its middle (N m), (F,).
+    """Resultants of faces: shear (N), (2, F), and torque about the middle (N m), (F,).
 
-    ``limit``: friction coefficient times normal force (N). ``centres``: as in `Twist`.
+    ``limit``: friction coefficient times normal force (N), (F,). ``centres``: as in `Twist`.
     """
 
     limit: Floats
@@ -183,7 +188,7 @@ class Resultants:
 
     @classmethod
     def of(cls, assembly: Assembly, force: Floats) -> "Resultants":
-        """Of node ``force``, (N, 3) in N, in the frames of the faces."""
+        """Resultants of node ``force``, (N, 3) in N, in the frames of the faces."""
         count, face = len(assembly.faces), assembly.nodes.face
 
         def sums(values: Floats) -> Floats:
@@ -245,7 +250,7 @@ def linear_pressure(places: Floats, areas: Floats, centre: Floats) -> Floats:
 
 
 def levers(assembly: Assembly) -> Floats:
-    """Where each node is along the tangents from its face's middle, (N, 2) in m."""
+    """Places of the nodes along the tangents from their faces' middles, (N, 2) in m."""
     faces = assembly.nodes.face
     middle = np.array([face.middle for face in assembly.faces])[faces]
     tangents = np.array([face.axes[1:] for face in assembly.faces])[faces]

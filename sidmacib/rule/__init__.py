@@ -1,1 +1,1 @@
-"""What a joint carries by the first-failure law and the safe rule, and how many locks work."""
+"""Capacity of a joint by the first-failure law and the safe rule; the number of working locks."""

@@ -16,11 +16,11 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads, self_weight
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import FirstFailure, Mode, Solver
 from sidmacib.mechanics.static.model import first_failure_of, solver_of
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.rule.pairs import bearing_pairs
 
 # Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far

@@ -224,7 +224,7 @@ def normal_of(corners: Floats) -> Floats:
 
 
 def off_plane(corners: Floats) -> float:
-    """How far (m) an outline's corners, (K, 3), are from the plane that fits it."""
+    """Largest distance (m) of an outline's corners, (K, 3), from the plane that fits it."""
     return float(np.abs((corners - corners.mean(axis=0)) @ normal_of(corners)).max())
 
 

@@ -5,9 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
-from sidmacib.mechanics.assembly import Floats
-from sidmacib.structure.groups import grouped
+from sidmacib.mechanics.assembly import Floats, Integers
 
 
 def crossing(
@@ -45,7 +46,7 @@ def crossing(
 
 
 def bodies(places: Floats, faces: Sequence[Sequence[int]]) -> int:
-    """How many bodies closed ``faces`` bound: parts of the surface that share no vertex.
+    """Number of bodies that closed ``faces`` bound: parts of the surface that share no vertex.
 
     A part that is seen from inside bounds a cavity, not a body.
     """
@@ -58,3 +59,9 @@ def bodies(places: Floats, faces: Sequence[Sequence[int]]) -> int:
         for one, other in pairwise(rest):
             volume[part_of[face[0]]] += float(first @ np.cross(one, other)) / 6.0
     return int((volume > 0.0).sum())
+
+
+def grouped(count: int, pairs: Integers) -> Integers:
+    """The group, from 0, of each of ``count`` things that ``pairs``, (K, 2), connect; (count,)."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)

@@ -73,7 +73,7 @@ def _part(
     side: float,
     cap: list[int],
 ) -> Block:
-    """What lies on one ``side`` (1 or -1) of the plane, closed by ``cap``."""
+    """The part on one ``side`` (1 or -1) of the plane, closed by ``cap``."""
     kept = [[v for v in face if side * height[v] >= 0.0] for face in faces]
     kept = [face for face in kept if any(side * height[v] > 0.0 for v in face)] + [cap]
     used = sorted({vertex for face in kept for vertex in face})

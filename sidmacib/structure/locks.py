@@ -101,7 +101,7 @@ class Condensed:
 
 @dataclass(frozen=True, eq=False)
 class Row:
-    """Where the locks of an interface are.
+    """Positions of the locks of an interface.
 
     ``run``, ``across``: unit vectors along each lock and along the row, (3,). ``edges``: between
     locks, along the row from the interface's middle, in m, (n + 1,).
@@ -161,7 +161,7 @@ class Row:
 def cut_out(
     row: Row, below: list[Block], above: list[Block]
 ) -> tuple[list[Block], list[Block], list[list[Block]]]:
-    """What is left of the two blocks' solids, and the solids of each lock.
+    """The remaining solids of the two blocks, and the solids of each lock.
 
     ValueError unless both blocks are convex, and the locks lower than the blocks.
     """

@@ -55,7 +55,7 @@ def _surface(block: Block) -> float:
 
 
 def overlap(one: Block, other: Block, near: float = 0.0) -> float:
-    """How far two convex blocks reach into each other, in m; 0 or less if they do not.
+    """Depth (m) to which two convex blocks reach into each other; 0 or less if they do not.
 
     By separating axes: normals of faces and cross products of edges. The search ends at the first
     axis along which they overlap by ``near`` at most.

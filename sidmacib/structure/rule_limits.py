@@ -1,4 +1,4 @@
-"""What the law or the safe rule allows the locks of an interface: limits of shear and torque.
+"""Limits of shear and torque by the law or the safe rule for the locks of an interface.
 
 A row of locks is a joint on its interface. Its upper body is the smaller of the two blocks, whole
 and held down as the user says; the rule's loads in several directions are corners of a polygon in
@@ -17,8 +17,7 @@ from scipy.spatial import ConvexHull
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Block as Side
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.mechanics.polygons import ResultantLimits

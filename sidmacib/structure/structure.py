@@ -17,7 +17,7 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import CondensedLocks, Polygon, polygon_nodes
 from sidmacib.structure.blocks import Block, Compound
-from sidmacib.structure.groups import grouped
+from sidmacib.structure.crossing import grouped
 from sidmacib.structure.interfaces import (
     NEAR,
     Interface,

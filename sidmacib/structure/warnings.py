@@ -59,7 +59,7 @@ def _pair(one: int, other: int) -> tuple[int, int]:
 
 
 def _of_faces(assembly: Assembly) -> Iterator[str]:
-    """Of each material of a face, named after the first that has it."""
+    """Warnings of each material of a face, named after the first that has it."""
     named = {face.material: face.name for face in reversed(assembly.faces)}
     for law, name in named.items():
         yield from material_warnings(f"{name}: ", law)

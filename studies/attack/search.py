@@ -23,7 +23,7 @@ from scipy.optimize import differential_evolution
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import Hold, HoldDown
-from sidmacib.joint.joint import Block, Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.load_path import load_path
 from sidmacib.joint.loading import Loading, Push, posed
 from sidmacib.mechanics.assembly import GRAVITY, Elastic, FaceMaterial, NodeLayout
@@ -106,7 +106,7 @@ def target_at(space: Space, place: Sequence[float]) -> Target:
     poisson = SPANS["Poisson's ratio"][1] * next(turn)
     body = space.body or (UpperBody.COLUMNS if next(turn) < 0.5 else UpperBody.MONOLITHIC)
     push = Push.PLUS_Y if next(turn) < 0.5 else Push.MINUS_Y
-    first = Block.UPPER if next(turn) < 0.5 else Block.LOWER
+    first = Side.UPPER if next(turn) < 0.5 else Side.LOWER
     angle = math.pi * (next(turn) - 0.5)  # in the (V, M / a) plane, from torque to torque
     joint = Joint(
         locks,
@@ -164,7 +164,7 @@ def ratio_of(target: Target) -> float | None:
 
 
 @dataclass
-class Search:
+class Attack:
     """Objective of differential evolution in ``space`` from one start, and its results.
 
     ``answered``: joints with a ratio; ``unsolved``: joints that the safe rule answers and the
@@ -194,9 +194,9 @@ class Search:
         return -min(ratio, 1e9)
 
 
-def search(space: Space, seed: int, evaluations: int) -> Search:
+def search(space: Space, seed: int, evaluations: int) -> Attack:
     """Differential evolution over ``space`` from one start: its share of the ``evaluations``."""
-    ratios = Search(space, seed)
+    ratios = Attack(space, seed)
     size = POPULATION * DIMENSIONS
     differential_evolution(
         ratios,
@@ -214,13 +214,13 @@ def search(space: Space, seed: int, evaluations: int) -> Search:
     return ratios
 
 
-def _to_the_limits(ratios: Search) -> None:
+def _to_the_limits(ratios: Attack) -> None:
     """Put the worst joint on the limits of the ranges, one after the other, where it gets worse."""
     for dimension, end in itertools.product(range(DIMENSIONS), (0.0, 1.0)):
         ratios([*ratios.place[:dimension], end, *ratios.place[dimension + 1 :]])
 
 
-def row_of(worst: Search) -> dict[str, Any]:
+def row_of(worst: Attack) -> dict[str, Any]:
     """The worst joint of a start, with its loads (N) on other nodes."""
     target = target_at(worst.space, worst.place)
     promised = safe_load(target) or math.nan

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from sidmacib.design.direction import Search
+from sidmacib.design.direction import RowSearch
 from sidmacib.design.layouts import LockKind, Weights, directions_of, layouts_of
-from sidmacib.design.model import Case, Site, Structure
+from sidmacib.design.model import DesignProblem, LoadCase, Site
 from sidmacib.joint.joint import DRY, INNER
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.polygons import Polygon
@@ -39,7 +39,7 @@ HEAD = [
 
 
 @dataclass(frozen=True)
-class Comparison:
+class BothWays:
     """Costs and times (CPU-s) of both ways to the cheapest locks."""
 
     interfaces: int
@@ -66,12 +66,12 @@ def row(count: int) -> list[Block]:
     return [*walls, *free]
 
 
-def cubes(count: int) -> Structure:
+def cubes(count: int) -> DesignProblem:
     """The design of a `row` of cubes; each interface may get locks in four directions."""
     assembly = structure(row(count), replace(DRY, friction=0.0), nodes=NodeLayout.VERTICES)
     middle = (EDGE / 2, EDGE / 2, EDGE / 2)
     cases = tuple(
-        Case(name, force_at(assembly, "cube0", middle, along), PUSH)
+        LoadCase(name, force_at(assembly, "cube0", middle, along), PUSH)
         for name, along in (("aside", (0.0, 1.0, 0.0)), ("down", (0.0, 1.0, -1.0)))
     )
     sites = tuple(
@@ -79,10 +79,10 @@ def cubes(count: int) -> Structure:
         for number, face in enumerate(assembly.faces)
         if isinstance(face, Polygon)
     )
-    return Structure(assembly, sites, cases, Weights())
+    return DesignProblem(assembly, sites, cases, Weights())
 
 
-def tried(given: Structure, search: Search) -> tuple[int, float]:
+def tried(given: DesignProblem, search: RowSearch) -> tuple[int, float]:
     """Number of all layouts, and the least cost of those that carry all cases."""
     count, best = 0, np.inf
     for choice in product(*[(None, *site.layouts) for site in given.sites]):
@@ -94,17 +94,17 @@ def tried(given: Structure, search: Search) -> tuple[int, float]:
     return count, best
 
 
-def compared(count: int) -> Comparison:
+def compared(count: int) -> BothWays:
     """Both ways for a row of ``count`` cubes."""
     given = cubes(count)
     begin = time.process_time()
-    found = Search(given, 1.0).cheapest(gap=GAP)
+    found = RowSearch(given, 1.0).cheapest(gap=GAP)
     middle = time.process_time()
-    layouts, least = tried(given, Search(given, 1.0))
+    layouts, least = tried(given, RowSearch(given, 1.0))
     end = time.process_time()
     times = {"search_s": middle - begin, "tried_s": end - middle}
     costs = {"least_cost": least, "found_cost": found.cost, "bound": found.bound}
-    return Comparison(len(given.sites), layouts, **times, **costs)
+    return BothWays(len(given.sites), layouts, **times, **costs)
 
 
 def rows(results: Path) -> str:

@@ -60,7 +60,7 @@ def barrel(size: Barrel) -> list[Block]:
 
 
 def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
-    """Where blocks of a course begin and end, in lengths of a block."""
+    """Beginnings and ends of the blocks of a course, in lengths of a block."""
     joints = [0.0, *(k + 0.5 for k in range(blocks)), float(blocks)]
     if not shifted:
         joints = [float(k) for k in range(blocks + 1)]
@@ -68,7 +68,7 @@ def _ends(blocks: int, shifted: bool) -> Iterator[tuple[float, float]]:
 
 
 def content(blocks: list[Block]) -> dict[str, Any]:
-    """What compas_dem (0.6) would write of ``blocks``; identities follow from names."""
+    """A file of ``blocks`` as compas_dem (0.6) would write it; identities follow from names."""
     stone = _identity("stone")
     elements = {_identity(block.name): _element(block, stone) for block in blocks}
     material = {"name": "Stone", "fck": None, "ft": None, "Ecm": None, "poisson": 0.2}

@@ -37,7 +37,7 @@ def viewer_of(model: Path, results: Path) -> Any:
 
 
 def _mend() -> None:
-    """What compas_dem 0.6.0 lacks for its own viewer.
+    """Repair compas_dem 0.6.0, which lacks attributes that its own viewer reads.
 
     `Block.point` is a list where the viewer asks for a point, and polygons become shapes only with
     compas_occ, which PyPI does not have.

@@ -17,7 +17,7 @@ SAMPLES = {
     "n5_fits": "5 locks fitted",
 }
 TORSION = ("n3", "n5")  # as printed
-RULES = {"half": ", (n − 1) / 2", "lower_sum": ", lower locks"}
+RULE_WORDS = {"half": ", (n − 1) / 2", "lower_sum": ", lower locks"}
 HEAD = [layout.replace("lobatto", "Lobatto") for layout in NodeLayout]
 
 
@@ -60,7 +60,7 @@ def options(results: Path) -> str:
     rows = []
     for sample, words in SAMPLES.items():
         three = sample.startswith("n3")  # both rules count one lock
-        for rule, of_rule in RULES.items():
+        for rule, of_rule in RULE_WORDS.items():
             if three and rule != "half":
                 continue
             for mesh in sorted(table["mesh_m"].unique(), reverse=True):

@@ -1,15 +1,12 @@
 """Gain of bonds that soften or yield over the first failure, and safety of (n - 1) / 2 with it."""
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pandas as pd
 
 from sidmacib.mechanics.assembly import Failure
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 
 ENERGIES = (
     (1.0, 10.0),
@@ -61,8 +58,10 @@ def _kind(failure: str, ratio: float) -> str:
     return f"softening, {least:g} to {most:g}"
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     write_table(BONDS, bonds_table(read_table(POINTS, inputs["points"])), outputs["bonds"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with
@@ -168,10 +168,12 @@ def by_locks(joints: pd.DataFrame) -> Iterator[tuple[tuple[str, str], "pd.Series
         yield (body, f"{least} to {most}"), chosen
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write both tables."""
     points = read_table(POINTS, inputs["points"])
     write_table(LAW, law_table(points), outputs["law"])
     write_table(RULE_ERRORS, rules_table(points), outputs["rules"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,8 +1,6 @@
 """Figures of the campaign: the law on one curve, its errors, the rules, and a nomogram."""
 
-from collections.abc import Callable, Mapping
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -16,6 +14,7 @@ from sidmacib.rule.pairs import Pairs
 from studies.locks.errors import JOINT, brittle_odd_joints, known, rule_errors
 from studies.locks.points import POINTS
 from workflow.results.tables import read_table
+from workflow.run.step import Arguments, FileLists, Files, step
 
 MOST_DRAWN = 20_000  # points of a figure: more would not be seen
 REACH = 10.0  # %, of errors of the law that are drawn
@@ -68,7 +67,7 @@ def collapse(points: pd.DataFrame) -> Figure:
 
 
 def _origin(points: pd.DataFrame) -> str:
-    """How many joints of which samplings there are, as a sentence."""
+    """A sentence with the number of joints of each sampling."""
     counts = points.groupby("sampling", sort=True)["number"].nunique()
     listed = ", ".join(f"{count} of {name}" for name, count in counts.items())
     return f"Joints of the samplings: {listed}. "
@@ -103,7 +102,7 @@ def _errors(axes: Axes, points: pd.DataFrame) -> None:
 
 
 def margins(points: pd.DataFrame) -> Figure:
-    """How far law and safe rule are from what they stand for."""
+    """Margins of law and safe rule over the loads that they stand for."""
     figure = Figure(figsize=(9.6, 4.6), layout="constrained")
     held = points[points["plate"] & points["peak"].gt(0.0) & known(points)]
     kinds = (
@@ -135,7 +134,7 @@ def margins(points: pd.DataFrame) -> Figure:
 
 
 def rules(points: pd.DataFrame) -> Figure:
-    """How far each rule is from the peak, as percentiles over the number of locks."""
+    """Errors of each rule against the peak, as percentiles over the number of locks."""
     odd = brittle_odd_joints(points)
     pure = odd[odd["eccentricity_over_a"].eq(0.0)]
     errors = rule_errors(odd, "option4")
@@ -213,10 +212,12 @@ DRAWN: dict[str, Callable[[pd.DataFrame], Figure]] = {
 }
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, list[Path]]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: FileLists) -> None:
     """Draw every figure into the files that are named after it."""
     points = read_table(POINTS, inputs["points"])
     for name, draw in DRAWN.items():
         style.save(draw(points), [path for path in outputs["figures"] if path.stem == name])
+
+
+if __name__ == "__main__":
+    step(run)

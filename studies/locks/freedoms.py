@@ -6,11 +6,9 @@ the peaks in all directions. The number with the smallest largest misfit is know
 two over the sum of the largest and the smallest ratio of load to peak.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,6 +18,7 @@ from sidmacib.mechanics.assembly import Floats
 from studies.locks.errors import brittle_odd_joints, by_locks, unit_loads
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 
 POSITIONS = np.linspace(0.02, 0.5, 25)  # of a pair's points, over a
 ENDS = np.linspace(0.05, 0.5, 10)  # the same, beside a third point in the middle,
@@ -134,8 +133,10 @@ def freedoms_table(points: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(FREEDOMS.columns))
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     write_table(FREEDOMS, freedoms_table(read_table(POINTS, inputs["points"])), outputs["freedoms"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -5,8 +5,6 @@ are compared with first failures of the static model, whose values at the ends a
 """
 
 import math
-from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +14,7 @@ from sidmacib.mechanics.assembly import Floats
 from studies.locks.errors import JOINT, SPREAD, by_region, dry_faces, known, table_of
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 
 EXPONENTS = (1.0, 1.25, 1.5, 2.0)
 REGION = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")
@@ -59,9 +58,11 @@ def interaction_table(points: pd.DataFrame) -> pd.DataFrame:
     return table_of(INTERACTION, rows)
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     table = interaction_table(read_table(POINTS, inputs["points"]))
     write_table(INTERACTION, table, outputs["interaction"])
+
+
+if __name__ == "__main__":
+    step(run)

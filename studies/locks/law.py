@@ -1,8 +1,7 @@
 """Results of the law for a batch of a sampling's joints, in all directions."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
@@ -13,14 +12,13 @@ from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
 from workflow.joints.sampling import SampledJoint
+from workflow.run.step import Arguments, Files, step
 from workflow.steps.joints import joints_of, write_rows
 
 MANY = 41  # locks
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the rows of a batch."""
     rows = law_rows(joints_of(arguments), arguments["eccentricities"])
     write_rows(arguments["name"], rows, outputs["joints"])
@@ -68,3 +66,7 @@ def _saturation(joint: Joint) -> float | None:
         return first_failure(long, Loading(Direction(0.0))).load / long.T0
     except (CapacityError, ValueError):
         return None
+
+
+if __name__ == "__main__":
+    step(run)

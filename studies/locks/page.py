@@ -19,7 +19,7 @@ DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf":
 BRITTLE = ("bends", "rigid")  # samplings whose peaks the rule is made for
 BODIES = ("columns", "monolithic")
 HOLDS = {"plate": "plate", "pressed": "pressure"}
-RULES = {
+RULE_WORDS = {
     "half": "(n − 1) / 2",
     "floor_of_sum": "sum of weights, rounded down",
     "lower_sum": "sum over lower locks",
@@ -91,7 +91,7 @@ def rules(results: Path) -> str:
     table = table_in(results, RULE_ERRORS).query("option == 'option4'")
     groups = table["locks"].unique()
     rows = []
-    for rule, words in RULES.items():
+    for rule, words in RULE_WORDS.items():
         for upper in BODIES:
             part = table[table["rule"].eq(rule) & table["upper_body"].eq(upper)]
             cells = [

@@ -4,11 +4,8 @@ The paper prints a b = 0.003 m2. The law gives the number of locks that work ove
 and H that such joints may have, with friction as printed and as fitted.
 """
 
-from collections.abc import Mapping
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -18,6 +15,7 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
+from workflow.run.step import Arguments, Files, step
 
 SCATTERED_LOCKS = (3, 5, 9, 15)
 RATIOS = (0.0, 0.3)  # e / a
@@ -27,7 +25,7 @@ LOCKS = (3, 5, 7, 15)
 AREA = 0.003  # a b in m2; Table 1 of the paper
 SLENDERNESS = (0.8, 1.2, 2.0, 3.0)  # a / b
 HEIGHTS = (0.08, 0.16, 0.3, 0.6)  # h / b
-BODIES = (0.4, 0.54, 1.0, 2.0)  # H / b
+BODY_HEIGHTS = (0.4, 0.54, 1.0, 2.0)  # H / b
 FRICTIONS = (0.005, 0.3)
 
 CHARACTERISTIC = Table(
@@ -77,7 +75,10 @@ def assumed_sizes_table(base: Joint) -> pd.DataFrame:
     for locks, friction in product(LOCKS, FRICTIONS):
         joint = replace(base, locks=locks, dry=replace(base.dry, friction=friction))
         working = np.array(
-            [_working(_sized(joint, *sizes)) for sizes in product(SLENDERNESS, HEIGHTS, BODIES)]
+            [
+                _working(_sized(joint, *sizes))
+                for sizes in product(SLENDERNESS, HEIGHTS, BODY_HEIGHTS)
+            ]
         )
         half = (locks - 1) / 2
         rows.append(
@@ -106,10 +107,12 @@ def _working(joint: Joint) -> float:
     return law(joint, Direction(0.0)).load / joint.T0
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write both tables."""
     base = dataclass_from(Joint, arguments["base"])
     write_table(CHARACTERISTIC, characteristic_table(base), outputs["characteristic"])
     write_table(ASSUMED_SIZES, assumed_sizes_table(base), outputs["assumed_sizes"])
+
+
+if __name__ == "__main__":
+    step(run)

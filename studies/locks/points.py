@@ -1,12 +1,11 @@
 """The points of the campaign: a joint in a direction, with every model's load over T0."""
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
+from workflow.run.step import Arguments, Files, step
 
 POINTS = Table(  # loads over T0; sampling, number: which joint
     "points",
@@ -30,10 +29,12 @@ def points_of(solved: pd.DataFrame, answers: Sequence[pd.DataFrame]) -> pd.DataF
     return points[list(POINTS.columns)]
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Any], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Arguments, outputs: Files) -> None:
     """Write the table."""
     solved = read_table(SAMPLINGS, inputs["samplings"])
     points = points_of(solved, [*map(pd.read_parquet, inputs["law"])])
     write_table(POINTS, points, outputs["points"])
+
+
+if __name__ == "__main__":
+    step(run)

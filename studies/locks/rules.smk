@@ -1,12 +1,8 @@
 # The law for the joints of the samplings, and its tables and figures.
-from dataclasses import asdict
-
-WILDCARDS["law"] = OF_SAMPLINGS
+OF_LAW = [below(f"law/{name}-{batch}.parquet") for name, batch in STARTS]
 
 
 rule law:
-    input:
-        plan=plan("law/{sampling}-{batch}"),
     output:
         joints=below("law/{sampling}-{batch}.parquet"),
     log:
@@ -16,41 +12,35 @@ rule law:
         batch="[0-9]+",
     group:
         "cases"
-    resources:
-        **asks("law/{sampling}-{batch}"),
     params:
         **JOINTS_OF_BATCH,
-        step="studies.locks.law",
+        code=code("studies.locks.law"),
     message:
         "law: {wildcards.sampling}-{wildcards.batch}"
-    shell:
-        STEP
+    script:
+        "law.py"
 
 
 rule points:
     input:
-        plan=plan("points"),
         samplings=rules.samplings.output.samplings,
-        law=of_jobs(rules.law.rule),
+        law=OF_LAW,
     output:
         points=shown("tables/points.csv"),
     log:
         below("logs/points.log"),
     group:
         "tables"
-    resources:
-        **asks("points"),
     params:
-        step="studies.locks.points",
+        code=code("studies.locks.points"),
     message:
         "Tabulate the law with the static model"
-    shell:
-        STEP
+    script:
+        "points.py"
 
 
 rule errors:
     input:
-        plan=plan("errors"),
         points=rules.points.output.points,
     output:
         law=shown("tables/law.csv"),
@@ -59,19 +49,16 @@ rule errors:
         below("logs/errors.log"),
     group:
         "tables"
-    resources:
-        **asks("errors"),
     params:
-        step="studies.locks.errors",
+        code=code("studies.locks.errors"),
     message:
         "Compare law and rules with the static model"
-    shell:
-        STEP
+    script:
+        "errors.py"
 
 
 rule interaction:
     input:
-        plan=plan("interaction"),
         points=rules.points.output.points,
     output:
         interaction=shown("tables/interaction.csv"),
@@ -79,19 +66,16 @@ rule interaction:
         below("logs/interaction.log"),
     group:
         "tables"
-    resources:
-        **asks("interaction"),
     params:
-        step="studies.locks.interaction",
+        code=code("studies.locks.interaction"),
     message:
         "Compare interaction curves with the static model"
-    shell:
-        STEP
+    script:
+        "interaction.py"
 
 
 rule bonds:
     input:
-        plan=plan("bonds"),
         points=rules.points.output.points,
     output:
         bonds=shown("tables/bonds.csv"),
@@ -99,19 +83,16 @@ rule bonds:
         below("logs/bonds.log"),
     group:
         "tables"
-    resources:
-        **asks("bonds"),
     params:
-        step="studies.locks.bonds",
+        code=code("studies.locks.bonds"),
     message:
         "Compare peaks with first failures, by kind of bond"
-    shell:
-        STEP
+    script:
+        "bonds.py"
 
 
 rule freedoms:
     input:
-        plan=plan("freedoms"),
         points=rules.points.output.points,
     output:
         freedoms=shown("tables/freedoms.csv"),
@@ -119,40 +100,32 @@ rule freedoms:
         below("logs/freedoms.log"),
     group:
         "tables"
-    resources:
-        **asks("freedoms"),
     params:
-        step="studies.locks.freedoms",
+        code=code("studies.locks.freedoms"),
     message:
         "Fit contact points of SiDMACIB to the peaks"
-    shell:
-        STEP
+    script:
+        "freedoms.py"
 
 
 rule sensitivity:
-    input:
-        plan=plan("sensitivity"),
     output:
         sensitivity=shown("tables/sensitivity.csv"),
     log:
         below("logs/sensitivity.log"),
     group:
         "tables"
-    resources:
-        **asks("sensitivity"),
     params:
-        step="studies.locks.sensitivity",
-        sampling=asdict(next(iter(STUDY.samplings.values())).sampling()),
-        base=asdict(STUDY.base_joint),
+        sampling=lambda wildcards: plain(next(iter(STUDY.samplings.values())).sampling()),
+        base=lambda wildcards: plain(STUDY.base_joint),
+        code=code("studies.locks.sensitivity"),
     message:
         "Find the parameters that the first failure depends on"
-    shell:
-        STEP
+    script:
+        "sensitivity.py"
 
 
 rule paper_joint:
-    input:
-        plan=plan("paper_joint"),
     output:
         characteristic=shown("tables/characteristic.csv"),
         assumed_sizes=shown("tables/assumed_sizes.csv"),
@@ -160,20 +133,17 @@ rule paper_joint:
         below("logs/paper_joint.log"),
     group:
         "tables"
-    resources:
-        **asks("paper_joint"),
     params:
-        step="studies.locks.paper_joint",
-        base=asdict(STUDY.base_joint),
+        base=lambda wildcards: plain(STUDY.base_joint),
+        code=code("studies.locks.paper_joint"),
     message:
         "Vary strength and sizes of the joint of the paper"
-    shell:
-        STEP
+    script:
+        "paper_joint.py"
 
 
 rule law_figures:
     input:
-        plan=plan("law_figures"),
         points=rules.points.output.points,
     output:
         figures=[
@@ -184,18 +154,16 @@ rule law_figures:
         below("logs/law_figures.log"),
     group:
         "tables"
-    resources:
-        **asks("law_figures"),
     params:
-        step="studies.locks.figures",
+        code=code("studies.locks.figures"),
     message:
         "Draw the law"
-    shell:
-        STEP
+    script:
+        "figures.py"
 
 
 OF_CAMPAIGN = [
-    *of_jobs(rules.law.rule),
+    *OF_LAW,
     *rules.points.output,
     *rules.errors.output,
     *rules.interaction.output,

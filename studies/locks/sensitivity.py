@@ -3,11 +3,9 @@
 A load is proportional to the bonds' strength, whose span is about its scatter in masonry.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import product
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,6 +18,7 @@ from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.joints.sampling import Sampling, with_ratios
 from workflow.results.tables import Table, write_table
+from workflow.run.step import Arguments, Files, step
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a
@@ -28,7 +27,7 @@ RATIO_NAMES = (
     *("a_over_b", "h_over_b", "H_over_b", "shear_over_normal", "dry_over_inner", "friction"),
 )
 COHESIONS = (1.0 / 1.5, 1.5)  # over the study's: a scatter of some 25 %
-PARAMETERS = (*RATIO_NAMES, "cohesion")
+VARIED = (*RATIO_NAMES, "cohesion")
 SENSITIVITY = Table(
     "sensitivity",
     (
@@ -58,7 +57,7 @@ def sensitivity_table(sampling: Sampling, base: Joint, draws: int = DRAWS) -> pd
         )
         values = loads(np.array([spread.rvs(draws, random_state=1) for spread in spreads]))
         for direction, ratio in enumerate(RATIOS):
-            for place, name in enumerate(PARAMETERS):
+            for place, name in enumerate(VARIED):
                 rows.append(
                     {
                         "locks": locks,
@@ -89,10 +88,12 @@ def _loads(base: Joint, locks: int, body: UpperBody) -> Callable[[Floats], Float
     return loads
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the table."""
     sampling = dataclass_from(Sampling, arguments["sampling"])
     base = dataclass_from(Joint, arguments["base"])
     write_table(SENSITIVITY, sensitivity_table(sampling, base), outputs["sensitivity"])
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,4 +1,4 @@
-"""How many specimens decide between columns and one piece.
+"""Number of specimens that decide between columns and one piece.
 
     .venv/bin/python -m studies.measured.specimens results-measured/tables/specimens.csv
 
@@ -24,12 +24,12 @@ from studies.markdown import direction as named
 from studies.markdown import markdown_of
 from workflow.results.tables import Table, write_table
 
-REFERENCE = 3  # locks of the joint that others are compared with
+REFERENCE_LOCKS = 3  # locks of the joint that others are compared with
 LOCKS = (5, 7, 9, 11)
 RATIOS = (0.0, 0.5, math.inf)  # e / a
 VARIATION = 0.2  # of the locks' strengths, standard deviation over mean
 YOUNG = 1e10  # Pa, of the one piece
-LEVEL, POWER = (
+SIGNIFICANCE, POWER = (
     0.05,
     0.8,
 )  # of the test: of deciding where there is no difference, and where there is
@@ -60,7 +60,7 @@ def specimens(difference: float, deviation: float) -> int:
     """
     if not difference:
         raise ValueError("specimens: no number of them shows a difference of 0")
-    needed = (norm.isf(LEVEL / 2) + norm.isf(1.0 - POWER)) * deviation / difference
+    needed = (norm.isf(SIGNIFICANCE / 2) + norm.isf(1.0 - POWER)) * deviation / difference
     return max(LEAST, math.ceil(needed**2))
 
 
@@ -72,10 +72,10 @@ def specimens_table() -> pd.DataFrame:
 def _rows() -> Iterator[tuple[float, ...]]:
     for locks in LOCKS:
         for ratio in RATIOS:
-            loads = {n: _loads(n, Direction(ratio)) for n in (REFERENCE, locks)}
+            loads = {n: _loads(n, Direction(ratio)) for n in (REFERENCE_LOCKS, locks)}
             columns, whole = (
                 many.mean / three.mean
-                for three, many in zip(loads[REFERENCE], loads[locks], strict=True)
+                for three, many in zip(loads[REFERENCE_LOCKS], loads[locks], strict=True)
             )
             # Of the model whose loads scatter more.
             deviation = math.hypot(*(max(one.deviation for one in each) for each in loads.values()))
@@ -84,7 +84,7 @@ def _rows() -> Iterator[tuple[float, ...]]:
 
 
 def _loads(locks: int, direction: Direction) -> tuple[Load, Load]:
-    """Of columns, and of one piece that bends."""
+    """Loads of columns, and of one piece that bends."""
     whole = Joint(locks, upper_body=UpperBody.MONOLITHIC, elastic=Elastic(YOUNG))
     return _load(Joint(locks), direction), _load(whole, direction)
 

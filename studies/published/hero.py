@@ -35,7 +35,7 @@ RISING, BEHIND = 14, 22  # frames, at most
 STILL = 7  # frames in which nothing moves: at the first failure, the peak and the end
 RATE = 6  # frames a second
 WIDEST = 0.22  # of a lock's width: the largest displacement that is drawn
-COLOURS = 96  # of the picture
+PALETTE_SIZE = 96  # of the picture
 PLACES = ((0.0, 0.1, 0.66, 0.78), (0.735, 0.17, 0.25, 0.7))  # of map and curve in the figure
 
 
@@ -201,7 +201,7 @@ def _line(
 
 
 def _fewer_colours(path: Path) -> None:
-    """Make the GIF smaller: `COLOURS` for all frames, and three times in all."""
+    """Make the GIF smaller: `PALETTE_SIZE` for all frames, and three times in all."""
     with Image.open(path) as gif:
         frames = [each.convert("RGB") for each in ImageSequence.Iterator(gif)]
         times = [each.info.get("duration", 1000 // RATE) for each in ImageSequence.Iterator(gif)]
@@ -209,7 +209,7 @@ def _fewer_colours(path: Path) -> None:
     strip = Image.new("RGB", (frames[0].width, frames[0].height * len(shown)))
     for place, frame in enumerate(shown):
         strip.paste(frame, (0, place * frame.height))
-    palette = strip.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)
+    palette = strip.quantize(PALETTE_SIZE, method=Image.Quantize.MAXCOVERAGE)
     drawn = [each.quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
     drawn[0].save(
         path, save_all=True, append_images=drawn[1:], duration=times, loop=2, optimize=True

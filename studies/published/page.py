@@ -11,8 +11,8 @@ from analysis.drawing.labels import label_of
 from analysis.published import read_published
 from analysis.summary.summary import leading_models
 from analysis.tables.validation import (
-    Comparison,
-    Line,
+    PublishedLine,
+    PublishedSamples,
     comparisons,
     difference_text,
     quantity_label,
@@ -36,15 +36,15 @@ LOADS = ("sidmacib_pure_shear_option4", "dem_pure_shear")
 HEAD = ("at e = 0", "locks", "mesh (m)", "published")
 FITS = "fitted"  # the published numbers, with another friction and geometry
 NONE = "–"
-REDUCTIONS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
+RULE_WORDS = {"half": "(n − 1) / 2", "lower_sum": "sum over the lower locks"}
 
 
-def _comparisons(results: Path) -> list[Comparison]:
+def _comparisons(results: Path) -> list[PublishedSamples]:
     leading = leading_models(table_in(results, FIT))
     return list(comparisons(table_in(results, VALIDATION), leading))
 
 
-def _head(parts: Sequence[Comparison]) -> list[str]:
+def _head(parts: Sequence[PublishedSamples]) -> list[str]:
     """Headings: the published number, then setting, model and difference of each sample."""
     head = [*HEAD]
     for words in parts[0].samples.values():
@@ -55,7 +55,7 @@ def _head(parts: Sequence[Comparison]) -> list[str]:
 
 
 def _lines(
-    parts: Iterable[Comparison], quantities: Sequence[str], mesh: str = ""
+    parts: Iterable[PublishedSamples], quantities: Sequence[str], mesh: str = ""
 ) -> list[list[str]]:
     """Published and computed numbers whose names begin with one of ``quantities``.
 
@@ -70,7 +70,7 @@ def _lines(
     ]
 
 
-def _cells(part: Comparison, line: Line) -> list[str]:
+def _cells(part: PublishedSamples, line: PublishedLine) -> list[str]:
     cells = [quantity_label(line.quantity), f"{part.locks}", line.mesh, f"{line.published:g}"]
     for sample in part.samples:
         row = line.rows.get(sample)
@@ -80,7 +80,7 @@ def _cells(part: Comparison, line: Line) -> list[str]:
     return cells
 
 
-def _weights(part: Comparison, mesh: str) -> list[str]:
+def _weights(part: PublishedSamples, mesh: str) -> list[str]:
     """The weights at a mesh, one after the other."""
     lines = [
         line
@@ -95,7 +95,7 @@ def _weights(part: Comparison, mesh: str) -> list[str]:
     return [f"weights of locks 1 … {part.locks}", f"{part.locks}", mesh, *cells]
 
 
-def _finest_mesh(parts: Iterable[Comparison]) -> str:
+def _finest_mesh(parts: Iterable[PublishedSamples]) -> str:
     """The finest mesh of the published numbers."""
     return min({line.mesh for part in parts for line in part.lines if line.mesh}, key=float)
 
@@ -238,7 +238,7 @@ def options(results: Path) -> str:
     """The option of SiDMACIB that fits each model best, by the paper's rule and by the sum."""
     table = table_in(results, FIT)
     leading = table["model"].eq(table["sample"].map(leading_models(table)))
-    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(REDUCTIONS)]
+    table = table[leading & ~table["friction"].astype(bool) & table["reduction"].isin(RULE_WORDS)]
     keys = ["sample", "reduction", "mesh_m"]
     best = table.sort_values([*keys, "misfit"], kind="stable").drop_duplicates(keys)
     return markdown_of(
@@ -246,7 +246,7 @@ def options(results: Path) -> str:
         {
             "sample": lambda row: f"{row.sample}: {row.locks} locks, {label_of(row.model).name}",
             "mesh (m)": lambda row: f"{row.mesh_m:g}",
-            "rule": lambda row: REDUCTIONS[row.reduction],
+            "rule": lambda row: RULE_WORDS[row.reduction],
             "best option": lambda row: row.option.removeprefix("option"),
             "misfit": lambda row: size(row.misfit),
             "unsafe by up to": lambda row: size(row.largest_unsafe_error),
@@ -270,7 +270,7 @@ def variants(results: Path) -> str:
 
 
 def frictions(results: Path) -> str:
-    """What `make calibrate` found for each friction: the best geometry, and how many fit."""
+    """Results of `make calibrate` for each friction: the best geometry, and how many fit."""
     table, grid = (
         pd.read_csv(results / "calibration" / f"{name}.csv") for name in ("friction", "map")
     )

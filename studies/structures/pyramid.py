@@ -17,7 +17,7 @@ from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
 from sidmacib.structure.analysis.limit_tilt import SECTOR
 from sidmacib.structure.analysis.tilt import LARGEST, Tilt, turned
 
-SIDES = 8
+PYRAMID_SIDES = 8
 INFEASIBLE, UNBOUNDED = 2, 3  # of HiGHS, as SciPy has it
 
 
@@ -63,10 +63,10 @@ def _tangent(assembly: Assembly, tilt: Tilt, begin: float, most: float = math.in
 
 def _pyramids(friction: Floats) -> csr_array:
     """Rows that are 0 at most where shear is inside the pyramid, (8 N, 3 N)."""
-    angle = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    angle = 2.0 * np.pi * np.arange(PYRAMID_SIDES) / PYRAMID_SIDES
     sides = np.column_stack([np.cos(angle), np.sin(angle)])
-    blocks = np.zeros((len(friction), SIDES, 3))
+    blocks = np.zeros((len(friction), PYRAMID_SIDES, 3))
     blocks[:, :, 0], blocks[:, :, 1:] = -friction[:, None], sides
-    row = np.arange(len(friction) * SIDES)[:, None] + np.zeros(3, dtype=int)
-    column = np.repeat(3 * np.arange(len(friction)), SIDES)[:, None] + np.arange(3)
+    row = np.arange(len(friction) * PYRAMID_SIDES)[:, None] + np.zeros(3, dtype=int)
+    column = np.repeat(3 * np.arange(len(friction)), PYRAMID_SIDES)[:, None] + np.arange(3)
     return csr_array((blocks.reshape(-1), (row.ravel(), column.ravel())))

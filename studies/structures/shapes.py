@@ -21,11 +21,11 @@ from studies.structures.samples import dry
 HELD = 3.0  # friction at which nothing slides
 DENSITY = 2000.0  # kg/m3
 GROUND = box("ground", (-9.0, -9.0, -1.0), (9.0, 9.0, 0.0), DENSITY, fixed=True)
-Y, X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
+ABOUT_Y, ABOUT_X = Tilt((0.0, 1.0, 0.0)), Tilt((1.0, 0.0, 0.0))
 
 
 @dataclass(frozen=True)
-class Answer:
+class KnownResult:
     """A known result of a structure and those of the models, all in ``unit``.
 
     ``source``: a formula, or the name of a source in published.yaml. ``static``: None where the
@@ -40,7 +40,7 @@ class Answer:
     static: float | None
 
 
-def answers(published: Mapping[str, float]) -> Iterator[Answer]:
+def answers(published: Mapping[str, float]) -> Iterator[KnownResult]:
     """The structures one after the other; ``published``: the part ``shapes`` of published.yaml."""
     yield _thinnest(published["arch_thickness_over_radius"])
     yield _tilted(
@@ -48,16 +48,18 @@ def answers(published: Mapping[str, float]) -> Iterator[Answer]:
         "whiting",
         published["arch_tilt_degrees"],
         structure(arch(100, 0.2), dry(HELD)),
-        Y,
+        ABOUT_Y,
     )
     yield _point_load(published["arch_point_load_N"])
     for count in (1, 3, 6):
         known = math.degrees(math.atan(0.5 / (0.3 * count)))
         name = f"stack of {count}, 0.5 m wide, each 0.3 m high: overturns"
-        yield _tilted(name, "atan(b / n h)", known, structure(stack(count, 0.0), dry(HELD)), Y)
+        yield _tilted(
+            name, "atan(b / n h)", known, structure(stack(count, 0.0), dry(HELD)), ABOUT_Y
+        )
     known = math.degrees(math.atan(0.25))
     model = structure(stack(3, 0.0), dry(0.25))
-    yield _tilted("stack of 3, friction 0.25: slides", "atan μ", known, model, Y)
+    yield _tilted("stack of 3, friction 0.25: slides", "atan μ", known, model, ABOUT_Y)
     yield from _walls()
     yield _corbel(5, 0.06)
     yield from _flat_arch()
@@ -124,23 +126,25 @@ def wall(courses: int, thickness: float) -> list[Block]:
     return blocks
 
 
-def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> Answer:
+def _tilted(name: str, source: str, known: float, model: Assembly, tilt: Tilt) -> KnownResult:
     limit, static = limit_tilt(model, tilt).angle, static_tilt(model, tilt).angle
-    return Answer(name, "degrees", source, known, limit, static)
+    return KnownResult(name, "degrees", source, known, limit, static)
 
 
-def _walls() -> Iterator[Answer]:
+def _walls() -> Iterator[KnownResult]:
     courses, thickness = 6, 0.3
     known = math.degrees(math.atan(thickness / (0.25 * courses)))
     name = f"wall in running bond, {courses} courses, 0.3 m thick: overturns out of its plane"
     model = structure(wall(courses, thickness), dry(0.7))
-    yield _tilted(name, "atan(b / h)", known, model, X)
+    yield _tilted(name, "atan(b / h)", known, model, ABOUT_X)
     known = math.degrees(math.atan(0.3))
     model = structure(wall(courses, thickness), dry(0.3))
-    yield _tilted("the same wall, friction 0.3: slides along its plane", "atan μ", known, model, Y)
+    yield _tilted(
+        "the same wall, friction 0.3: slides along its plane", "atan μ", known, model, ABOUT_Y
+    )
 
 
-def _corbel(count: int, shift: float) -> Answer:
+def _corbel(count: int, shift: float) -> KnownResult:
     """The upper k blocks turn about the edge of the one below; their centroid is known."""
     angles = [
         math.degrees(math.atan((0.25 - shift * (above + 1) / 2) / (0.15 * above)))
@@ -149,10 +153,10 @@ def _corbel(count: int, shift: float) -> Answer:
     known = min(angles)
     name = f"corbel of {count} blocks, 0.5 m long, each {shift:g} m further out: turns over"
     source = "least atan(2 (l/2 - d (k + 1)/2) / k h)"
-    return _tilted(name, source, known, structure(stack(count, shift), dry(HELD)), Y)
+    return _tilted(name, source, known, structure(stack(count, shift), dry(HELD)), ABOUT_Y)
 
 
-def _flat_arch() -> Iterator[Answer]:
+def _flat_arch() -> Iterator[KnownResult]:
     """Two blocks between abutments that slide: three hinges, thrust (P L/4 + W L/8) / h."""
     span, height, depth, wide, tall, friction = 2.0, 0.5, 0.4, 1.2, 0.8, 0.6
     ends = ((-span / 2 - wide, -span / 2), (span / 2, span / 2 + wide))
@@ -177,12 +181,12 @@ def _flat_arch() -> Iterator[Answer]:
     yield _loaded("flat arch, load at the crown: its abutments slide", source, known, model, loads)
 
 
-def _loaded(name: str, source: str, known: float, model: Assembly, loads: Loads) -> Answer:
+def _loaded(name: str, source: str, known: float, model: Assembly, loads: Loads) -> KnownResult:
     limit = limit_load(model, loads, friction=True).load
-    return Answer(name, "N", source, known, limit, static_peak(model, loads).peak.load)
+    return KnownResult(name, "N", source, known, limit, static_peak(model, loads).peak.load)
 
 
-def _point_load(known: float) -> Answer:
+def _point_load(known: float) -> KnownResult:
     """27 blocks, inner radius 1.806 m, thickness 0.1661 of it, load at joint 8."""
     inner, thickness, count = 1.806, 0.1661 * 1.806, 27
     mean = inner + thickness / 2
@@ -193,7 +197,7 @@ def _point_load(known: float) -> Answer:
     return _loaded("arch of 27 blocks: load at joint 8", "stockdale", known, model, loads)
 
 
-def _thinnest(known: float) -> Answer:
+def _thinnest(known: float) -> KnownResult:
     def stands(thickness: float) -> bool:
         model = structure(arch(100, thickness), dry(HELD))
         try:
@@ -203,7 +207,7 @@ def _thinnest(known: float) -> Answer:
 
     found = _boundary(stands, 0.10, 0.12, 1e-5)
     name = "semicircular arch, 100 blocks: least thickness over mean radius"
-    return Answer(name, "", "milankovitch", known, found, None)
+    return KnownResult(name, "", "milankovitch", known, found, None)
 
 
 def _boundary(holds: Callable[[float], bool], low: float, high: float, precision: float) -> float:

@@ -8,7 +8,6 @@ it, no listening socket and no file of an engine may be left. Faults are counted
 build/faults.csv.
 """
 
-import json
 import os
 import random
 import resource
@@ -26,6 +25,9 @@ from pathlib import Path
 import yaml
 from campaigns.counts import ROOT, asked, write_counts
 from tables import tables_of
+
+from workflow.engines.scripts.records import RESULT
+from workflow.results.files import RECORD
 
 STUDY = {
     "samples": {"n3": {"locks": 3}},
@@ -118,59 +120,17 @@ class Campaign:
 
 
 # --- faults --------------------------------------------------------------------------------------
-def _chosen(campaign: Campaign, number: int) -> list[Path]:
-    files = campaign.files()
-    return campaign.random.sample(files, min(number, len(files)))
-
-
 def deleted(campaign: Campaign) -> None:
-    """Files that are gone."""
-    for path in _chosen(campaign, 6):
+    """Results that are gone, but the files that an engine leaves beside its records."""
+    beside = campaign.results / "cases/yade"
+    files = [
+        path
+        for path in campaign.files()
+        if not path.is_relative_to(beside) or path.name in (RECORD, RESULT)
+    ]
+    for path in campaign.random.sample(files, 6):
         path.unlink()
         campaign.count("deleted")
-
-
-def truncated(campaign: Campaign) -> None:
-    """Files that end too early."""
-    for path in _chosen(campaign, 6):
-        data = path.read_bytes()
-        path.write_bytes(data[: campaign.random.randrange(len(data) or 1)])
-        campaign.count("truncated")
-
-
-def garbled(campaign: Campaign) -> None:
-    """Files in which bytes were changed."""
-    for path in _chosen(campaign, 6):
-        data = bytearray(path.read_bytes() or b"x")
-        for _ in range(campaign.random.randint(1, 20)):
-            data[campaign.random.randrange(len(data))] = campaign.random.randrange(256)
-        path.write_bytes(bytes(data))
-        campaign.count("garbled")
-
-
-def foreign(campaign: Campaign) -> None:
-    """Files that hold another one's content."""
-    for path in _chosen(campaign, 4):
-        others = [each for each in campaign.files() if each.suffix == path.suffix and each != path]
-        if others:
-            path.write_bytes(campaign.random.choice(others).read_bytes())
-            campaign.count("foreign")
-
-
-def stale(campaign: Campaign) -> None:
-    """Receipts of something else."""
-    for path in campaign.random.sample(sorted((campaign.results / ".receipts").rglob("*.json")), 3):
-        receipt = json.loads(path.read_text())
-        path.write_text(json.dumps({**receipt, "digest": "0" * 64}))
-        campaign.count("stale")
-
-
-def clock(campaign: Campaign) -> None:
-    """Times that jump, forward and back."""
-    for path in _chosen(campaign, 8):
-        moment = time.time() + campaign.random.choice((-1, 1)) * campaign.random.uniform(10, 1e8)
-        os.utime(path, (moment, moment))
-        campaign.count("clock")
 
 
 def blocked(campaign: Campaign) -> None:
@@ -258,8 +218,7 @@ def bad_engine(campaign: Campaign) -> None:
 
 
 FAULTS: tuple[Callable[[Campaign], None], ...] = (
-    *(deleted, truncated, garbled, foreign, stale, clock),
-    *(blocked, full_disk, read_only, two_runs, killed, bad_engine),
+    *(deleted, blocked, full_disk, read_only, two_runs, killed, bad_engine),
 )
 
 

@@ -16,7 +16,7 @@ from workflow.engines.scripts.assembly import Guide
 
 
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:
-    """Where ``engine`` begins its search; None if ``numerics`` or the engine want no guide."""
+    """The start of the search of ``engine``; None if ``numerics`` or the engine want no guide."""
     if not engine.wants_guide(numerics) or refusal(engine, problem.assembly):
         return None
     return guide_of(*problem)

@@ -29,7 +29,7 @@ from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.springs import compliance, natural_frequencies
 from workflow.engines.engine import Engine
 from workflow.engines.numerics import Numerics
-from workflow.engines.scripts.assembly import Guide, Material
+from workflow.engines.scripts.assembly import GivenMaterial, Guide
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
@@ -245,7 +245,7 @@ def _material_names(assembly: Assembly) -> dict[FaceMaterial, str]:
 
 def engine_material(material: FaceMaterial) -> dict[str, float]:
     """The properties of a material that scripts of engines read; engines model no softening."""
-    return {field.name: getattr(material, field.name) for field in fields(Material)}
+    return {field.name: getattr(material, field.name) for field in fields(GivenMaterial)}
 
 
 def _rounded(value: float) -> float:

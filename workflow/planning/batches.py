@@ -12,19 +12,11 @@ from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.planning.cases import cases_of, second_mesh
 from workflow.planning.resources import solved_resources
 from workflow.schema import Study
-from workflow.structures.case import StructureCase
 from workflow.threedec import RETURNED as PRINTED
 from workflow.threedec import deck_folder, decks
 
 # A batch, on average, is at most so large: start-up counts little then, and little is lost with it.
 BATCH, BATCH_TIME = 512, 120.0  # cases, s
-
-
-@dataclass(frozen=True)
-class Batch:
-    """Cases that one job solves, one after the other."""
-
-    cases: tuple[Case | StructureCase, ...]
 
 
 @dataclass(frozen=True)
@@ -38,14 +30,9 @@ class CaseJobs:
 
     cases: Mapping[CaseId, Case]
     engines: Mapping[CaseId, Case]
-    batches: Mapping[tuple[str, str], Batch]
+    batches: Mapping[tuple[str, str], tuple[Case, ...]]
     returned: Mapping[CaseId, Case]
     decks: Mapping[str, Case]
-
-    @property
-    def batch_of(self) -> dict[CaseId, str]:
-        """The name of the batch that a case is in."""
-        return {case.id: name for (_, name), batch in self.batches.items() for case in batch.cases}
 
 
 def case_jobs(study: Study) -> CaseJobs:
@@ -68,7 +55,7 @@ def case_jobs(study: Study) -> CaseJobs:
         elif case.model in RETURNED:
             returned[case.id] = case
     in_batches = {
-        (model, name): Batch(tuple(batch))
+        (model, name): tuple(batch)
         for model, model_cases in solved.items()
         for name, batch in batches(model_cases).items()
     }

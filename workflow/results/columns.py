@@ -27,8 +27,7 @@ MEANINGS: Mapping[str, str] = {
     "eccentricity_m": "eccentricity e = M / V of the load; `inf` in pure torsion",
     "eccentricity_over_a": "e / a, where a is the length of a lock; `inf` in pure torsion",
     # loads
-    "load_N": "largest load carried, along the path: √(V² + (M / a)²); the first failure where "
-    "`peak_spread` is above 0.02",
+    "load_N": "largest load carried, along the path: √(V² + (M / a)²)",
     "peak_N": "largest load carried, whether it counts or not; empty for models without a peak",
     "counts": "which load `load_N` is: the `peak` or the `first failure`; empty if the model does "
     "not say",
@@ -41,7 +40,8 @@ MEANINGS: Mapping[str, str] = {
     "mode": "failure mode: `bonds` break, pieces slide or overturn (`mechanism`, `rocking`), or "
     "`first failure` if the model stops there",
     # how good a result is
-    "peak_spread": "change of the static model's peak, over the peak, if inputs change by 1e-9",
+    "peak_spread": "the highest of the peaks that the static model found less the lowest, over the "
+    "lowest, which is `peak_N`",
     "unbalanced_share": "largest force left on a piece, or moment over a, over the load",
     "mesh_error": "upper estimate of the difference between the load and its limit for ever finer "
     "meshes, over the load; that of the static model where the model has one mesh",

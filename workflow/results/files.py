@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,6 +18,7 @@ from workflow.results.record import CaseRecord, ResultError
 T = TypeVar("T")
 
 CASE, RECORD = "case.json", "record.json"
+BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 NODE_COLUMNS = (
     *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
@@ -193,3 +194,12 @@ def read_lines(paths: Sequence[Path], record_in: Callable[[str], T]) -> list[T]:
             except ResultError as error:
                 raise ResultError(f"{path}, line {number}: {error}") from None
     return records
+
+
+def read_times(results: Path) -> Iterator[tuple[str, float, float]]:
+    """Kind of each job that Snakemake measured, its time on the clock and of processors, in s."""
+    for path in sorted((results / BENCHMARKS).rglob("*.tsv")):
+        (row,) = csv.DictReader(path.read_text().splitlines(), delimiter="\t")
+        kind = path.relative_to(results / BENCHMARKS).parts[0]
+        if row["cpu_time"] != "NA":  # it ended before it was looked at
+            yield kind, float(row["s"]), float(row["cpu_time"])

@@ -16,7 +16,6 @@ import numpy as np
 from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
-from sidmacib.mechanics.solution import SPREAD_LIMIT
 from sidmacib.mesh_error import cells_of
 from sidmacib.problem import Problem
 from workflow.joints.case import Case, CaseId
@@ -40,12 +39,10 @@ class CaseRecord:
     Loads are along the case's direction, in N: ``load_N`` the one that counts, ``peak_N`` the
     largest at equilibrium, ``failed_load_N`` the smallest known not to be carried,
     ``first_failure_load_N`` where the first node fails. ``mode``: how the joint gives way.
-    ``peak_spread``: of the static model's peak; where it is above
-    `sidmacib.mechanics.solution.SPREAD_LIMIT`, ``load_N`` and all that belongs to it are those of
-    the first failure. ``unbalanced_share``: largest force (or moment
-    over a) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one
-    that the load does work on). What a model does not give is None or empty. ``error``: why
-    there is no result, in one line; all numbers are None then.
+    ``peak_spread``: of the static model's peaks, the lowest of which is ``peak_N``.
+    ``unbalanced_share``: largest force (or moment over a) left on a piece, over the load. ``path``:
+    loads (N) and displacements (m, the one that the load does work on). What a model does not give
+    is None or empty. ``error``: why there is no result, in one line; all numbers are None then.
     """
 
     model: str
@@ -80,11 +77,6 @@ class CaseRecord:
     def id(self) -> CaseId:
         """The identity of the case."""
         return CaseId(self.model, self.name)
-
-    @property
-    def is_peak(self) -> bool:
-        """Whether the load is a peak; it is the first failure where peaks spread too far."""
-        return self.peak_spread is None or self.peak_spread <= SPREAD_LIMIT
 
     def to_json(self) -> str:
         """One line of JSON; infinity is written as Python's json does."""

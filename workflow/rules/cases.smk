@@ -1,118 +1,100 @@
 # The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
+import math
+
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
-from workflow.planning.closure import code_digest
 from workflow.planning.resources import engine_resources, solved_resources
-from workflow.engines.scripts.records import OUTPUTS
 
-GUIDES_CODE = code_digest(("workflow.engines.guide",))
-WILDCARDS |= {
-    "engine": [{"engine": engine, "case": case} for engine, case in CASES.engines],
-    "guides": [
-        {"engine": engine}
-        for engine in dict.fromkeys(engine for engine, _ in CASES.engines)
-        if guided_cases(engine)
-    ],
-    "solve": [{"model": model, "batch": batch} for model, batch in CASES.batches],
-    "returned": [{"program": program, "case": case} for program, case in CASES.returned],
-}
+IN_ENGINES = list(dict.fromkeys(engine for engine, _ in CASES.engines))
+TIME_LIMIT = math.ceil(STUDY.dem.time_limit)
 
 
-rule guides:
-    input:
-        plan=plan("guides/{engine}"),
-    output:
-        guides=below("cases/guides/{engine}.json"),
-    log:
-        below("logs/guides/{engine}.log"),
-    wildcard_constraints:
-        engine=one_of(engine for engine, _ in CASES.engines),
-    # No case waits for it: one that does not find its guide there finds it itself.
-    priority: 1
-    resources:
-        **asks("guides/{engine}"),
-    params:
-        step="workflow.steps.guides",
-        cases=lambda wildcards: [case.to_json() for case in guided_cases(wildcards.engine)],
-        code=GUIDES_CODE,
-        resources=lambda wildcards: solved_resources(guided_cases(wildcards.engine)),
-    message:
-        "Find where {wildcards.engine} begins to search"
-    shell:
-        STEP
+def case_in_engine(wildcards):
+    return CASES.engines[wildcards.engine, wildcards.case]
+
+
+def batch(wildcards):
+    return CASES.batches[wildcards.model, wildcards.batch]
+
+
+def of_engine(wildcards):
+    return engine_resources(case_in_engine(wildcards), STUDY.dem.time_limit)
+
+
+def of_batch(wildcards):
+    return solved_resources(batch(wildcards))
+
+
+@functools.cache
+def group_of_engine(engine):
+    """Cases of an engine share jobs of the cluster if all of them are short."""
+    cases = (case for case in CASES.engines.values() if case.model == engine)
+    short = all(engine_resources(case, STUDY.dem.time_limit).short for case in cases)
+    return "cases" if short else None
+
+
+@functools.cache
+def group_of_model(model):
+    batches = (cases for (name, _), cases in CASES.batches.items() if name == model)
+    return "cases" if all(solved_resources(cases).short for cases in batches) else None
 
 
 rule engine:
-    input:
-        plan=plan("{engine}/{case}"),
     output:
         record=below("cases/{engine}/{case}/record.json"),
         result=below("cases/{engine}/{case}/result.json"),
     log:
         below("logs/{engine}/{case}.log"),
+    benchmark:
+        below("benchmarks/{engine}/{case}.tsv")
     wildcard_constraints:
-        engine=one_of(engine for engine, _ in CASES.engines),
+        engine=one_of(IN_ENGINES),
         case=one_of(case for _, case in CASES.engines),
     group:
-        lambda wildcards: group_of(wildcards.engine)
+        lambda wildcards: group_of_engine(wildcards.engine)
     threads: lambda wildcards: case_in_engine(wildcards).numerics.ranks
     resources:
-        **asks("{engine}/{case}"),
+        **asks(of_engine),
+        time_limit=TIME_LIMIT,
     params:
-        step="workflow.steps.engine",
-        case=case_in_engine,
-        settings={"time_limit": STUDY.dem.time_limit, "guides_code": GUIDES_CODE},
-        # Written only if the engine has a result.
-        also=[
-            below(f"cases/{{engine}}/{{case}}/{name}") for name in OUTPUTS if name != "result.json"
-        ],
-        modules=lambda wildcards: (
-            "workflow.engines.guide",
-            *sources(ENGINES[wildcards.engine])[0],
-        ),
-        files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
+        case=lambda wildcards: case_in_engine(wildcards).to_json(),
+        code=lambda wildcards: code("workflow.steps.engine", *sources(ENGINES[wildcards.engine])),
         versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
-        resources=lambda wildcards: engine_resources(
-            case_in_engine(wildcards), STUDY.dem.time_limit
-        ),
     message:
         "{wildcards.engine}: {wildcards.case}"
-    shell:
-        STEP
+    script:
+        "../steps/engine.py"
 
 
 rule solve:
-    input:
-        plan=plan("{model}/{batch}"),
     output:
         records=below("cases/{model}/{batch}/records.jsonl"),
         nodes=below("cases/{model}/{batch}/nodes.parquet"),
         history=below("cases/{model}/{batch}/history.parquet"),
     log:
         below("logs/{model}/{batch}.log"),
+    benchmark:
+        below("benchmarks/{model}/{batch}.tsv")
     wildcard_constraints:
         model=one_of(model for model, _ in CASES.batches),
         batch=one_of(batch for _, batch in CASES.batches),
     group:
-        lambda wildcards: group_of(wildcards.model)
+        lambda wildcards: group_of_model(wildcards.model)
     resources:
-        **asks("{model}/{batch}"),
+        **asks(of_batch),
     params:
-        step="workflow.steps.solve",
-        cases=batch,
+        cases=lambda wildcards: [case.to_json() for case in batch(wildcards)],
         module=lambda wildcards: MODELS[wildcards.model].module,
-        modules=lambda wildcards: (MODELS[wildcards.model].module,),
-        resources=lambda wildcards: solved_resources(batch(wildcards).cases),
+        code=lambda wildcards: code("workflow.steps.solve", (MODELS[wildcards.model].module,)),
     message:
         "{wildcards.model}: {wildcards.batch}"
-    shell:
-        STEP
+    script:
+        "../steps/solve.py"
 
 
 rule returned:
     input:
-        plan=plan("{program}/{case}"),
         printed=below("decks/{program}/{case}/results.txt"),
     output:
         record=below("cases/{program}/{case}/record.json"),
@@ -123,29 +105,28 @@ rule returned:
         case=one_of(case for _, case in CASES.returned),
     group:
         "cases"
-    resources:
-        **asks("{program}/{case}"),
     params:
-        step="workflow.steps.returned",
-        case=lambda wildcards: CASES.returned[wildcards.program, wildcards.case],
+        case=lambda wildcards: CASES.returned[wildcards.program, wildcards.case].to_json(),
+        code=code("workflow.steps.returned"),
     message:
         "{wildcards.program}: {wildcards.case}"
-    shell:
-        STEP
+    script:
+        "../steps/returned.py"
 
 
 RECORDS = {  # where the record of a case is
-    **dict(zip(CASES.engines, of_jobs(rules.engine.rule, "record"))),
-    **dict(zip(CASES.returned, of_jobs(rules.returned.rule, "record"))),
+    **{case: below(f"{case.folder}/record.json") for case in (*CASES.engines, *CASES.returned)},
     **{
-        case.id: path
-        for batch, path in zip(CASES.batches.values(), of_jobs(rules.solve.rule, "records"))
-        for case in batch.cases
+        case.id: below(f"cases/{model}/{name}/records.jsonl")
+        for (model, name), cases in CASES.batches.items()
+        for case in cases
     },
 }
 OF_CASES = [
-    *of_jobs(rules.guides.rule),
-    *of_jobs(rules.engine.rule),
-    *of_jobs(rules.solve.rule),
-    *of_jobs(rules.returned.rule),
+    *dict.fromkeys(RECORDS.values()),
+    *(  # what no table reads but figures of stresses do
+        below(f"cases/{model}/{name}/{kind}.parquet")
+        for model, name in CASES.batches
+        for kind in ("nodes", "history")
+    ),
 ]

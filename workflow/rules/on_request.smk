@@ -1,35 +1,28 @@
 # Files that are not part of a study and are made only when requested by name.
 from workflow.threedec import DECK, deck_folder
 
+BATCH_OF = {case.id: case for cases in CASES.batches.values() for case in cases}
+
 
 rule decks:
     input:
-        plan=plan("decks"),
+        template=f"{CHECKOUT}/templates/3dec.dat.j2",
     output:
         decks=[below(f"{deck_folder(name)}/{DECK}") for name in CASES.decks],
     log:
         below("logs/decks.log"),
-    resources:
-        **asks("decks"),
     params:
-        step="workflow.steps.decks",
         cases=lambda wildcards: [case.to_json() for case in CASES.decks.values()],
-        files=("templates/3dec.dat.j2",),
+        code=code("workflow.steps.decks"),
     message:
         "Write decks for 3DEC"
-    shell:
-        STEP
-
-
-BATCH_OF = CASES.batch_of
+    script:
+        "../steps/decks.py"
 
 
 # A separate folder for a case that was solved in a batch, made on request.
 rule case_files:
     input:
-        plan=lambda wildcards: plans()[
-            f"{wildcards.model}/{BATCH_OF[wildcards.model, wildcards.case]}"
-        ],
         records=lambda wildcards: RECORDS[wildcards.model, wildcards.case],
     output:
         result=below("cases/{model}/{case}/result.json"),
@@ -38,8 +31,10 @@ rule case_files:
     wildcard_constraints:
         model=one_of(model for model, _ in BATCH_OF),
         case=one_of(case for _, case in BATCH_OF),
+    params:
+        case=lambda wildcards: BATCH_OF[wildcards.model, wildcards.case].to_json(),
+        code=code("workflow.steps.case_files"),
     message:
         "{wildcards.model}: files of {wildcards.case}"
-    shell:
-        PYTHON + " -m workflow.steps.case_files {input.plan:q} {input.records:q} {output:q}"
-        " > {log:q} 2>&1"
+    script:
+        "../steps/case_files.py"

@@ -1,4 +1,5 @@
 # Included if the study has samplings: batches of their joints, and a table of all batches.
+import json
 from dataclasses import asdict
 
 from workflow.planning.resources import sampling_resources
@@ -9,65 +10,79 @@ STARTS = {  # the first joint of each batch, by sampling and number of the batch
     for name, sampling in STUDY.samplings.items()
     for number, start in enumerate(range(0, sampling.joints, JOINTS))
 }
-OF_SAMPLINGS = [{"sampling": sampling, "batch": batch} for sampling, batch in STARTS]
-WILDCARDS["sampling"] = OF_SAMPLINGS
+OF_SAMPLINGS = [below(f"sampling/{name}-{batch}.parquet") for name, batch in STARTS]
+
+
+def sampling_of(wildcards):
+    return STUDY.samplings[wildcards.sampling]
+
+
+def first_joint(wildcards):
+    return STARTS[wildcards.sampling, wildcards.batch]
+
+
+def joint_after(wildcards):
+    """The first joint after a batch."""
+    return min(first_joint(wildcards) + JOINTS, sampling_of(wildcards).joints)
+
+
+def of_joints(wildcards):
+    return sampling_resources(joint_after(wildcards) - first_joint(wildcards))
+
+
+def plain(value):
+    """A dataclass as plain data."""
+    return json.loads(json.dumps(asdict(value)))
 
 
 JOINTS_OF_BATCH = {  # parameters of a step for the joints of a batch
     "name": lambda wildcards: wildcards.sampling,
-    "sampling": lambda wildcards: asdict(sampling_of(wildcards).sampling()),
-    "base": asdict(STUDY.base_joint),
+    "sampling": lambda wildcards: plain(sampling_of(wildcards).sampling()),
+    "base": lambda wildcards: plain(STUDY.base_joint),
     "start": first_joint,
     "stop": joint_after,
     "eccentricities": lambda wildcards: sampling_of(wildcards).eccentricities
     or STUDY.eccentricities,
-    "resources": lambda wildcards: sampling_resources(
-        joint_after(wildcards) - first_joint(wildcards)
-    ),
 }
 
 
 rule sampling:
-    input:
-        plan=plan("sampling/{sampling}-{batch}"),
     output:
         joints=below("sampling/{sampling}-{batch}.parquet"),
     log:
         below("logs/sampling/{sampling}-{batch}.log"),
+    benchmark:
+        below("benchmarks/sampling/{sampling}-{batch}.tsv")
     wildcard_constraints:
         sampling=one_of(STUDY.samplings),
         batch="[0-9]+",
     group:
         "cases"
     resources:
-        **asks("sampling/{sampling}-{batch}"),
+        **asks(of_joints),
     params:
         **JOINTS_OF_BATCH,
-        step="workflow.steps.sampling",
         cells=lambda wildcards: sampling_of(wildcards).cells,
         limited=lambda wildcards: sampling_of(wildcards).limited,
-        modules=("workflow.solvers.static", "workflow.solvers.limit"),
+        code=code("workflow.steps.sampling"),
     message:
         "sampling: {wildcards.sampling}-{wildcards.batch}"
-    shell:
-        STEP
+    script:
+        "../steps/sampling.py"
 
 
 rule samplings:
     input:
-        plan=plan("samplings"),
-        batches=of_jobs(rules.sampling.rule),
+        batches=OF_SAMPLINGS,
     output:
         samplings=shown("tables/samplings.csv"),
     log:
         below("logs/samplings.log"),
     group:
         "tables"
-    resources:
-        **asks("samplings"),
     params:
-        step="analysis.tables.samplings",
+        code=code("analysis.tables.samplings"),
     message:
         "Join the batches of the samplings"
-    shell:
-        STEP
+    script:
+        "../../analysis/tables/samplings.py"

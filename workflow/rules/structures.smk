@@ -1,85 +1,81 @@
 # Included if the study has structures: their cases, tables and summary.
+import math
+
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
 from workflow.planning.resources import structure_resources
 
-WILDCARDS |= {
-    "structure_engine": [
-        {"engine": case.model, "case": case.name} for case in STRUCTURES.engines.values()
-    ],
-    "structure_solve": [
-        {"model": model, "structure": structure} for model, structure in STRUCTURES.solved
-    ],
-}
-IN_ENGINES = {(case.model, case.name): case for case in STRUCTURES.engines.values()}
+STRUCTURES_IN_ENGINES = {(case.model, case.name): case for case in STRUCTURES.engines.values()}
+
+
+def structure_in_engine(wildcards):
+    return STRUCTURES_IN_ENGINES[wildcards.engine, wildcards.case]
+
+
+def cases_of_structure(wildcards):
+    return STRUCTURES.solved[wildcards.model, wildcards.structure]
 
 
 rule structure_engine:
-    input:
-        plan=plan("structures/{engine}/{case}"),
     output:
         record=below("structures/{engine}/{case}/record.json"),
     log:
         below("logs/structures/{engine}/{case}.log"),
+    benchmark:
+        below("benchmarks/structures/{engine}/{case}.tsv")
     wildcard_constraints:
-        engine=one_of(engine for engine, _ in IN_ENGINES),
-        case=one_of(case for _, case in IN_ENGINES),
+        engine=one_of(engine for engine, _ in STRUCTURES_IN_ENGINES),
+        case=one_of(case for _, case in STRUCTURES_IN_ENGINES),
     threads: lambda wildcards: structure_in_engine(wildcards).numerics.ranks
     resources:
-        **asks("structures/{engine}/{case}"),
+        **asks(lambda wildcards: structure_resources(1, STUDY.dem.time_limit)),
+        time_limit=math.ceil(STUDY.dem.time_limit),
     params:
-        step="workflow.steps.structure_engine",
-        case=structure_in_engine,
-        settings={"time_limit": STUDY.dem.time_limit},
-        modules=lambda wildcards: sources(ENGINES[wildcards.engine])[0],
-        files=lambda wildcards: sources(ENGINES[wildcards.engine])[1],
+        case=lambda wildcards: structure_in_engine(wildcards).to_json(),
+        code=lambda wildcards: code(
+            "workflow.steps.structure_engine", *sources(ENGINES[wildcards.engine])
+        ),
         versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
-        resources=lambda wildcards: structure_resources(1, STUDY.dem.time_limit),
     message:
         "{wildcards.engine}: {wildcards.case}"
-    shell:
-        STEP
+    script:
+        "../steps/structure_engine.py"
 
 
 rule structure_solve:
-    input:
-        plan=plan("structures/{model}/{structure}"),
     output:
         records=below("structures/{model}/{structure}/records.jsonl"),
     log:
         below("logs/structures/{model}/{structure}.log"),
+    benchmark:
+        below("benchmarks/structures/{model}/{structure}.tsv")
     wildcard_constraints:
         model=one_of(model for model, _ in STRUCTURES.solved),
         structure=one_of(structure for _, structure in STRUCTURES.solved),
     resources:
-        **asks("structures/{model}/{structure}"),
+        **asks(lambda wildcards: structure_resources(len(cases_of_structure(wildcards)))),
     params:
-        step="workflow.steps.structure_solve",
-        cases=cases_of_structure,
+        cases=lambda wildcards: [case.to_json() for case in cases_of_structure(wildcards)],
         module=lambda wildcards: MODELS[wildcards.model].structures,
-        modules=lambda wildcards: (MODELS[wildcards.model].structures,),
-        resources=lambda wildcards: structure_resources(len(cases_of_structure(wildcards).cases)),
+        code=lambda wildcards: code(
+            "workflow.steps.structure_solve", (MODELS[wildcards.model].structures,)
+        ),
     message:
         "{wildcards.model}: {wildcards.structure}"
-    shell:
-        STEP
+    script:
+        "../steps/structure_solve.py"
 
 
 OF_STRUCTURES = [
-    pattern.format(**job)
-    for rule, pattern in (
-        ("structure_engine", below("structures/{engine}/{case}/record.json")),
-        ("structure_solve", below("structures/{model}/{structure}/records.jsonl")),
-    )
-    for job in WILDCARDS[rule]
+    *(below(f"structures/{engine}/{case}/record.json") for engine, case in STRUCTURES_IN_ENGINES),
+    *(below(f"structures/{model}/{name}/records.jsonl") for model, name in STRUCTURES.solved),
 ]
 
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule structure_tables:
     input:
-        plan=plan("structure_tables"),
         records=OF_STRUCTURES,
     output:
         structures=shown("tables/structures.csv"),
@@ -87,21 +83,18 @@ rule structure_tables:
         blocks=shown("tables/blocks.csv"),
     log:
         below("logs/structure_tables.log"),
-    resources:
-        **asks("structure_tables"),
     params:
-        step="analysis.tables.structures",
         cases=[list(case) for case in STRUCTURES.cases],
+        code=code("analysis.tables.structures"),
     message:
         "Tabulate the structures"
-    shell:
-        STEP
+    script:
+        "../../analysis/tables/structures.py"
 
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule structure_vtk:
     input:
-        plan=plan("structure_vtk"),
         records=OF_STRUCTURES,
     output:
         files=[
@@ -111,20 +104,17 @@ rule structure_vtk:
         ],
     log:
         below("logs/structure_vtk.log"),
-    resources:
-        **asks("structure_vtk"),
     params:
-        step="analysis.structure_vtk",
-        cases=Batch(tuple(STRUCTURES.cases.values())),
+        cases=lambda wildcards: [case.to_json() for case in STRUCTURES.cases.values()],
+        code=code("analysis.structure_vtk"),
     message:
         "Write the structures for ParaView"
-    shell:
-        STEP
+    script:
+        "../../analysis/structure_vtk.py"
 
 
 rule structure_summary:
     input:
-        plan=plan("structure_summary"),
         structures=rules.structure_tables.output.structures,
     output:
         summary=below("structures.txt"),
@@ -132,35 +122,30 @@ rule structure_summary:
         below("logs/structure_summary.log"),
     group:
         "tables"
-    resources:
-        **asks("structure_summary"),
     params:
-        step="analysis.summary.structures",
         results=lambda wildcards: STUDY.results,
+        code=code("analysis.summary.structures"),
     message:
         "Write the summary of the structures"
-    shell:
-        STEP
+    script:
+        "../../analysis/summary/structures.py"
 
 
 # Not in a group, for the same reason as the rule `complete` of joints.
 rule structures_complete:
     input:
-        plan=plan("structures_complete"),
         structures=rules.structure_tables.output.structures,
         summary=rules.structure_summary.output.summary,
     output:
         mark=below(".structures_complete"),
     log:
         below("logs/structures_complete.log"),
-    resources:
-        **asks("structures_complete"),
     params:
-        step="analysis.summary.structures_complete",
+        code=code("analysis.summary.complete"),
     message:
-        "Check that every case has a result"
-    shell:
-        STEP
+        "Check that every structure has a result"
+    script:
+        "../../analysis/summary/complete.py"
 
 
 STRUCTURE_FILES = [

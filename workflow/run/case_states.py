@@ -1,19 +1,22 @@
 """The cases of a study and their state, as `make cases` lists them."""
 
+import csv
+import subprocess
 from pathlib import Path
 from typing import Any
 
 from workflow.configuration import read_study_file
-from workflow.joints.case import CaseId
-from workflow.planning.plan import Job, why
-from workflow.planning.snakefile import plan_of
+from workflow.planning.batches import case_jobs
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord, ResultError
-from workflow.structures.case import FOLDER
+from workflow.run.command import snakemake_command
+from workflow.structures.cases import structure_jobs
 from workflow.structures.record import StructureRecord, read_structure_records
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
 REFUSED = "refused"  # by a model that cannot do such a structure
+NONE = (None, False)
+CURRENT = "no update"  # what Snakemake plans for an output that is up to date
 
 
 def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
@@ -23,29 +26,33 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     configuration that is not valid.
     """
     study = read_study_file(config, results)
-    plan, folder = plan_of(study), Path(study.results)
-    rows = []
-    for job in plan.made.values():
-        if not job.finds:
+    current, records = _current(config, study.results), Path(study.results)
+    found: dict[Any, tuple[CaseRecord | StructureRecord | None, bool]] = {}
+    for path in current:
+        read = (
+            read_structure_records if path.is_relative_to(records / "structures") else read_records
+        )
+        try:
+            found |= {record.id: (record, current[path]) for record in read([path])}
+        except (OSError, ResultError):
             continue
-        found = _records(job, folder)
-        valid = why(job, job.digest(), folder) is None
-        rows += [
-            {"model": case.model, "case": case.name, **_state(found.get(case), valid)}
-            for case in job.finds
-            if case in plan.cases
-        ]
-    return rows
+    cases: list[Any] = [*case_jobs(study).cases.values(), *structure_jobs(study).cases.values()]
+    return [
+        {"model": case.model, "case": case.name, **_state(*found.get(case.id, NONE))}
+        for case in cases
+    ]
 
 
-def _records(job: Job, folder: Path) -> dict[CaseId, CaseRecord | StructureRecord]:
-    """Records that a job has made, by case; empty if it has not run."""
-    path = folder / job.written[0]
-    try:
-        read = read_structure_records if job.name.startswith(f"{FOLDER}/") else read_records
-        return {each.id: each for each in read([path])}
-    except (OSError, ResultError):
-        return {}
+def _current(config: Path, results: str) -> dict[Path, bool]:
+    """The records that Snakemake knows, and whether each is up to date."""
+    command = [*snakemake_command(config, results), "--summary"]
+    text = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    rows = csv.DictReader(text.splitlines(), delimiter="\t")
+    return {
+        Path(row["output_file"]): row["plan"] == CURRENT
+        for row in rows
+        if Path(row["output_file"]).name in ("record.json", "records.jsonl")
+    }
 
 
 def _state(record: CaseRecord | StructureRecord | None, valid: bool) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from sidmacib.joint.joint import DRY, INNER, Block, Joint, OwnLock
+from sidmacib.joint.joint import DRY, INNER, Joint, OwnLock, Side
 from sidmacib.joint.parameters import SIZES
 from sidmacib.mechanics.assembly import FaceMaterial
 from sidmacib.quantities import Length, Modulus, Number, Poisson
@@ -112,7 +112,7 @@ class SampleSection(_OWN_SIZES):
     """
 
     locks: _Locks
-    first: Block = Block.UPPER
+    first: Side = Side.UPPER
     different: dict[_Locks, LockSection] = Field(default_factory=dict)
     inner: InnerChanges = InnerChanges()
     dry: DryChanges = DryChanges()

@@ -1,1 +1,1 @@
-"""What `make docs` makes from the code: pages, pictures and equations of the site."""
+"""Pages and equations of the site that `make docs` builds."""

@@ -1,4 +1,4 @@
-"""What each parameter of the library means, on the page of the library.
+"""Meanings of the library's parameters, on its page.
 
 Words come from the docstring (``name``: words), from the joint's parameters, or from the docstring
 of its class; ranges and units from the annotation.
@@ -62,7 +62,7 @@ def _of_class(kind: Any) -> str:
 
 
 def _range(kind: Any) -> str:
-    """What a number may be, with its unit, or the words of a choice."""
+    """The range of a number with its unit, or the words of a choice."""
     if number := number_of(kind):
         return number.range(kind=True)
     if inspect.isclass(kind) and issubclass(kind, StrEnum):

@@ -1,8 +1,6 @@
 """Write the files of one case that was solved in a batch, like those in an engine's folder."""
 
 import json
-import sys
-from pathlib import Path
 
 import pandas as pd
 
@@ -16,6 +14,7 @@ from workflow.results.files import (
     read_records,
     write_record,
 )
+from workflow.run.step import Arguments, Files, step
 
 LOADS = {
     "peak_load_N": "load_N",
@@ -27,16 +26,14 @@ LOADS = {
 }
 
 
-def main() -> None:
-    """Command line: the batch's plan and records, and the result.json to write."""
-    plan, records, result = (Path(argument) for argument in sys.argv[1:4])
-    folder, name = result.parent, result.parent.name
-    (record,) = (each for each in read_records([records]) if each.name == name)
-    cases = json.loads(plan.read_text())["arguments"]["cases"]
-    (case,) = (each for each in map(Case.from_json, cases) if each.name == name)
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
+    """Write the description, nodes, history, loads and record of the case."""
+    case, records, result = Case.from_json(arguments["case"]), inputs["records"], outputs["result"]
+    folder = result.parent
+    (record,) = (each for each in read_records([records]) if each.name == case.name)
     (folder / CASE).write_text(case.to_json())
     for source, target in ((BATCH_NODES, NODES), (BATCH_HISTORY, HISTORY)):
-        rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", name)])
+        rows = pd.read_parquet(records.with_name(source), filters=[("case", "==", case.name)])
         rows.drop(columns="case").to_csv(folder / target, index=False, float_format="%.10g")
     loads = {key: getattr(record, name) for key, name in LOADS.items()}
     result.write_text(json.dumps(loads, indent=1) + "\n")
@@ -44,4 +41,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    step(run)

@@ -1,18 +1,13 @@
 """Read the output of a program run elsewhere for a case, check it, and write the record."""
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
-
 from workflow.joints.case import Case
 from workflow.results.files import write_record
 from workflow.results.record import ResultError, failed_record, record_of
+from workflow.run.step import Arguments, Files, step
 from workflow.threedec import read_returned
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the record; returns the error message, or None."""
     case = Case.from_json(arguments["case"])
     try:
@@ -22,3 +17,7 @@ def run(
         record = failed_record(case, f"{case.model}: {error}")
     write_record(record, outputs["record"])
     return None if record.error is None else f"{case.name}: {record.error}"
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,10 +1,9 @@
 """Solve a batch of a sampling's joints in all directions, on two meshes, and write their rows."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 from sidmacib.errors import CapacityError
@@ -14,6 +13,7 @@ from sidmacib.mechanics.assembly import NodeLayout
 from workflow.joints.case import REFERENCE, Case, case_name
 from workflow.joints.sampling import SampledJoint
 from workflow.results.record import CaseRecord, ResultError
+from workflow.run.step import Arguments, Files, step
 from workflow.solvers import limit, static
 from workflow.steps.joints import joints_of, write_rows
 from workflow.steps.solve import solved
@@ -23,9 +23,7 @@ BELOW = 0.999  # of a side: a mesh must be less than the side
 SOLVED = {"static": static.solve_once, "limit": limit.solve}
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the rows of a batch."""
     asked = (arguments[key] for key in ("eccentricities", "cells", "limited"))
     rows = solved_rows(joints_of(arguments), *asked)
@@ -112,3 +110,7 @@ def _loads(joint: Joint, coarse: CaseRecord, fine: CaseRecord) -> dict[str, Any]
         "weight_sum": math.fsum(each["weight"] for each in weights),
         "lower_weight_sum": math.fsum(e["weight"] for e in weights if e["block"] == "lower"),
     }
+
+
+if __name__ == "__main__":
+    step(run)

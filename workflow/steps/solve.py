@@ -1,8 +1,7 @@
 """Solve a batch of cases in this process, check what comes out, and write records and tables."""
 
 import importlib
-from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,12 @@ from workflow.joints.problem import problem_of
 from workflow.outcome import Outcome
 from workflow.results.files import NODE_COLUMNS, force_to_stress
 from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+from workflow.run.step import Arguments, Files, step
 
 HISTORY_COLUMNS = ("load_N", "displacement_m")
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write records, nodes and histories; the record of a case that fails holds the reason."""
     solver = importlib.import_module(arguments["module"])
     records: list[CaseRecord] = []
@@ -93,3 +91,7 @@ def _repeated(text: str, count: int) -> pa.Array:
 def _named(names: Iterable[str], index: Any) -> pa.Array:
     plain = pa.DictionaryArray.from_arrays(pa.array(index, pa.int32()), pa.array(list(names)))
     return plain.cast(pa.string())
+
+
+if __name__ == "__main__":
+    step(run)

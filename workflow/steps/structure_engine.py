@@ -1,21 +1,19 @@
 """Run an engine on a case of a structure, check what it returns, and write the record."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
+from workflow.engines.execute import EngineError, EngineKilledError
 from workflow.engines.guide import guide_for
 from workflow.engines.run import refusal, run_engine
 from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.engines.scripts.records import HISTORY, OUTPUTS
 from workflow.results.files import CASE, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
-from workflow.run.attempts import KilledError, Settled, last_try
+from workflow.run.step import Arguments, Files, KilledError, step
 from workflow.steps.engine import in_short
 from workflow.structures.case import StructureCase
 from workflow.structures.found import Found
@@ -24,9 +22,7 @@ from workflow.structures.record import StructureRecord, record_without_result, s
 BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the record, and beside it the engine's files; returns the error message."""
     case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
     folder = path.parent
@@ -36,7 +32,7 @@ def run(
         record = found_by_engine(case, folder, arguments["time_limit"])
     except (EngineError, ResultError, CapacityError, ValueError) as error:
         reason = f"{case.name}: {case.model}: {error}"
-        if isinstance(error, EngineKilledError) and not last_try():
+        if isinstance(error, EngineKilledError) and not arguments["last_try"]:
             raise KilledError(reason) from error
         for name in OUTPUTS:
             (folder / name).unlink(missing_ok=True)
@@ -44,8 +40,7 @@ def run(
             record = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
         else:
             record = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
-            settled = isinstance(error, EngineNoAnswerError | CapacityError)
-            wrong = Settled(reason) if settled else reason
+            wrong = reason
     path.write_text(record.to_json() + "\n")
     return wrong
 
@@ -83,3 +78,7 @@ def broken_at(history: Path, assembly: Assembly) -> dict[int, float]:
     for load, _, number in sorted(broken):
         found.setdefault(number, load)
     return found
+
+
+if __name__ == "__main__":
+    step(run)

@@ -1,9 +1,6 @@
 """Solve the cases of one structure in this process, check them, and write their records."""
 
 import importlib
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
 
 from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.structure.files.structure_file import structure_of
@@ -11,13 +8,12 @@ from workflow.engines.scripts.assembly import NEVER_FALLS
 from workflow.model import Ability
 from workflow.models import MODELS
 from workflow.results.record import ResultError
+from workflow.run.step import Arguments, Files, step
 from workflow.structures.case import StructureCase
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
 
 
-def run(
-    arguments: Mapping[str, Any], inputs: Mapping[str, Path], outputs: Mapping[str, Path]
-) -> str | None:
+def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the records; that of a case without a result holds the reason."""
     module = arguments["module"]
     records = [solved(StructureCase.from_json(data), module) for data in arguments["cases"]]
@@ -43,3 +39,7 @@ def solved(case: StructureCase, module: str) -> StructureRecord:
     except (CapacityError, ResultError, ValueError, MemoryError) as error:
         reason = str(error) or "out of memory"
         return record_without_result(case, error=f"{case.model}: {reason}")
+
+
+if __name__ == "__main__":
+    step(run)

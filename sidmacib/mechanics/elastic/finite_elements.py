@@ -23,13 +23,13 @@ from scipy.linalg import qr
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.elastic.layers import compliance
-from sidmacib.mechanics.elastic.lines import Edges, Line
+from sidmacib.mechanics.elastic.lines import Edges, ElementLine
 
 LARGE = 600  # degrees of freedom of a cuboid: mirror planes of smaller ones save nothing
 Grid = tuple[Edges, Edges, Edges]
 Terms = tuple[Integers, Floats]  # nodes along a line and what to multiply their values by, (K, W)
 Half = tuple[Terms, Terms]  # for components along the mirror plane, and across it
-ROUNDING = 1e-9  # of a rigid motion: less of it is none
+NO_MOTION = 1e-9  # of a rigid motion: less of it is none
 
 
 @dataclass(frozen=True)
@@ -58,11 +58,11 @@ class Flexibility:
     load: Floats
 
 
-class Cuboid:
+class ElasticCuboid:
     """A cuboid of unit Young's modulus; its centroid is the origin."""
 
     def __init__(self, grid: Grid, poisson: float, *, quadratic: bool = True) -> None:
-        self.lines = tuple(Line.of(edges, quadratic) for edges in grid)
+        self.lines = tuple(ElementLine.of(edges, quadratic) for edges in grid)
         self.counts = tuple(len(line.place) for line in self.lines)
         self.place = np.stack(
             np.meshgrid(*(line.place for line in self.lines), indexing="ij"), axis=-1
@@ -172,7 +172,7 @@ class Cuboid:
         """Displacements in the span of ``basis``, without rigid motion, along forces by forces."""
         rigid, rigid_mass = basis.T @ self.rigid, basis.T @ self.rigid_mass
         size = np.linalg.norm(rigid, axis=0)
-        used = size > ROUNDING * np.linalg.norm(self.rigid, axis=0)
+        used = size > NO_MOTION * np.linalg.norm(self.rigid, axis=0)
         rigid, rigid_mass = rigid[:, used], rigid_mass[:, used]
         inertia = rigid.T @ rigid_mass
         forces -= rigid_mass @ np.linalg.solve(inertia, rigid.T @ forces)

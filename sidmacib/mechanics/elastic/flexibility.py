@@ -1,4 +1,4 @@
-"""What the deformation of an assembly's elastic pieces does to its contact nodes."""
+"""Displacements of contact nodes by the deformation of an assembly's elastic pieces."""
 
 from functools import lru_cache
 from itertools import pairwise
@@ -8,9 +8,9 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.contact_nodes import cell_counts, cells_along
-from sidmacib.mechanics.elastic.finite_elements import Cuboid, Flexibility, Grid, Spread
+from sidmacib.mechanics.elastic.finite_elements import ElasticCuboid, Flexibility, Grid, Spread
 
-DIGITS = 12  # of places, where shapes are compared
+PLACE_DIGITS = 12  # of places, where shapes are compared
 
 
 def flexibility(
@@ -69,8 +69,10 @@ class _Components:
     """Components of contact nodes, hashable: equal for all pieces of the same shape."""
 
     def __init__(self, place: Floats, cell: Floats | None, axis: Integers) -> None:
-        self.place, self.cell, self.axis = np.round(place, DIGITS) + 0.0, cell, axis
-        parts = [self.place, axis] if cell is None else [self.place, axis, np.round(cell, DIGITS)]
+        self.place, self.cell, self.axis = np.round(place, PLACE_DIGITS) + 0.0, cell, axis
+        parts = (
+            [self.place, axis] if cell is None else [self.place, axis, np.round(cell, PLACE_DIGITS)]
+        )
         self.key = tuple(part.tobytes() for part in parts)
 
     def __eq__(self, other: object) -> bool:
@@ -95,8 +97,8 @@ def _condensed(
 
 
 @lru_cache(maxsize=2)  # pieces of one shape differ in their faces and loads
-def _cuboid(grid: Grid, poisson: float, quadratic: bool) -> Cuboid:
-    return Cuboid(grid, poisson, quadratic=quadratic)
+def _cuboid(grid: Grid, poisson: float, quadratic: bool) -> ElasticCuboid:
+    return ElasticCuboid(grid, poisson, quadratic=quadratic)
 
 
 def element_edges(assembly: Assembly, number: int) -> Grid:
@@ -110,8 +112,8 @@ def element_edges(assembly: Assembly, number: int) -> Grid:
     def edges(axis: int) -> tuple[float, ...]:
         ends = [end[axis] for face in faces for end in (face.low, face.high)]
         places = np.array([piece.low[axis], *ends, piece.high[axis]])
-        places = np.unique(np.round(places - piece.centre[axis], DIGITS))
-        places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-DIGITS]
+        places = np.unique(np.round(places - piece.centre[axis], PLACE_DIGITS))
+        places = places[np.abs(places) <= piece.size[axis] / 2 + 10.0**-PLACE_DIGITS]
         counts = cells_along(np.diff(places), assembly.mesh)
         starts = [
             np.linspace(low, high, count + 1)[:-1]

@@ -11,7 +11,7 @@ from scipy.linalg import cholesky, solve_triangular
 
 from sidmacib.mechanics.assembly import Floats, Integers
 
-LEAST = 200  # degrees of freedom of a block: smaller layers are taken together
+LEAST_LAYER = 200  # degrees of freedom of a block: smaller layers are taken together
 
 
 def compliance(stiffness: sp.csr_array, layer: Integers, forces: Floats) -> Floats:
@@ -40,11 +40,11 @@ def _solved(factor: Floats, right: Floats) -> Floats:
 
 
 def _blocks(layer: Integers) -> list[slice]:
-    """Whole layers, at least `LEAST` degrees of freedom in each block."""
+    """Whole layers, at least `LEAST_LAYER` degrees of freedom in each block."""
     ends = [*(np.flatnonzero(np.diff(layer)) + 1).tolist(), len(layer)]
     blocks, start = [], 0
     for end in ends:
-        if end - start >= LEAST or end == ends[-1]:
+        if end - start >= LEAST_LAYER or end == ends[-1]:
             blocks.append(slice(start, end))
             start = end
     return blocks

@@ -22,7 +22,7 @@ def shapes(quadratic: bool, local: Floats) -> tuple[Floats, Floats]:
 
 @lru_cache(maxsize=2)
 def _unit_integrals(quadratic: bool) -> tuple[Floats, Floats, Floats]:
-    """Mass, stiffness and cross integrals, see `Line`, of an element of length 1."""
+    """Mass, stiffness and cross integrals, see `ElementLine`, of an element of length 1."""
     places, weights = np.polynomial.legendre.leggauss(3)
     value, slope = shapes(quadratic, (places + 1.0) / 2.0)
     by_weight = np.sqrt(weights[:, None] / 2.0)  # in both factors, so that results are symmetric
@@ -31,7 +31,7 @@ def _unit_integrals(quadratic: bool) -> tuple[Floats, Floats, Floats]:
 
 
 @dataclass(frozen=True)
-class Line:
+class ElementLine:
     """Elements between ``edges`` (m), linear or quadratic, and integrals of shape functions.
 
     ``mass``: of products, ``stiffness``: of products of derivatives, ``cross``: of the derivative
@@ -46,7 +46,7 @@ class Line:
 
     @classmethod
     @lru_cache(maxsize=64)  # pieces of an assembly have most lines in common
-    def of(cls, edges: Edges, quadratic: bool) -> "Line":
+    def of(cls, edges: Edges, quadratic: bool) -> "ElementLine":
         """Elements between ``edges`` (m), linear or quadratic."""
         places, step = np.array(edges), 2 if quadratic else 1
         length = np.diff(places)
@@ -60,7 +60,7 @@ class Line:
 
     @cached_property
     def place(self) -> Floats:
-        """Of the degrees of freedom, ascending (m), (D,)."""
+        """Places of the degrees of freedom, ascending (m), (D,)."""
         if not self.quadratic:
             return self.edges
         between = (self.edges[1:] + self.edges[:-1]) / 2.0

@@ -10,28 +10,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.contact_law.kernels import NORMAL, SHEAR, forces_and_tangents
 from sidmacib.mechanics.elastic.open_gaps import OpenGaps
-from sidmacib.mechanics.newton.node_law import forces_and_tangents
 
 
 @dataclass(frozen=True)
 class LooseNodes:
     """Loose nodes and their components, (N,) and (M,), numbers in the solver's order.
 
-    ``place``: of each component in an array of shape (N, 3), raveled. ``stiffness``: normal and
-    shear (N/m), (N, 2). ``rough``: whether a node has components of shear. ``whole`` and ``slip``
-    as in `NodeState`. ``open_gaps``: with the components' influence on each other.
+    ``place``: of each component in an array of shape (N, 3), raveled. ``law``: see
+    `sidmacib.mechanics.contact_law.kernels`, (4, N). ``rough``: whether a node has components of
+    shear. ``open_gaps``: with the components' influence on each other.
     """
 
     nodes: Integers
     components: Integers
     place: Integers
-    stiffness: Floats
-    friction: Floats
+    law: Floats
     rough: Flags
-    whole: Floats
-    slip: Floats
+    state: NodeState
     open_gaps: OpenGaps
 
     def residual(self, elastic: Floats, jump: Floats) -> tuple[Floats, Floats, Floats]:
@@ -40,27 +38,22 @@ class LooseNodes:
         ``elastic``: forces (N) without jumps; ``jump`` in m; both of the components, (M,).
         """
         balanced = elastic - self.open_gaps.influence @ jump
-        displacement = np.zeros((len(self.nodes), 3))
-        displacement.ravel()[self.place] = balanced / self._springs() + jump
-        displacement[:, 1:] -= self.slip
-        force, tangent = forces_and_tangents(
-            self.stiffness, self.friction, self.whole, displacement
-        )
+        moved = np.zeros((len(self.nodes), 3))
+        moved.ravel()[self.place] = balanced / self._springs() + jump
+        force, tangent = forces_and_tangents(self.law, self.state.slip, self.state.whole, moved)
         return force, tangent, balanced - force.ravel()[self.place]
 
     def step(self, tangent: Floats, wrong: Floats, jump: Floats) -> Floats:
         """Newton step (m) of the jumps, (M,): wrong + J step = 0, J = -W - T (1 - W / k)."""
-        normal, shear = self.stiffness.T
+        normal, shear = self.law[NORMAL], self.law[SHEAR]
         opened, closed = tangent[:, 0, 0] == 0.0, tangent[:, 0, 0] == normal
         sticks = closed & ((tangent[:, 1, 1] == shear) | ~self.rough)
         node = self.place // 3
         gaps = opened[node]
-        # Where the contact law has the full stiffness, the jump is the slip.
+        # Where the contact law has the full stiffness, the jump is that before.
         held = np.column_stack([closed, sticks, sticks]).ravel()[self.place]
         step = np.zeros_like(jump)
-        step[held] = -jump[held]
-        along = held & (self.place % 3 > 0)
-        step[along] += self.slip[node[along], self.place[along] % 3 - 1]
+        step[held] = (self.state.jump.ravel()[self.place] - jump)[held]
         moving = np.flatnonzero(step)
         across = self.open_gaps.influence[moving].T @ step[moving]
         matrix, rest = self.open_gaps.opened(gaps), wrong - across
@@ -100,7 +93,7 @@ class LooseNodes:
 
     def _springs(self) -> Floats:
         """Stiffness of the components (N/m), (M,)."""
-        return np.asarray(self.stiffness[self.place // 3, np.minimum(self.place % 3, 1)])
+        return np.asarray(self.law[np.where(self.place % 3, SHEAR, NORMAL), self.place // 3])
 
 
 def _times(blocks: Floats, vectors: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""What jumps do to node forces while some components are gaps, which carry no force.
+"""Effect of jumps on node forces while some components are gaps, which carry no force.
 
 Forces change by W times the jumps, with W symmetric and positive definite. If the jumps of the gaps
 adapt, so that no force acts there, W is replaced by its principal pivot transform (Tucker, 1960):
@@ -21,7 +21,7 @@ from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.mechanics.contact_law import Flags
 from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
 
-GROWTH = 1e4  # of P by new gaps: above it digits are lost, and the next update starts from W
+MOST_GROWTH = 1e4  # of P by new gaps: above it digits are lost, and the next update starts from W
 
 
 class OpenGaps:
@@ -106,4 +106,4 @@ class OpenGaps:
         self.matrix[:, which], self.matrix[which] = ratio, ratio.T
         self.matrix[np.ix_(which, which)] = -(own + own.T) / 2
         growth = float(np.abs(ratio[:, sign > 0.0]).max(initial=0.0))
-        self.accurate = self.accurate and growth <= GROWTH
+        self.accurate = self.accurate and growth <= MOST_GROWTH

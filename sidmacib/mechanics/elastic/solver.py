@@ -13,6 +13,7 @@ law; only nodes that are open or slip have unknowns. Node forces always balance 
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -28,18 +29,17 @@ from sidmacib.mechanics.elastic.open_gaps import OpenGaps
 from sidmacib.mechanics.elastic.symmetric import cholesky_factor, inverse_by
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.equilibrium_matrix import equilibrium_matrix
-from sidmacib.mechanics.solution import Equilibrium, lifted_part
+from sidmacib.mechanics.newton.equilibrium import STEPS
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 
-STEPS = 60  # of Newton's method, at most
 PATIENCE = 16  # steps in which the residual must at least halve
 SHARES = (1.0, 0.5, 0.25, 0.125, 1.0)  # fractions of a Newton step that are tried
-RESIDUAL = 1e-9  # of the contact law, over the loads
-FLOOR = 1e-9  # of a node's stiffness: added where it is open
+LAW_RESIDUAL = 1e-9  # of the contact law, over the loads
+OPEN_FLOOR = 1e-9  # of a node's stiffness: added where it is open
 LOOSE = 1e-13  # of the stiffness against rigid motions: added for pieces that nothing holds
 LEAST_STEP = 0.01  # of friction that is raised from 0, over all of it
 STICKS = 1e6  # times friction: at so much, hardly a node slides
 LEAST_RATIO = 1.01  # of friction that is lowered from there, to that of the next step
-LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
 class ElasticSolver:
@@ -48,7 +48,6 @@ class ElasticSolver:
     def __init__(self, assembly: Assembly, loads: Loads) -> None:
         self.contact_law = ContactLaw.of(assembly)
         normal, shear = self.contact_law.normal_stiffness, self.contact_law.shear_stiffness
-        self.node_stiffness = np.column_stack([normal, shear])
         # No unknowns for shear at nodes that never carry any.
         self.rough = self.contact_law.cohesive | (self.contact_law.friction > 0.0)
         normals = np.ones_like(self.rough)
@@ -168,7 +167,7 @@ class ElasticSolver:
     ) -> Equilibrium | None:
         """Newton's method from a ``guess`` of the jumps; None if it does not converge."""
         elastic = self.forces @ np.array([1.0, load])
-        allowed = RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
+        allowed = LAW_RESIDUAL * float(np.abs(elastic).max()) * np.sqrt(len(elastic))
         loose = self._loose_nodes(state, friction)
         balanced, jump = elastic[loose.components], guess[loose.components]
         force, tangent, wrong = loose.residual(balanced, jump)
@@ -218,17 +217,16 @@ class ElasticSolver:
             nodes = np.concatenate([nodes, np.flatnonzero(new)])
             components = np.concatenate([components, np.flatnonzero(new[self.node])])
             influence = self.influence[np.ix_(components, components)]
-            floor = FLOOR * self.stiffness[components]
+            floor = OPEN_FLOOR * self.stiffness[components]
             make = open_gaps.extended if more else OpenGaps
             open_gaps = make(influence, floor)
             self.open_gaps = nodes, components, open_gaps
         number = np.zeros(len(loose), np.int64)
         number[nodes] = np.arange(len(nodes))
         place = 3 * number[self.node[components]] + self.kept[components] % 3
-        of_nodes = self.node_stiffness[nodes], friction[nodes], self.rough[nodes]
-        return LooseNodes(
-            nodes, components, place, *of_nodes, state.whole[nodes], state.slip[nodes], open_gaps
-        )
+        law = replace(self.contact_law, friction=friction).rows().take(nodes, axis=1)
+        loose_state = NodeState(state.slip[nodes], state.whole[nodes])
+        return LooseNodes(nodes, components, place, law, self.rough[nodes], loose_state, open_gaps)
 
     def _equilibrium(
         self,
@@ -241,14 +239,13 @@ class ElasticSolver:
     ) -> Equilibrium:
         jump = np.zeros(len(elastic))
         jump[loose.components] = loose_jump
-        force, slip = np.zeros((2, len(state.slip), 3))
+        force, opened = np.zeros((2, len(state.slip), 3))
         force.ravel()[self.kept] = elastic - self.influence @ jump
         force[loose.nodes] = loose_force
-        slip.ravel()[self.kept] = jump
-        after = np.where(state.bonded[:, None], state.slip, slip[:, 1:])
+        opened.ravel()[self.kept] = jump
         kept = force.ravel()[self.kept]
         motion = self.motions @ np.array([1.0, load])
         motion = motion + cho_solve(self.factor, self.held.T @ jump)
         along = float(self.variable @ motion - self.moved[1] @ kept)
         along += float(self.work @ np.array([1.0, load]))
-        return Equilibrium(load, jump, along, force, NodeState(after, state.whole))
+        return Equilibrium(load, jump, along, force, state.after(opened))

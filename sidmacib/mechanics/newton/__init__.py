@@ -1,1 +1,1 @@
-"""Newton's method on contact nodes, compiled: the contact law, faces, elimination, equilibria."""
+"""Newton's method on contact nodes, compiled: faces, elimination, equilibria."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
-from sidmacib.mechanics.newton.compilation import compiled
+from sidmacib.mechanics.compilation import compiled
 
 
 class Matrix(NamedTuple):
@@ -24,13 +24,13 @@ class Matrix(NamedTuple):
 
 
 @compiled
-def solve_linear(structure, matrix, x):
+def solve_linear(contacts, matrix, x):
     """Turn the right side ``x`` into the solution, and destroy ``matrix``.
 
     Gaussian elimination with row exchanges, within the band and then within the border. Returns
     whether there is a solution.
     """
-    inner, outer, width = structure.inner, structure.outer, structure.band
+    inner, outer, width = contacts.inner, contacts.outer, contacts.band
     band, right, below = matrix.band, matrix.right, matrix.below
     reach = np.empty(inner, np.int64)  # last nonzero column of each row
     for i in range(inner):
@@ -39,7 +39,7 @@ def solve_linear(structure, matrix, x):
         last = min(j + width, inner - 1)
         pivot = largest_in_column(band, width, j, last)
         if pivot != j:
-            exchange(structure, matrix, x, reach, j, pivot)
+            exchange(contacts, matrix, x, reach, j, pivot)
         count = reach[j] - j + 1
         pivot_row = band[j, width : width + count]
         if pivot_row[0] == 0.0:
@@ -65,18 +65,18 @@ def solve_linear(structure, matrix, x):
             x[inner + i] -= factor * x[j]
     if not solve_dense(below[:, inner:], x[inner:]):
         return False
-    substitute(structure, matrix, x, reach)
+    substitute(contacts, matrix, x, reach)
     return True
 
 
 @compiled
-def substitute(structure, matrix, x, reach):
+def substitute(contacts, matrix, x, reach):
     """Back substitution: the inner part of the solution, after elimination."""
-    inner, width = structure.inner, structure.band
+    inner, width = contacts.inner, contacts.band
     band, right = matrix.band, matrix.right
     for j in range(inner - 1, -1, -1):
         value = x[j]
-        for c in range(structure.outer):
+        for c in range(contacts.outer):
             value -= right[j, c] * x[inner + c]
         row, known = band[j, width:], x[j : reach[j] + 1]
         for c in range(1, len(known)):
@@ -96,13 +96,13 @@ def largest_in_column(band, width, j, last):
 
 
 @compiled
-def exchange(structure, matrix, x, reach, j, pivot):
+def exchange(contacts, matrix, x, reach, j, pivot):
     """Exchange rows ``j`` and ``pivot``."""
-    width, band, right = structure.band, matrix.band, matrix.right
+    width, band, right = contacts.band, matrix.band, matrix.right
     shift = pivot - j
     for c in range(width, width + max(reach[j], reach[pivot]) - j + 1):
         band[j, c], band[pivot, c - shift] = band[pivot, c - shift], band[j, c]
-    for c in range(structure.outer):
+    for c in range(contacts.outer):
         right[j, c], right[pivot, c] = right[pivot, c], right[j, c]
     x[j], x[pivot] = x[pivot], x[j]
     reach[j], reach[pivot] = reach[pivot], reach[j]

@@ -4,7 +4,8 @@
 
 import numpy as np
 
-from sidmacib.mechanics.newton.compilation import compiled
+from sidmacib.mechanics.compilation import compiled
+from sidmacib.mechanics.contact_law.kernels import all_bonded
 from sidmacib.mechanics.newton.elimination import solve_linear
 from sidmacib.mechanics.newton.faces import move_nodes, norm, tangent_stiffness, unbalanced
 
@@ -18,51 +19,51 @@ ENOUGH = 0.5  # slope over that at the start of a step: the line search ends bel
 RESISTED = 0.99  # slope over that at the start: above it nothing resists, and the step is extended
 LONGER = 10.0  # by this factor
 NEAREST = 0.02  # distance of the next trial to either end of the bracket, over its length
-ROUNDING = 1e-14  # unbalanced force over stiffest face times displacement: rounding error
+RESIDUAL_ROUNDING = 1e-14  # unbalanced force over stiffest face times displacement: rounding error
 MOST_ROUNDING = 100.0  # over the tolerance: its upper bound, as pieces may move away
 
 
 @compiled
-def elastic(structure, matrix, here, target, floor):
+def elastic(contacts, matrix, here, target, floor):
     """Displacements (m) under the forces ``target`` (N) with all nodes closed and bonded."""
-    count, unknowns = structure.nodes.shape[1], target.copy()
-    slip, whole = np.zeros((2, count)), np.ones(count)
-    tangent_stiffness(structure, slip, whole, here, floor, matrix)
-    solve_linear(structure, matrix, unknowns)
+    unknowns = target.copy()
+    slip, whole = all_bonded(contacts.places.shape[1])
+    tangent_stiffness(contacts, slip, whole, here, floor, matrix)
+    solve_linear(contacts, matrix, unknowns)
     return unknowns
 
 
 @compiled
-def stepped(structure, slip, whole, target, here, start, step, share):
+def stepped(contacts, slip, whole, target, here, start, step, share):
     """Put ``here`` a fraction of ``step`` after ``start``, which are places; see `unbalanced`."""
-    for i in range(len(start) if structure.stiff else len(here.unknowns)):
+    for i in range(len(start) if contacts.stiff else len(here.unknowns)):
         here.place[i] = start[i] + share * step[i]
-    if not structure.stiff:
-        move_nodes(structure, here.place)
-    return unbalanced(structure, slip, whole, target, here)
+    if not contacts.stiff:
+        move_nodes(contacts, here.place)
+    return unbalanced(contacts, slip, whole, target, here)
 
 
 @compiled
-def put_at(structure, slip, whole, target, here, unknowns):
+def put_at(contacts, slip, whole, target, here, unknowns):
     """Put ``here`` at ``unknowns`` (m); see `unbalanced`."""
     here.unknowns[:] = unknowns
-    move_nodes(structure, here.place)
-    return unbalanced(structure, slip, whole, target, here)
+    move_nodes(contacts, here.place)
+    return unbalanced(contacts, slip, whole, target, here)
 
 
 @compiled
-def newton_step(structure, matrix, here, step):
+def newton_step(contacts, matrix, here, step):
     """Fill in the ``step`` to the next place by the tangent ``matrix``; whether there is one."""
     move = step[: len(here.residual)]
     move[:] = here.residual
-    solved = solve_linear(structure, matrix, move)
-    if structure.stiff:
-        move_nodes(structure, step)
+    solved = solve_linear(contacts, matrix, move)
+    if contacts.stiff:
+        move_nodes(contacts, step)
     return solved
 
 
 @compiled
-def newton(structure, matrix, here, target, guess, slip, whole, limits, patience):
+def newton(contacts, matrix, here, target, guess, slip, whole, limits, patience):
     """Move ``here`` to where the nodes carry ``target`` (N), from the displacements ``guess`` (m).
 
     ``matrix`` and ``here`` are overwritten. ``slip``, ``whole``: of the nodes. ``limits``: the
@@ -73,7 +74,7 @@ def newton(structure, matrix, here, target, guess, slip, whole, limits, patience
     """
     (floor, allowed, largest_step), (least_share, most_far), far = limits, patience, 0
     start, step = np.empty_like(here.place), np.empty_like(here.place)
-    size = put_at(structure, slip, whole, target, here, guess)
+    size = put_at(contacts, slip, whole, target, here, guess)
     best, stalled = size, 0
     for _ in range(STEPS):
         if size <= allowed:
@@ -83,8 +84,8 @@ def newton(structure, matrix, here, target, guess, slip, whole, limits, patience
         elif stalled == STALLED:
             break
         stalled += 1
-        tangent_stiffness(structure, slip, whole, here, floor, matrix)
-        if not newton_step(structure, matrix, here, step):
+        tangent_stiffness(contacts, slip, whole, here, floor, matrix)
+        if not newton_step(contacts, matrix, here, step):
             break
         far += not norm(step[: len(guess)]) <= largest_step  # true for NaN as well
         if far > most_far:
@@ -93,9 +94,9 @@ def newton(structure, matrix, here, target, guess, slip, whole, limits, patience
         start[:] = here.place
         while share == 2.0 or (size > before and share > least_share):
             share /= 2.0
-            size = stepped(structure, slip, whole, target, here, start, step, share)
+            size = stepped(contacts, slip, whole, target, here, start, step, share)
         if size > before:
-            size = stepped(structure, slip, whole, target, here, start, step, 1.0)
+            size = stepped(contacts, slip, whole, target, here, start, step, 1.0)
     return False
 
 
@@ -129,11 +130,11 @@ def farthest(one, other):
 def allowed_at(unknowns, stiffness, allowed):
     """Norm of unbalanced forces (N) that counts as zero, rounding at ``stiffness`` included."""
     inside = stiffness * farthest(unknowns, np.zeros_like(unknowns))
-    return min(max(allowed, ROUNDING * inside), MOST_ROUNDING * allowed)
+    return min(max(allowed, RESIDUAL_ROUNDING * inside), MOST_ROUNDING * allowed)
 
 
 @compiled
-def least_energy(structure, matrix, here, target, guess, slip, whole, limits):
+def least_energy(contacts, matrix, here, target, guess, slip, whole, limits):
     """Move ``here`` to the least energy from the displacements ``guess`` (m), with friction given.
 
     ``limits``: of the stiffest face and of the floor (N/m), the norm of unbalanced forces (N), and
@@ -142,20 +143,20 @@ def least_energy(structure, matrix, here, target, guess, slip, whole, limits):
     """
     stiffness, floor, allowed, far = limits
     start, step = np.empty_like(here.place), np.empty_like(here.place)
-    size, move = put_at(structure, slip, whole, target, here, guess), step[: len(guess)]
+    size, move = put_at(contacts, slip, whole, target, here, guess), step[: len(guess)]
     for _ in range(STEPS):
         if not farthest(here.unknowns, guess) <= far:  # true for NaN as well
             break
         if size <= allowed_at(here.unknowns, stiffness, allowed):
             return True
-        tangent_stiffness(structure, slip, whole, here, floor, matrix)
-        if not newton_step(structure, matrix, here, step):
+        tangent_stiffness(contacts, slip, whole, here, floor, matrix)
+        if not newton_step(contacts, matrix, here, step):
             break
         steepest, part, tried = product(here.residual, move), 1.0, 0
         low, low_slope, high, high_slope = 0.0, steepest, np.inf, 0.0
         start[:] = here.place
         while True:
-            size = stepped(structure, slip, whole, target, here, start, step, part)
+            size = stepped(contacts, slip, whole, target, here, start, step, part)
             slope, tried = product(here.residual, move), tried + 1
             if abs(slope) <= ENOUGH * steepest or tried == TRIALS or not np.isfinite(slope):
                 break
@@ -178,8 +179,8 @@ def least_energy(structure, matrix, here, target, guess, slip, whole, limits):
 
 
 @compiled
-def equilibrium(structure, matrix, here, target, guess, slip, whole, limits):
+def equilibrium(contacts, matrix, here, target, guess, slip, whole, limits):
     """`newton`, at first with little patience; returns whether equilibrium was found."""
     nodes = target, guess, slip, whole, limits
-    quickly = newton(structure, matrix, here, *nodes, QUICK)
-    return quickly or newton(structure, matrix, here, *nodes, PATIENT)
+    quickly = newton(contacts, matrix, here, *nodes, QUICK)
+    return quickly or newton(contacts, matrix, here, *nodes, PATIENT)

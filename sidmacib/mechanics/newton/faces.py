@@ -2,7 +2,7 @@
 
 The unknowns (m) are those of `sidmacib.mechanics.springs`, in the order that
 `sidmacib.mechanics.rigid.ordering` finds; forces are in N. A piece has three displacements and
-three rotations, from ``Structure.begin`` on.
+three rotations, from ``ContactFaces.begin`` on.
 """
 
 # mypy: allow-untyped-defs
@@ -12,18 +12,17 @@ from typing import NamedTuple
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats, Integers
-from sidmacib.mechanics.newton.compilation import compiled
-from sidmacib.mechanics.newton.nodes import P, Q, put_displacements, put_forces, put_tangents
+from sidmacib.mechanics.compilation import compiled
+from sidmacib.mechanics.contact_law.kernels import all_bonded, put_forces, put_tangents
 
 
-class Structure(NamedTuple):
-    """What stays the same along a path, see `sidmacib.mechanics.springs.Springs`.
+class ContactFaces(NamedTuple):
+    """Pieces and faces with their nodes, the same along a path, see `Springs`.
 
-    ``nodes``: normal and shear stiffness (N/m), friction coefficient, given friction (N) and place
-    of each, (6, N). Given friction is a limit that does not depend on the normal force, not even at
-    an open node; if there is no other friction, the energy of the nodes is convex.
-    ``axes``, ``levers``: of the faces. ``begin``: first unknown of the pieces below and above each
-    face, -1 for a fixed one, (F, 2).
+    ``law``: of the nodes, see `sidmacib.mechanics.contact_law.kernels`, (4, N); ``places``: p and q
+    of each, (2, N). ``start``: first node of each face, then the number of nodes. ``axes``,
+    ``levers``: of the faces. ``begin``: first unknown of the pieces below and above each face, -1
+    for a fixed one, (F, 2).
     ``bonded``: forces on the two pieces by the unknowns of either while all bonds of a face are
     whole (N/m), see `whole_faces`, (F, 2, 2, 6, 6).
     ``stiff``: whether nodes add up their own steps to equilibrium. If they follow from the pieces'
@@ -32,7 +31,8 @@ class Structure(NamedTuple):
     The ``outer`` unknowns follow and may be coupled to all others.
     """
 
-    nodes: Floats
+    law: Floats
+    places: Floats
     start: Integers
     axes: Floats
     levers: Floats
@@ -42,6 +42,31 @@ class Structure(NamedTuple):
     inner: int
     outer: int
     band: int
+
+
+class Point(NamedTuple):
+    """Displacements of the pieces, and what they make of the nodes.
+
+    ``place`` in m: the ``unknowns``, (U,), and behind them the displacements of the nodes,
+    ``moved``, (3, N); both share its memory. ``residual`` in N, what the nodes leave of the forces
+    on the pieces, (U,). ``force`` of the nodes in N, (3, N). ``tangent``: derivatives of
+    `node_tangent` in N/m for the nodes of one face at a time, (6, most nodes of a face).
+    """
+
+    place: Floats
+    unknowns: Floats
+    moved: Floats
+    residual: Floats
+    force: Floats
+    tangent: Floats
+
+
+def new_point(size: int, start: Integers) -> Point:
+    """A point of ``size`` unknowns, to be filled in; ``start``: see `ContactFaces`."""
+    most, count = int(np.diff(start).max()), int(start[-1])
+    place, shape = np.empty(size + 3 * count), (3, count)
+    moved = place[size:].reshape(shape)
+    return Point(place, place[:size], moved, np.empty(size), np.empty(shape), np.empty((6, most)))
 
 
 @compiled
@@ -64,13 +89,13 @@ def cross(one, other):
 
 
 @compiled
-def face_motion(structure, face, unknowns, w):
+def face_motion(contacts, face, unknowns, w):
     """Motion ``w`` (6,) of the middle of ``face``: of the piece below relative to that above."""
     x = y = z = turn_x = turn_y = turn_z = 0.0
     for side in range(2):
-        i = structure.begin[face, side]
+        i = contacts.begin[face, side]
         if i >= 0:
-            sign, lever = 1.0 - 2.0 * side, structure.levers[face, side]
+            sign, lever = 1.0 - 2.0 * side, contacts.levers[face, side]
             a, b, c = cross((unknowns[i + 3], unknowns[i + 4], unknowns[i + 5]), lever)
             x += sign * (unknowns[i] + a)
             y += sign * (unknowns[i + 1] + b)
@@ -79,22 +104,22 @@ def face_motion(structure, face, unknowns, w):
             turn_y += sign * unknowns[i + 4]
             turn_z += sign * unknowns[i + 5]
     for k in range(3):
-        axis = structure.axes[face, k]
+        axis = contacts.axes[face, k]
         w[k] = axis[0] * x + axis[1] * y + axis[2] * z
         w[3 + k] = axis[0] * turn_x + axis[1] * turn_y + axis[2] * turn_z
 
 
 @compiled
-def subtract_force(structure, face, force, residual):
+def subtract_force(contacts, face, force, residual):
     """Subtract force and moment (6,) of ``face`` from those on its two pieces in ``residual``."""
-    axes = structure.axes[face]
+    axes = contacts.axes[face]
     x, y, z = together(axes, force[0], force[1], force[2])
     turn_x, turn_y, turn_z = together(axes, force[3], force[4], force[5])
     for side in range(2):
-        i = structure.begin[face, side]
+        i = contacts.begin[face, side]
         if i >= 0:
             sign = 1.0 - 2.0 * side
-            a, b, c = cross(structure.levers[face, side], (x, y, z))
+            a, b, c = cross(contacts.levers[face, side], (x, y, z))
             residual[i] -= sign * x
             residual[i + 1] -= sign * y
             residual[i + 2] -= sign * z
@@ -114,17 +139,30 @@ def together(axes, a, b, c):
 
 
 @compiled
-def move_nodes(structure, place):
+def move_nodes(contacts, place):
     """Fill in the displacements of the nodes, which follow the unknowns in ``place`` (m)."""
-    w, size = np.empty(6), structure.inner + structure.outer
-    moved = place[size:].reshape((3, structure.nodes.shape[1]))
-    for face in range(len(structure.begin)):
-        face_motion(structure, face, place, w)
-        put_displacements(structure, face, w, moved)
+    w, size = np.empty(6), contacts.inner + contacts.outer
+    moved = place[size:].reshape((3, contacts.places.shape[1]))
+    for face in range(len(contacts.begin)):
+        face_motion(contacts, face, place, w)
+        put_displacements(contacts, face, w, moved)
 
 
 @compiled
-def unbalanced(structure, slip, whole, target, here):
+def put_displacements(contacts, face, w, moved):
+    """Fill in the displacements (m) of the nodes of ``face``, which moves by ``w``, (6,)."""
+    here = slice(contacts.start[face], contacts.start[face + 1])
+    p, q = contacts.places[0, here], contacts.places[1, here]
+    d0, d1, d2 = moved[0, here], moved[1, here], moved[2, here]
+    x, y, z, turn_x, turn_y, turn_z = w[0], w[1], w[2], w[3], w[4], w[5]
+    for n in range(len(p)):
+        d0[n] = x + q[n] * turn_y - p[n] * turn_z
+        d1[n] = y - q[n] * turn_x
+        d2[n] = z + p[n] * turn_x
+
+
+@compiled
+def unbalanced(contacts, slip, whole, target, here):
     """Fill in forces and residual of ``here`` at its place, for ``target`` (N) on the pieces.
 
     Returns the norm of the residual (N).
@@ -132,20 +170,20 @@ def unbalanced(structure, slip, whole, target, here):
     on_face = np.empty(6)
     for i, value in enumerate(target):
         here.residual[i] = value
-    put_forces(structure, slip, whole, here.moved, here.force)
-    for face in range(len(structure.begin)):
-        resultant(structure, face, here.force, on_face)
-        subtract_force(structure, face, on_face, here.residual)
+    put_forces(contacts.law, slip, whole, here.moved, here.force)
+    for face in range(len(contacts.begin)):
+        resultant(contacts, face, here.force, on_face)
+        subtract_force(contacts, face, on_face, here.residual)
     return norm(here.residual)
 
 
 @compiled
-def resultant(structure, face, force, on_face):
+def resultant(contacts, face, force, on_face):
     """Put force and moment about the middle of ``face`` into ``on_face``, (6,)."""
-    nodes = structure.nodes
+    p_of, q_of = contacts.places[0], contacts.places[1]
     x = y = z = about_x = about_y = about_z = 0.0
-    for node in range(structure.start[face], structure.start[face + 1]):
-        p, q = nodes[P, node], nodes[Q, node]
+    for node in range(contacts.start[face], contacts.start[face + 1]):
+        p, q = p_of[node], q_of[node]
         f0, f1, f2 = force[0, node], force[1, node], force[2, node]
         x += f0
         y += f1
@@ -157,7 +195,7 @@ def resultant(structure, face, force, on_face):
 
 
 @compiled
-def face_stiffness(structure, face, tangent, k):
+def face_stiffness(contacts, face, tangent, k):
     """Put the derivative of the face's forces by its motion into ``k``, (6, 6).
 
     ``tangent``: of its nodes, see `put_tangents`. Returns whether any of them resists.
@@ -167,9 +205,9 @@ def face_stiffness(structure, face, tangent, k):
     n = n_p = n_q = n_pp = n_pq = n_qq = 0.0
     y = y_p = y_q = z = z_p = z_q = turn = turn_p = turn_q = 0.0
     yy = yz = zz = y_turn = z_turn = turns = 0.0
-    first = structure.start[face]
-    for node in range(first, structure.start[face + 1]):
-        p, q, i = structure.nodes[P, node], structure.nodes[Q, node], node - first
+    first = contacts.start[face]
+    for node in range(first, contacts.start[face + 1]):
+        p, q, i = contacts.places[0, node], contacts.places[1, node], node - first
         t00, t10, t20 = tangent[0, i], tangent[1, i], tangent[2, i]
         t11, t12, t22 = tangent[3, i], tangent[4, i], tangent[5, i]
         if t00 == 0.0 and t11 == 0.0 and t22 == 0.0:  # open
@@ -214,7 +252,7 @@ def put(row, a, b, c, d, e, f):
 
 
 @compiled
-def tangent_stiffness(structure, slip, whole, here, floor, matrix):
+def tangent_stiffness(contacts, slip, whole, here, floor, matrix):
     """Put the derivative of the nodes' forces on the pieces into ``matrix``.
 
     ``here``: where, by its place. ``floor`` (N/m) is added to the diagonal: it keeps pieces that
@@ -222,47 +260,49 @@ def tangent_stiffness(structure, slip, whole, here, floor, matrix):
     """
     k, blocks = np.empty((6, 6)), np.empty((2, 2, 6, 6))
     matrix.band[:], matrix.right[:], matrix.below[:] = 0.0, 0.0, 0.0
-    matrix.band[:, structure.band] = floor
-    for i in range(structure.outer):
-        matrix.below[i, structure.inner + i] = floor
-    for face in range(len(structure.begin)):
-        if is_whole(structure, face, whole):
-            add_face(structure, matrix, face, structure.bonded[face])
+    matrix.band[:, contacts.band] = floor
+    for i in range(contacts.outer):
+        matrix.below[i, contacts.inner + i] = floor
+    for face in range(len(contacts.begin)):
+        if is_whole(contacts, face, whole):
+            add_face(contacts, matrix, face, contacts.bonded[face])
             continue
-        put_tangents(structure, face, slip, whole, here.moved, here.tangent)
-        if face_stiffness(structure, face, here.tangent, k):
-            by_pieces(structure, face, k, blocks)
-            add_face(structure, matrix, face, blocks)
+        first, last = contacts.start[face], contacts.start[face + 1]
+        put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
+        if face_stiffness(contacts, face, here.tangent, k):
+            by_pieces(contacts, face, k, blocks)
+            add_face(contacts, matrix, face, blocks)
 
 
 @compiled
-def is_whole(structure, face, whole):
+def is_whole(contacts, face, whole):
     """Whether all bonds of ``face`` are whole: its stiffness then does not depend on its motion."""
-    for node in range(structure.start[face], structure.start[face + 1]):
+    for node in range(contacts.start[face], contacts.start[face + 1]):  # noqa: SIM110 (compiled)
         if whole[node] != 1.0:
             return False
     return True
 
 
 @compiled
-def whole_faces(structure, here):
-    """Put the stiffness of each face with all bonds whole into ``structure.bonded``.
+def whole_faces(contacts, here):
+    """Put the stiffness of each face with all bonds whole into ``contacts.bonded``.
 
     ``here``: a point, which is overwritten.
     """
-    count, k = structure.nodes.shape[1], np.empty((6, 6))
-    slip, whole = np.zeros((2, count)), np.ones(count)
+    k = np.empty((6, 6))
+    slip, whole = all_bonded(contacts.places.shape[1])
     here.place[:] = 0.0
-    for face in range(len(structure.begin)):
-        put_tangents(structure, face, slip, whole, here.moved, here.tangent)
-        face_stiffness(structure, face, here.tangent, k)
-        by_pieces(structure, face, k, structure.bonded[face])
+    for face in range(len(contacts.begin)):
+        first, last = contacts.start[face], contacts.start[face + 1]
+        put_tangents(contacts.law, first, last, slip, whole, here.moved, here.tangent)
+        face_stiffness(contacts, face, here.tangent, k)
+        by_pieces(contacts, face, k, contacts.bonded[face])
 
 
 @compiled
-def by_pieces(structure, face, k, blocks):
+def by_pieces(contacts, face, k, blocks):
     """Turn the stiffness ``k`` by the face's motion into ``blocks`` by the two pieces' unknowns."""
-    axes, rows, columns = structure.axes[face], np.empty((6, 6)), np.empty((6, 6))
+    axes, rows, columns = contacts.axes[face], np.empty((6, 6)), np.empty((6, 6))
     for i in range(6):
         rows[i, 0], rows[i, 1], rows[i, 2] = together(axes, k[i, 0], k[i, 1], k[i, 2])
         rows[i, 3], rows[i, 4], rows[i, 5] = together(axes, k[i, 3], k[i, 4], k[i, 5])
@@ -274,17 +314,17 @@ def by_pieces(structure, face, k, blocks):
             axes, rows[3, j], rows[4, j], rows[5, j]
         )
     for right in range(2):
-        if structure.begin[face, right] >= 0:
-            moved, lever = rows, structure.levers[face, right]
+        if contacts.begin[face, right] >= 0:
+            moved, lever = rows, contacts.levers[face, right]
             for i in range(6):
                 a, b, c = cross(lever, (columns[i, 0], columns[i, 1], columns[i, 2]))
                 moved[i, 0], moved[i, 1], moved[i, 2] = columns[i, 0], columns[i, 1], columns[i, 2]
                 moved[i, 3], moved[i, 4] = columns[i, 3] + a, columns[i, 4] + b
                 moved[i, 5] = columns[i, 5] + c
             for left in range(2):
-                if structure.begin[face, left] >= 0:
+                if contacts.begin[face, left] >= 0:
                     sign, block = 1.0 if left == right else -1.0, blocks[left, right]
-                    lever = structure.levers[face, left]
+                    lever = contacts.levers[face, left]
                     for j in range(6):
                         a, b, c = cross(lever, (moved[0, j], moved[1, j], moved[2, j]))
                         block[0, j], block[1, j] = sign * moved[0, j], sign * moved[1, j]
@@ -294,13 +334,13 @@ def by_pieces(structure, face, k, blocks):
 
 
 @compiled
-def add_face(structure, matrix, face, blocks):
+def add_face(contacts, matrix, face, blocks):
     """Add ``blocks`` of the pieces below and above ``face``, (2, 2, 6, 6), to ``matrix``."""
-    inner, band, border, below = structure.inner, matrix.band, matrix.right, matrix.below
+    inner, band, border, below = contacts.inner, matrix.band, matrix.right, matrix.below
     for left in range(2):
-        row = structure.begin[face, left]
+        row = contacts.begin[face, left]
         for right in range(2):
-            column = structure.begin[face, right]
+            column = contacts.begin[face, right]
             if row < 0 or column < 0:
                 continue
             # A loop each, not one with a choice inside: several times faster.
@@ -313,7 +353,7 @@ def add_face(structure, matrix, face, blocks):
                     for j in range(6):
                         border[row + i, column - inner + j] += blocks[left, right, i, j]
             else:
-                first = structure.band + column - row
+                first = contacts.band + column - row
                 for i in range(6):
                     for j in range(6):
                         band[row + i, first - i + j] += blocks[left, right, i, j]

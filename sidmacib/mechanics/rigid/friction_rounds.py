@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.contact_law.kernels import friction_limits, rubbing, with_given_friction
 from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import (
     QUICK,
@@ -26,11 +27,10 @@ from sidmacib.mechanics.newton.equilibrium import (
     product,
     put_at,
 )
-from sidmacib.mechanics.newton.faces import Structure
-from sidmacib.mechanics.newton.nodes import FRICTION, GIVEN, Point
+from sidmacib.mechanics.newton.faces import ContactFaces, Point
 
-ROUNDS = 300  # of friction limits, at most
-SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
+FRICTION_ROUNDS = 300  # of friction limits, at most
+LIMIT_SHARES = (1 / 16, 4.0)  # least and largest fraction of the way to the new limits
 IN_A_ROW = 6  # rounds without equilibrium that end the search
 
 
@@ -43,7 +43,7 @@ class EquilibriumSearch:
     piece that moves further in one round (m) moves away.
     """
 
-    structure: Structure
+    contacts: ContactFaces
     matrix: Matrix
     here: Point
     target: Floats
@@ -57,18 +57,16 @@ class EquilibriumSearch:
     @property
     def limits(self) -> Floats:
         """Friction limit (N) of each node by its normal force ``here``, (N,)."""
-        pressed = np.where(self.whole > 0.0, 0.0, np.maximum(self.here.force[0], 0.0))
-        return np.asarray(self.structure.nodes[FRICTION] * pressed)
+        return friction_limits(self.contacts.law, self.whole, self.here.force[0])
 
     def never_reached(self) -> Floats:
         """Limits (N) that friction never reaches; 0 at nodes without friction, (N,)."""
-        rough = (self.whole == 0.0) & (self.structure.nodes[FRICTION] > 0.0)
-        return np.where(rough, math.inf, 0.0)
+        return np.where(rubbing(self.contacts.law, self.whole), math.inf, 0.0)
 
     def equilibrium_from(self, unknowns: Floats) -> bool:
         """Move ``here`` to equilibrium by Newton's method from ``unknowns``; whether it did."""
         allowed = allowed_at(unknowns, self.stiffness, self.allowed)
-        arrays = self.structure, self.matrix, self.here
+        arrays = self.contacts, self.matrix, self.here
         nodes = self.target, unknowns, self.slip, self.whole
         return bool(newton(*arrays, *nodes, (self.floor, allowed, self.farthest), QUICK))
 
@@ -78,9 +76,8 @@ class EquilibriumSearch:
         Returns whether it was found. It is not if the loads push pieces away; these are then some
         way off.
         """
-        nodes = self.structure.nodes.copy()
-        nodes[FRICTION], nodes[GIVEN] = 0.0, limits
-        arrays = self.structure._replace(nodes=nodes), self.matrix, self.here
+        law = with_given_friction(self.contacts.law, limits)
+        arrays = self.contacts._replace(law=law), self.matrix, self.here
         at_nodes = self.target, unknowns, self.slip, self.whole
         accuracy = self.stiffness, self.floor, self.allowed, self.farthest
         return bool(least_energy(*arrays, *at_nodes, accuracy))
@@ -96,7 +93,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
     if not problem.with_given_limits(guess, problem.never_reached()):
         return False
     stuck, from_stuck = here.unknowns.copy(), problem.limits
-    put_at(problem.structure, problem.slip, problem.whole, problem.target, here, guess)
+    put_at(problem.contacts, problem.slip, problem.whole, problem.target, here, guess)
     return (
         _rounds(problem, guess, problem.limits)
         or problem.equilibrium_from(stuck)
@@ -107,7 +104,7 @@ def by_rounds(problem: EquilibriumSearch, guess: Floats) -> bool:
 def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> bool:
     """Rounds from ``unknowns``, the first of them with ``limits`` (N); see `by_rounds`."""
     lost, share, last = 0, 1.0, np.zeros_like(limits)  # rounds without equilibrium, in a row
-    for number in range(ROUNDS):
+    for number in range(FRICTION_ROUNDS):
         holds = problem.with_given_limits(unknowns, limits)
         unknowns, next_limits = problem.here.unknowns.copy(), problem.limits
         if problem.equilibrium_from(unknowns):
@@ -118,6 +115,8 @@ def _rounds(problem: EquilibriumSearch, unknowns: Floats, limits: Floats) -> boo
         change = next_limits - limits
         if number:  # longer steps while the limits change the same way, shorter ones after a turn
             onward = product(change, last) > 0.0
-            share = min(2.0 * share, SHARES[1]) if onward else max(share / 2.0, SHARES[0])
+            share = (
+                min(2.0 * share, LIMIT_SHARES[1]) if onward else max(share / 2.0, LIMIT_SHARES[0])
+            )
         limits, last = np.maximum(limits + share * change, 0.0), change
     return False

@@ -12,14 +12,14 @@ import numpy as np
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.contact_law import NodeState, components
+from sidmacib.mechanics.contact_law.kernels import put_slip
 from sidmacib.mechanics.equilibrium import free_rows
 from sidmacib.mechanics.newton.elimination import Matrix
 from sidmacib.mechanics.newton.equilibrium import elastic, equilibrium
-from sidmacib.mechanics.newton.faces import Structure, whole_faces
-from sidmacib.mechanics.newton.nodes import new_point, put_slip
+from sidmacib.mechanics.newton.faces import ContactFaces, new_point, whole_faces
 from sidmacib.mechanics.rigid.friction_rounds import EquilibriumSearch, by_rounds
 from sidmacib.mechanics.rigid.ordering import Ordering, ordering
-from sidmacib.mechanics.solution import Equilibrium, lifted_part
+from sidmacib.mechanics.solution import LARGEST_STEP, Equilibrium, lifted_part
 from sidmacib.mechanics.springs import Springs, soft_springs
 
 RESIDUAL = 1e-10  # unbalanced force over the loads, at equilibrium
@@ -30,7 +30,6 @@ DRAG = 1e-6  # over a face's stiffness, on pieces that move away: far less than 
 # Stiffness of the stiffest face over that of the softest: above the first, rounding matters; above
 # the second, it decides. Faces far below the second are as good as rigid.
 STIFF, MOST_STIFF = 1e4, 1e8
-LARGEST_STEP = 1e5  # Newton step over the displacements of the unbroken assembly
 
 
 class RigidSolver:
@@ -53,11 +52,11 @@ class RigidSolver:
                 f"the stiffest face is {ratio:.3g} times as stiff as the softest; with more than "
                 f"{MOST_STIFF:g} times rounding errors decide"
             )
-        self.structure, self.soft = (
-            _structure(each, order, ratio > STIFF) for each in (springs, soft)
+        self.contacts, self.soft = (
+            _contacts(each, order, ratio > STIFF) for each in (springs, soft)
         )
         self.matrix = _matrix(order)
-        for each in (self.structure, self.soft):
+        for each in (self.contacts, self.soft):
             whole_faces(each, self.here)
         size = np.diff(springs.unknowns)
         self.place = np.arange(springs.unknowns[-1])
@@ -79,7 +78,7 @@ class RigidSolver:
         loads.require_proportional()
         self.weight = self._inside(loads.permanent.ravel()[self.rows] / self.units)
         self.load = self._inside(loads.variable.ravel()[self.rows] / self.units)
-        self.rest = self._elastic(self.structure, self.weight)
+        self.rest = self._elastic(self.contacts, self.weight)
         reach = (
             np.abs(self._elastic(self.soft, force)).max()
             for force in (self.weight, loads.scale * self.load)
@@ -104,16 +103,16 @@ class RigidSolver:
         begin, before = self._inside(guess * self.units), components(state.slip)
         limits = self.floor, allowed, self.largest_step
         nodes = target, begin, before, state.whole
-        found = equilibrium(self.structure, self.matrix, self.here, *nodes, limits)
+        found = equilibrium(self.contacts, self.matrix, self.here, *nodes, limits)
         if not found and thorough:
             at_nodes = target, before, state.whole, self.stiffness
-            search = EquilibriumSearch(self.structure, self.matrix, self.here, *at_nodes, *limits)
+            search = EquilibriumSearch(self.contacts, self.matrix, self.here, *at_nodes, *limits)
             found = by_rounds(search, begin)
         if not found:
             raise NoEquilibriumError(f"no equilibrium at {load:g} N")
         here = self.here
         slip = np.empty_like(before)
-        put_slip(self.structure, before, state.whole, here, slip)
+        put_slip(self.contacts.law, before, state.whole, here.moved, here.force, slip)
         displacement = float(self.load @ here.unknowns)
         after = NodeState(slip.T, state.whole)
         unknowns, force = self._outside(here.unknowns), here.force.copy()
@@ -135,12 +134,12 @@ class RigidSolver:
         limits = self.drag, 0.0, math.inf
         state = point.state
         nodes = target, begin, components(state.slip), state.whole
-        equilibrium(self.structure, self.matrix, self.here, *nodes, limits)
+        equilibrium(self.contacts, self.matrix, self.here, *nodes, limits)
         return np.asarray(self.here.unknowns - begin)
 
-    def _elastic(self, structure: Structure, target: Floats) -> Floats:
-        """Unknowns of ``structure`` under ``target`` (N) with every node closed and bonded."""
-        return np.asarray(elastic(structure, self.matrix, self.here, target, self.floor))
+    def _elastic(self, contacts: ContactFaces, target: Floats) -> Floats:
+        """Unknowns of ``contacts`` under ``target`` (N) with every node closed and bonded."""
+        return np.asarray(elastic(contacts, self.matrix, self.here, target, self.floor))
 
     def _inside(self, values: Floats) -> Floats:
         inside = np.empty_like(values)
@@ -164,18 +163,10 @@ def _stiffness_ratio(assembly: Assembly) -> float:
     return max(both) / min(both)
 
 
-def _structure(springs: Springs, order: Ordering, stiff: bool) -> Structure:
-    contact_law = springs.contact_law
-    return Structure(
-        np.array(
-            [
-                contact_law.normal_stiffness,
-                contact_law.shear_stiffness,
-                contact_law.friction,
-                0.0 * contact_law.friction,
-                *springs.place.T,
-            ]
-        ),
+def _contacts(springs: Springs, order: Ordering, stiff: bool) -> ContactFaces:
+    return ContactFaces(
+        springs.contact_law.rows(),
+        np.ascontiguousarray(springs.place.T),
         springs.start,
         springs.axes,
         springs.levers,

@@ -1,4 +1,4 @@
-"""What brittle bonds still carry behind the peak, if the load is let down as they fail.
+"""Loads that brittle bonds still carry behind the peak, if the load is let down as they fail.
 
 Under a load that stays, a joint at its peak fails as a whole. Here the load goes down, or up, to
 the one at which the next node reaches its strength, once the nodes before it have lost theirs.
@@ -17,18 +17,18 @@ from scipy.optimize import brentq
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.contact_law import Flags, NodeState
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.solution import Equilibrium, Solver
 from sidmacib.mechanics.static.model import solver_of
-from sidmacib.mechanics.utilisation import utilisation
 
-TOGETHER = 1e-2  # nodes whose utilisations differ by less fail together
+AT_STRENGTH = 1e-2  # nodes whose utilisations differ by less fail together
 PRECISION = 1e-4  # of the loads, over the peak
-LEAST = 0.02  # of the peak: less counts as nothing
+LEAST_LOAD_LEFT = 0.02  # of the peak: less counts as nothing
 HIGHEST = 1.5  # of the peak: the bonds that are left never carry more than whole ones do
 
 
 def after_peak(assembly: Assembly, loads: Loads, peak: Equilibrium) -> Iterator[Equilibrium]:
-    """The points behind ``peak``, until a node's failure leaves less than `LEAST` of the peak.
+    """The points behind ``peak``, until a failure leaves less than `LEAST_LOAD_LEFT` of it.
 
     ``assembly``: with brittle bonds; others give nothing. ``peak``: of its path under ``loads``.
     Every point has at least one bonded node less than the one before.
@@ -41,7 +41,7 @@ def after_peak(assembly: Assembly, loads: Loads, peak: Equilibrium) -> Iterator[
     while bonded.any():
         state = replace(start.state, whole=np.where(bonded, start.state.whole, 0.0))
         point = _next_failure(solver, start, state, peak.load)
-        if point is None or point.load < LEAST * peak.load:
+        if point is None or point.load < LEAST_LOAD_LEFT * peak.load:
             return
         yield point
         bonded &= ~_failing(solver, point)
@@ -52,7 +52,7 @@ def _failing(solver: Solver, point: Equilibrium) -> Flags:
     used = np.where(
         point.state.bonded, utilisation(solver.contact_law, point.state, point.force), 0
     )
-    return np.asarray(used >= used.max() * (1.0 - TOGETHER))
+    return np.asarray(used >= used.max() * (1.0 - AT_STRENGTH))
 
 
 def _next_failure(
@@ -64,7 +64,7 @@ def _next_failure(
         point = solver.solve(load, start.unknowns, state, thorough=True)
         return float(utilisation(solver.contact_law, state, point.force).max()) - 1.0
 
-    low, high = LEAST * peak / 2.0, peak
+    low, high = LEAST_LOAD_LEFT * peak / 2.0, peak
     try:
         if excess(low) >= 0.0:
             return None

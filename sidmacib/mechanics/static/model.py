@@ -19,6 +19,8 @@ import numpy as np
 from sidmacib.errors import CapacityError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Failure, Floats, Loads
 from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.contact_law.kernels import utilisation
+from sidmacib.mechanics.contact_law.softening import Softening
 from sidmacib.mechanics.rigid.solver import RigidSolver
 from sidmacib.mechanics.solution import (
     LEAST_INCREMENT,
@@ -29,8 +31,7 @@ from sidmacib.mechanics.solution import (
     Solver,
     StaticSolution,
 )
-from sidmacib.mechanics.static.softening import Softening, softened_equilibrium
-from sidmacib.mechanics.utilisation import utilisation
+from sidmacib.mechanics.static.softening import softened_equilibrium
 from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
@@ -87,16 +88,42 @@ def first_failure_of(solver: Solver, scale: float, increment: float | None = Non
 
 
 def static_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
-    """Raise ``loads`` from 0 to the peak of ``assembly``.
+    """Raise ``loads`` from 0 to the peak of ``assembly``, on a single path.
+
+    `sidmacib.mechanics.static.lowest_peak` looks for lower ones.
 
     Raises `NoEquilibriumError` if there is no equilibrium under the permanent loads,
     `UnboundedError` if the assembly carries any load.
     """
-    if assembly.failure is not Failure.BRITTLE:
-        return _softened(assembly, loads)
     solver = solver_of(assembly, loads)
-    found = brittle_path(solver, loads.scale)
-    mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], loads.scale)
+    if assembly.failure is not Failure.BRITTLE:
+        return _softened(solver, Softening.of(assembly), loads.scale)
+    return peak_of(solver, loads.scale)
+
+
+def peak_of(solver: Solver, scale: float) -> StaticSolution:
+    """`static_peak` of brittle bonds by a ``solver`` that is there; ``scale``: of its loads, N."""
+    return _solution(solver, scale, brittle_path(solver, scale))
+
+
+def another_peak(
+    solver: Solver, searches: Equilibria, scale: float, other: StaticSolution
+) -> StaticSolution:
+    """A path like that of ``other`` up to the first failure, and by ``searches`` from there.
+
+    ``solver``: that of ``other``; ``searches``: it, or one that finds other equilibria of the same
+    assembly. Where no equilibrium followed in ``other``, with the same bonds left, searches are not
+    thorough. Errors of `brittle_path`.
+    """
+    last = next(i for i, at in enumerate(other.path) if at.load >= other.first_failure_load)
+    path, failing = _raised(searches, [*other.path[: last + 1]], scale, other.refinement)
+    increments = scale, LEAST_INCREMENT, other.refinement
+    found = _after_first_failure(searches, path, failing, *increments, other)
+    return replace(_solution(solver, scale, found), first_failure_load=other.first_failure_load)
+
+
+def _solution(solver: Solver, scale: float, found: "BrittlePath") -> StaticSolution:
+    mode = Mode.BONDS if found.by_bonds else _motion(solver, found.path[-1], scale)
     path = found.path[: found.peak + 1]
     return StaticSolution(found.first_failure_load, path, mode, found.refinement, found.collapsed)
 
@@ -140,19 +167,6 @@ def brittle_path(
     return _after_first_failure(solver, path, failing, scale, precision, refinement)
 
 
-def path_like(solver: Equilibria, scale: float, other: StaticSolution) -> BrittlePath:
-    """The path of ``solver`` from where the first node fails in an ``other``, of almost the same.
-
-    Where no equilibrium followed in the other, with the same bonds left, rounds of friction limits
-    are spared: Newton's method has the last word. Errors of `brittle_path`.
-    """
-    first = next(point for point in other.path if point.load >= other.first_failure_load)
-    start = solver.solve(first.load, first.unknowns, first.state, thorough=True)
-    path, failing = _raised(solver, [start], scale, other.refinement)
-    increments = scale, LEAST_INCREMENT, other.refinement
-    return _after_first_failure(solver, path, failing, *increments, other)
-
-
 def _after_first_failure(
     solver: Equilibria,
     path: list[Equilibrium],
@@ -164,7 +178,7 @@ def _after_first_failure(
 ) -> BrittlePath:
     """``path`` to the first failure, where nodes are ``failing``, and what follows.
 
-    ``other``: the path of almost the same assembly, if it is known.
+    ``other``: another path of the same assembly, if it is known.
     """
     first_failure, collapsed = path[-1].load, None
     while failing.any():
@@ -176,18 +190,17 @@ def _after_first_failure(
     return BrittlePath(first_failure, tuple(path), refinement, collapsed)
 
 
-def _softened(assembly: Assembly, loads: Loads) -> StaticSolution:
+def _softened(solver: Solver, softening: Softening, scale: float) -> StaticSolution:
     """`static_peak` with softening or ductile bonds: the increment is halved if a load fails."""
-    solver, softening = solver_of(assembly, loads), Softening.of(assembly)
-    path, failing, _ = _to_first_failure(solver, loads.scale)
+    path, failing, _ = _to_first_failure(solver, scale)
     first_failure = path[-1].load
     if not failing.any():
-        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], loads.scale))
+        return StaticSolution(first_failure, tuple(path), _motion(solver, path[-1], scale))
     increment = SOFTENING_INCREMENT * first_failure
     compliance = abs(path[-1].displacement) / first_failure
     while increment > LEAST_SOFTENING_INCREMENT * path[-1].load:
         low = path[-1]
-        if low.load > MOST_LOAD * loads.scale:
+        if low.load > MOST_LOAD * scale:
             raise UnboundedError(f"no peak up to {low.load:g} N: the load can grow without limit")
         load = low.load + increment
         try:
@@ -342,7 +355,7 @@ def _redistributed(
 ) -> tuple[Equilibrium | None, Floats]:
     """The equilibrium at the same load after ``failing`` nodes, and any that follow, failed.
 
-    None if there is none; and what is left of the bonds. ``other``: see `path_like`.
+    None if there is none; and what is left of the bonds. ``other``: see `another_peak`.
     """
     state = point.state
     while failing.any():

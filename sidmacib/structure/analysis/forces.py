@@ -1,4 +1,4 @@
-"""What each interface of a structure carries: resultants and utilisation, from forces at nodes."""
+"""Resultants and utilisation of each interface of a structure, from forces at nodes."""
 
 import math
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ import shapely
 
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Vector
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.utilisation import utilisation
+from sidmacib.mechanics.contact_law.kernels import utilisation
 
 ROUNDING = 1e-9  # of the largest node force: nodes below carry nothing
 LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhere
@@ -16,7 +16,7 @@ LEVERAGE = 1e-3  # of all normal forces: what they add up to, if they act anywhe
 
 @dataclass(frozen=True)
 class InterfaceForce:
-    """What an interface carries.
+    """Forces that an interface carries.
 
     ``normal``: compression in N, negative in tension; ``shear``: size of the resultant along the
     interface, N. ``eccentricity``: of the resultant from the centroid, over the distance to the
@@ -42,11 +42,12 @@ class InterfaceForce:
 def interface_forces(
     assembly: Assembly, force: Floats, state: NodeState | None = None
 ) -> tuple[InterfaceForce, ...]:
-    """What each face of ``assembly`` carries under node forces, (N, 3) in N as in `Equilibrium`.
+    """Resultants of each face of ``assembly`` under node forces, (N, 3) in N as in `Equilibrium`.
 
     ``state``: of the nodes; by default all bonds are whole.
     """
     law, area = ContactLaw.of(assembly), assembly.nodes.area
+    limit = law.friction * force[:, 0]
     state = state or NodeState.initial(law)
     used = np.where(state.bonded, utilisation(law, state, force), 0.0)
     nothing = ROUNDING * float(np.abs(force).max(initial=0.0))
@@ -61,7 +62,7 @@ def interface_forces(
         off = None if at is None else _eccentricity(face, np.array(at))
         most = float(used[nodes].max())
         if not bonded and at is not None and normal > nothing:
-            rubbing = _rubbing(face, places - np.array(at), force[nodes], nothing)
+            rubbing = _rubbing(face, places - np.array(at), force[nodes], limit[nodes], nothing)
             most = max(off or 0.0, rubbing)
         found.append(
             InterfaceForce(
@@ -88,20 +89,20 @@ def _eccentricity(face: Face, at: Floats) -> float:
     return float((along @ (face.axes[1:] @ (at - middle)) / reach).max())
 
 
-def _rubbing(face: Face, arms: Floats, force: Floats, nothing: float) -> float:
+def _rubbing(face: Face, arms: Floats, force: Floats, limit: Floats, nothing: float) -> float:
     """Shear, and torsion about the point of action, over what friction allows.
 
     Both together on an ellipse, which is near what a face that slides and turns carries.
-    ``arms``: of the nodes from there, m, (K, 3); ``force``: of the nodes, N, (K, 3).
+    ``arms``: of the nodes from there, m, (K, 3); ``force``: of the nodes, N, (K, 3); ``limit``: of
+    their friction, N, (K,).
     """
     flat = arms @ face.axes[1:].T
-    pressed = face.material.friction * force[:, 0]
     torsion = abs(float((flat[:, 0] * force[:, 2] - flat[:, 1] * force[:, 1]).sum()))
     lever = np.hypot(*flat.T)
     reach = float(lever.max())
     pairs = (
-        (float(np.hypot(*force[:, 1:].sum(axis=0))), float(pressed.sum()), nothing),
-        (torsion, float((pressed * lever).sum()), nothing * reach),
+        (float(np.hypot(*force[:, 1:].sum(axis=0))), float(limit.sum()), nothing),
+        (torsion, float((limit * lever).sum()), nothing * reach),
     )
     return math.hypot(
         *(
@@ -112,7 +113,7 @@ def _rubbing(face: Face, arms: Floats, force: Floats, nothing: float) -> float:
 
 
 def _centre(places: Floats, normal: Floats) -> Vector | None:
-    """Where normal forces, (N,) in N, act at ``places``, (N, 3) in m; None if they add up to 0."""
+    """Centre of normal forces, (N,) in N, at ``places``, (N, 3) in m; None if they add up to 0."""
     whole = float(normal.sum())
     if abs(whole) <= LEVERAGE * float(np.abs(normal).sum()):
         return None

@@ -23,7 +23,7 @@ class Failures(NamedTuple):
 
 
 class MeshErrors(NamedTuple):
-    """Of the first failure and the peak, each over itself; None of one that is not known."""
+    """Errors of the first failure and the peak, each over itself; None of one that is not known."""
 
     first: float | None
     peak: float | None

@@ -39,7 +39,7 @@ LEVEL = 1e-9  # of an axis: its part along gravity that counts as none
 
 
 class Motion(StrEnum):
-    """How the blocks move where equilibrium is lost."""
+    """Motion of the blocks where equilibrium is lost."""
 
     SLIDING = "sliding"  # where blocks stay in contact they slide, at least as far as others open
     ROCKING = "rocking"  # joints open further than any that stays closed slides

@@ -1,4 +1,4 @@
-"""How the limit load of a structure depends on where the vertices of its blocks are."""
+"""Effect of the positions of blocks' vertices on the limit load of a structure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -7,9 +7,8 @@ import numpy as np
 import shapely
 
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Nodes, Vector
-from sidmacib.mechanics.change import Change
 from sidmacib.mechanics.contact_law import Flags
-from sidmacib.mechanics.limit_sensitivity import limit_derivatives
+from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import Block

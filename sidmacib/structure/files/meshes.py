@@ -8,7 +8,7 @@ import trimesh
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import FLAT, Block, off_plane, require_few_faces, require_near
-from sidmacib.structure.groups import grouped
+from sidmacib.structure.crossing import grouped
 from sidmacib.validation import refused
 
 SUFFIXES = (".obj", ".ply", ".stl")

@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
-from ..scripts.assembly import Assembly, Face, Piece, Vector, cross, plus
+from ..scripts.assembly import GivenAssembly, GivenFace, GivenPiece, Vector, cross, plus
 
 CLOSE = 1e-7  # of a piece's longest edge: grid lines that are no further apart are one
 PER_MESH = 2  # elements in the length of the mesh, at least
@@ -106,10 +106,10 @@ def line_weights(line: Sequence[float], place: float) -> list[tuple[int, float]]
     raise ValueError(f"{place} m is not on the grid from {line[0]} to {line[-1]} m")
 
 
-class Deck:
+class CalculixDeck:
     """The deck of ``assembly``, and the evaluation of its nodes."""
 
-    def __init__(self, assembly: Assembly) -> None:
+    def __init__(self, assembly: GivenAssembly) -> None:
         for piece in assembly.pieces:
             if not piece.fixed and piece.young_Pa is None:
                 raise SystemExit(f"{piece.name} is rigid: CalculiX needs elastic pieces here")
@@ -303,12 +303,12 @@ class Deck:
         ]
 
 
-def across(face: Face) -> int:
+def across(face: GivenFace) -> int:
     """The axis of a face's normal."""
     return max(range(3), key=lambda axis: abs(face.normal[axis]))
 
 
-def rectangle(assembly: Assembly, face: Face) -> tuple[list[float], list[float]]:
+def rectangle(assembly: GivenAssembly, face: GivenFace) -> tuple[list[float], list[float]]:
     """Two opposite corners of a face, in m."""
     one, other = assembly.pieces[face.below], assembly.pieces[face.above]
     low = [*map(max, one.low_m, other.low_m)]
@@ -333,7 +333,7 @@ def add(one: Forces, other: Forces) -> None:
         one[place] = one.get(place, 0.0) + force
 
 
-def spread(grid: Grid, piece: Piece, wrench: Vector, end: tuple[int, bool] | None) -> Forces:
+def spread(grid: Grid, piece: GivenPiece, wrench: Vector, end: tuple[int, bool] | None) -> Forces:
     """Nodal forces of a force and a moment about a piece's centre, spread over a side or all of it.
 
     What is spread varies linearly: uniform for the force, like a rotation for the moment. ``end``:

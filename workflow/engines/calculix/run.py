@@ -10,9 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..scripts.assembly import Assembly, Vector, dot, length, plus, utilisation
-from ..scripts.records import FIRST_FAILURE, History, NoAnswerError, NodeForce, Outcome, Peak
-from .deck import JOB, Deck
+from ..scripts.assembly import GivenAssembly, Vector, dot, length, plus, utilisation
+from ..scripts.records import (
+    FIRST_FAILURE,
+    EngineOutcome,
+    EnginePeak,
+    History,
+    NoAnswerError,
+    NodeForce,
+)
+from .deck import JOB, CalculixDeck
 from .process import CalculixProcess, Displacements
 
 GROWTH = 0.25  # of the load, a step where that is more than the first one
@@ -22,7 +29,7 @@ HALVINGS = 50  # to find where between two states the strength is reached
 
 
 @dataclass(frozen=True)
-class State:
+class CalculixState:
     """An equilibrium: its load (N), the nodes' jumps (m) and the displacement it does work on."""
 
     load: float
@@ -31,18 +38,18 @@ class State:
 
 
 def find_first_failure(
-    title: str, assembly: Assembly, first_increment_N: float, tolerance: float
+    title: str, assembly: GivenAssembly, first_increment_N: float, tolerance: float
 ) -> None:
     """Look for it and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
     ``first_increment_N``: the first step of the load; ``tolerance``: of the load.
     """
     loads = raised(first_increment_N)
-    deck = Deck(assembly)
+    deck = CalculixDeck(assembly)
     Path(f"{JOB}.inp").write_text(deck.text(title, loads))
     weights = [deck.jump_weights(number) for number in range(len(assembly.nodes))]
     history = History(assembly)
-    before: State | None = None
+    before: CalculixState | None = None
     engine = CalculixProcess(JOB)
     for time, moved in engine.states():
         history.time_steps += 1
@@ -51,12 +58,12 @@ def find_first_failure(
         if not math.isfinite(along):
             raise SystemExit(f"the computation has diverged: displacement {along} m")
         jumps = [jump(weight, moved) for weight in weights]
-        state = State(load_at(time, loads), jumps, along)
+        state = CalculixState(load_at(time, loads), jumps, along)
         used = most_used(assembly, jumps)
         over = not used <= 1.0
         print(f"{state.load:12.4f} N uses {100 * used:.2f} % of the strength", flush=True)
         if not over:
-            record(history, state, Outcome.EQUILIBRIUM.value)
+            record(history, state, EngineOutcome.EQUILIBRIUM.value)
             before = state
             continue
         engine.stop()
@@ -64,7 +71,7 @@ def find_first_failure(
             raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
         record(history, state, "overstressed")
         failing = at_strength(assembly, before, state)
-        forces = record(history, failing, Outcome.EQUILIBRIUM.value)
+        forces = record(history, failing, EngineOutcome.EQUILIBRIUM.value)
         # Pieces that slide off are carried as far as one likes, as friction has no tangent there.
         if not max(row["unbalanced_ratio"] for row in history.rows[-2:]) <= LARGEST_UNBALANCED:
             raise NoAnswerError(
@@ -73,7 +80,7 @@ def find_first_failure(
                 "CalculiX are not in equilibrium"
             )
         load = failing.load
-        peak = Peak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
+        peak = EnginePeak(load, load * (1.0 + tolerance), load, FIRST_FAILURE, forces)
         history.write(peak, "calculix", engine.version())
         return
     if before is None:
@@ -84,7 +91,7 @@ def find_first_failure(
     raise SystemExit(f"no first failure: {in_words(assembly, before)}, and {why}")
 
 
-def in_words(assembly: Assembly, state: State) -> str:
+def in_words(assembly: GivenAssembly, state: CalculixState) -> str:
     """A state in words."""
     used = 100 * most_used(assembly, state.jumps)
     return f"at {state.load:g} N {used:.3g} % of the strength is used"
@@ -115,7 +122,7 @@ def jump(weights: dict[int, float], moved: Displacements) -> list[float]:
     return found
 
 
-def node_force(assembly: Assembly, number: int, moved: Vector) -> NodeForce:
+def node_force(assembly: GivenAssembly, number: int, moved: Vector) -> NodeForce:
     """Force at a contact node for its jump; friction has no history here."""
     node = assembly.nodes[number]
     face = assembly.faces[node.face]
@@ -133,7 +140,7 @@ def node_force(assembly: Assembly, number: int, moved: Vector) -> NodeForce:
     return NodeForce(normal, shear, False)
 
 
-def most_used(assembly: Assembly, jumps: Sequence[Vector]) -> float:
+def most_used(assembly: GivenAssembly, jumps: Sequence[Vector]) -> float:
     """The largest part of its strength that a node of an inner face carries."""
     used = [0.0]
     for number, node in enumerate(assembly.nodes):
@@ -145,11 +152,13 @@ def most_used(assembly: Assembly, jumps: Sequence[Vector]) -> float:
     return max(used)
 
 
-def at_strength(assembly: Assembly, before: State, after: State) -> State:
+def at_strength(
+    assembly: GivenAssembly, before: CalculixState, after: CalculixState
+) -> CalculixState:
     """The state between two where the first node reaches its strength."""
 
-    def between(share: float) -> State:
-        return State(
+    def between(share: float) -> CalculixState:
+        return CalculixState(
             before.load + share * (after.load - before.load),
             [
                 plus(one, plus(other, one, -1.0), share)
@@ -168,7 +177,7 @@ def at_strength(assembly: Assembly, before: State, after: State) -> State:
     return between(low)
 
 
-def record(history: History, state: State, stage: str) -> list[NodeForce]:
+def record(history: History, state: CalculixState, stage: str) -> list[NodeForce]:
     """Add a state to the history; the forces at its nodes."""
     assembly = history.assembly
     forces = [node_force(assembly, number, moved) for number, moved in enumerate(state.jumps)]
@@ -177,7 +186,7 @@ def record(history: History, state: State, stage: str) -> list[NodeForce]:
     return forces
 
 
-def unbalanced(assembly: Assembly, forces: Sequence[NodeForce], load: float) -> float:
+def unbalanced(assembly: GivenAssembly, forces: Sequence[NodeForce], load: float) -> float:
     """Mean unbalanced force on a piece over the load, or over the permanent loads if larger.
 
     It shows how well these node forces represent CalculiX's contacts.

@@ -9,7 +9,16 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
-from ..scripts.assembly import Assembly, Material, Piece, Search, Vector, cross, dot, plus
+from ..scripts.assembly import (
+    GivenAssembly,
+    GivenMaterial,
+    GivenPiece,
+    GivenSearch,
+    Vector,
+    cross,
+    dot,
+    plus,
+)
 from ..scripts.records import NoAnswerError
 from .loads import beyond_gravity, common_acceleration, common_gravity, handle_forces
 
@@ -26,7 +35,7 @@ HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_force
 VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"
 
 
-def reach(piece: Piece) -> float:
+def reach(piece: GivenPiece) -> float:
     """Distance (m) of a piece's handles from its centroid.
 
     A piece's mass is in six handles, at its centroid plus and minus this along each axis: so they
@@ -47,7 +56,7 @@ class Patch:
     nodes: tuple[int, ...]
 
 
-def patches(assembly: Assembly) -> list[Patch]:
+def patches(assembly: GivenAssembly) -> list[Patch]:
     """The patches of all faces, in the order of their first nodes."""
     found: dict[tuple[int, float], list[int]] = {}
     for number, node in enumerate(assembly.nodes):
@@ -66,7 +75,7 @@ def pitch(places: Sequence[Vector]) -> float:
     return least
 
 
-def sphere_radii(assembly: Assembly, every: Sequence[Patch], largest: float) -> list[float]:
+def sphere_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) -> list[float]:
     """Radius of the contact spheres of each patch (m), at most ``largest``.
 
     Spheres that face each other at different nodes have a gap of pitch^2 / (4 radius): twice what
@@ -109,11 +118,11 @@ class Atoms:
         return number
 
 
-class Deck:
+class LiggghtsDeck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
     def __init__(
-        self, assembly: Assembly, search: Search, radius: float, gradual: bool = False
+        self, assembly: GivenAssembly, search: GivenSearch, radius: float, gradual: bool = False
     ) -> None:
         """``radius``: of contact spheres, at most; ``gradual``: see `engines.liggghts.run`."""
         self.assembly, self.search = assembly, search
@@ -226,7 +235,7 @@ class Deck:
         yield from self._bodies()
 
     def _laws(self) -> Iterator[str]:
-        """Who touches whom, and the laws of contacts and springs."""
+        """Pairs that touch, and the laws of contacts and springs."""
         touching = {frozenset(pair) for pair in self.patch_types}
         for one in range(1, self.types + 1):
             for other in range(one, self.types + 1):
@@ -252,7 +261,7 @@ class Deck:
             # The energy is coefficient * length^2.
             yield f"bond_coeff {number} {self.spring_stiffness(node) / 2:.12g} 0.0"
 
-    def _material(self, patch: Patch) -> Material:
+    def _material(self, patch: Patch) -> GivenMaterial:
         return self.assembly.faces[patch.face].material
 
     def _matrix(self, name: str, value_of: Callable[[Patch], float]) -> str:

@@ -2,10 +2,10 @@
 
 import math
 
-from ..scripts.assembly import Assembly, Piece, Vector, length, plus
+from ..scripts.assembly import GivenAssembly, GivenPiece, Vector, length, plus
 
 
-def common_gravity(assembly: Assembly) -> float:
+def common_gravity(assembly: GivenAssembly) -> float:
     """The acceleration (m/s2) along -z that all free pieces have, whatever else acts; or else 0."""
     accelerations = [
         -p.force_N[2] / p.mass_kg for p in (assembly.pieces[index] for index in assembly.free)
@@ -14,7 +14,7 @@ def common_gravity(assembly: Assembly) -> float:
     return accelerations[0] if math.isclose(accelerations[0], least, rel_tol=1e-12) else least
 
 
-def common_acceleration(assembly: Assembly) -> Vector:
+def common_acceleration(assembly: GivenAssembly) -> Vector:
     """The acceleration (m/s2 per newton of load) of all free pieces; empty if it differs."""
     parts = {part.piece: part for part in assembly.loads}
     if set(parts) != set(assembly.free):
@@ -31,7 +31,7 @@ def common_acceleration(assembly: Assembly) -> Vector:
     return shared
 
 
-def beyond_gravity(piece: Piece, gravity: float) -> Vector:
+def beyond_gravity(piece: GivenPiece, gravity: float) -> Vector:
     """Permanent force (N) on a piece besides its weight under ``gravity`` (m/s2)."""
     x, y, z = piece.force_N
     alike = math.isclose(-z, gravity * piece.mass_kg, rel_tol=1e-12)

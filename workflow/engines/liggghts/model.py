@@ -5,10 +5,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..scripts.assembly import Vector, dot, length, plus, utilisation
-from ..scripts.flatness import STILL, Motion, check_flat
+from ..scripts.flatness import STILL, PieceMotion, check_flat
 from ..scripts.next_failure import most_used
-from ..scripts.records import History, NodeForce, Outcome
-from .deck import Deck
+from ..scripts.records import EngineOutcome, History, NodeForce
+from .deck import LiggghtsDeck
 from .process import LiggghtsProcess
 
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
@@ -45,17 +45,17 @@ class Placement:
             for i, c in enumerate(self.centre)
         ]
 
-    def motion(self) -> Motion:
+    def motion(self) -> PieceMotion:
         """Displacement of the centroid and small rotation about x, y, z."""
         (_, xy, xz), (yx, _, yz), (zx, zy, _) = self.axes
         turn = [(yz - zy) / 2, (zx - xz) / 2, (xy - yx) / 2]
-        return Motion(plus(self.centre, self.start, -1.0), turn)
+        return PieceMotion(plus(self.centre, self.start, -1.0), turn)
 
 
 class LiggghtsModel:
     """A LIGGGHTS process with the assembly, and the changes made so far."""
 
-    def __init__(self, deck: Deck, ranks: int, history: History) -> None:
+    def __init__(self, deck: LiggghtsDeck, ranks: int, history: History) -> None:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
         self.ranks, self.history = ranks, history
         self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
@@ -71,11 +71,11 @@ class LiggghtsModel:
         self._run(0)
 
     # --- the way to equilibrium ------------------------------------------------------------------
-    def raised(self, load: float) -> Outcome:
+    def raised(self, load: float) -> EngineOutcome:
         """Raise the load (N) smoothly and wait for the outcome."""
         return self._new(Event(load))
 
-    def cut(self, nodes: Iterable[int]) -> Outcome:
+    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
         """Cut the springs of nodes and wait for the outcome."""
         return self._new(Event(None, tuple(sorted(nodes))))
 
@@ -91,20 +91,20 @@ class LiggghtsModel:
         """Do all of that while an equilibrium follows; displacements (m) at the equilibria."""
         found = []
         for event in events:
-            if self._new(event) is not Outcome.EQUILIBRIUM:
+            if self._new(event) is not EngineOutcome.EQUILIBRIUM:
                 break
             found.append(self.displacement())
         return found
 
-    def _new(self, event: Event) -> Outcome:
+    def _new(self, event: Event) -> EngineOutcome:
         self.history.attempts += 1
         self.events.append(event)
         return self._do(event)
 
-    def _do(self, event: Event) -> Outcome:
+    def _do(self, event: Event) -> EngineOutcome:
         return self._cut(event.nodes) if event.load is None else self._raise(event.load)
 
-    def _raise(self, load: float) -> Outcome:
+    def _raise(self, load: float) -> EngineOutcome:
         ramp = self.search.ramp(load - self.load, load)
         if self.engine.steps < self.deck.permanent_ramp:
             ramp = max(ramp, self.deck.permanent_ramp)
@@ -112,7 +112,7 @@ class LiggghtsModel:
         for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
             self._run(steps)
             if self._gives_way(load):
-                return Outcome.COLLAPSE
+                return EngineOutcome.COLLAPSE
         self.load = load
         self._set_load(load, 0.0, ramp)
         return self._waits(PATIENCE)
@@ -128,7 +128,7 @@ class LiggghtsModel:
         }
         self.engine.send(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
-    def _cut(self, nodes: Iterable[int]) -> Outcome:
+    def _cut(self, nodes: Iterable[int]) -> EngineOutcome:
         self.cut_nodes |= set(nodes)
         commands = []
         for node in nodes:
@@ -142,7 +142,7 @@ class LiggghtsModel:
         self.engine.fresh = True
         return self._waits(1, SWING)
 
-    def _waits(self, patience: int, swing: float = math.inf) -> Outcome:
+    def _waits(self, patience: int, swing: float = math.inf) -> EngineOutcome:
         """Wait for the outcome.
 
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
@@ -151,13 +151,13 @@ class LiggghtsModel:
         for _ in range(patience * math.ceil(self.search.hold_steps / self.slice)):
             self._run(self.slice)
             if self._gives_way(self.load):
-                return Outcome.COLLAPSE
+                return EngineOutcome.COLLAPSE
             unbalanced = self.unbalanced_ratio(self.load)
             if unbalanced < self.search.unbalanced_ratio:
-                return Outcome.EQUILIBRIUM
+                return EngineOutcome.EQUILIBRIUM
             if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
-                return Outcome.OVERSTRESSED
-        return Outcome.UNSETTLED
+                return EngineOutcome.OVERSTRESSED
+        return EngineOutcome.UNSETTLED
 
     def _run(self, steps: int) -> None:
         self.engine.run(steps)
@@ -177,7 +177,7 @@ class LiggghtsModel:
             for k, piece in enumerate(self.assembly.free)
         }
 
-    def motions(self) -> list[Motion]:
+    def motions(self) -> list[PieceMotion]:
         """Displacement and rotation of each piece."""
         placed = self._placed()
         pieces = range(len(self.assembly.pieces))

@@ -2,18 +2,18 @@
 
 from pathlib import Path
 
-from ..scripts.assembly import Assembly, Search
+from ..scripts.assembly import GivenAssembly, GivenSearch
 from ..scripts.flatness import FLATTER, MARGIN, check_mechanism
 from ..scripts.next_failure import peak_by_failures
 from ..scripts.records import MECHANISM, History
-from .deck import Deck
+from .deck import LiggghtsDeck
 from .model import DATA_FILE, INPUT_SCRIPT, Event, LiggghtsModel
 
 
 def find_peak(
     title: str,
-    assembly: Assembly,
-    search: Search,
+    assembly: GivenAssembly,
+    search: GivenSearch,
     largest_radius_m: float,
     ranks: int,
     gradual: bool = False,
@@ -27,7 +27,7 @@ def find_peak(
     """
 
     def new_model(radius: float, history: History) -> LiggghtsModel:
-        deck = Deck(assembly, search, radius, gradual)
+        deck = LiggghtsDeck(assembly, search, radius, gradual)
         Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
         Path(DATA_FILE).write_text(deck.data_file(title))
         return LiggghtsModel(deck, ranks, history)

@@ -16,7 +16,7 @@ LEAST_RAMP = 0.1  # of the time in which the whole load is raised
 
 
 @dataclass(frozen=True)
-class Material:
+class GivenMaterial:
     """Law of a face per unit of area: stiffness in Pa/m, friction coefficient, strengths in Pa."""
 
     normal_stiffness: float
@@ -35,7 +35,7 @@ class Material:
 
 
 @dataclass(frozen=True)
-class Piece:
+class GivenPiece:
     """A piece; force (N) and moment (N m) are its permanent loads at its centroid.
 
     ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
@@ -57,7 +57,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Face:
+class GivenFace:
     """A face; its unit normal points from the piece ``below`` to the piece ``above``, by index.
 
     ``size_m``: of a rectangle along the axes, along x, y and z. A face of another outline or in
@@ -70,7 +70,7 @@ class Face:
     above: int
     normal: Vector
     size_m: Vector
-    material: Material
+    material: GivenMaterial
     tangents: Sequence[Vector] = ()
 
     @property
@@ -89,7 +89,7 @@ class PieceLoad:
 
 
 @dataclass(frozen=True)
-class SideLoad:
+class GivenSideLoad:
     """The part of a piece's loads that acts on its side across ``axis``, the far one if ``high``.
 
     ``wrench``: force (N) and moment (N m) about the centroid, or per newton of load unless
@@ -113,7 +113,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Assembly:
+class GivenAssembly:
     """Pieces that meet across faces with nodes, and the loads on them.
 
     ``axis``: a unit vector if gravity turns: what always acts turns about it, by the load over
@@ -122,12 +122,12 @@ class Assembly:
     were made.
     """
 
-    pieces: list[Piece]
-    faces: list[Face]
+    pieces: list[GivenPiece]
+    faces: list[GivenFace]
     nodes: list[Node]
     loads: list[PieceLoad]
     axis: Vector | None = None
-    sides: Sequence[SideLoad] = ()
+    sides: Sequence[GivenSideLoad] = ()
     mesh_m: float | None = None
     layout: str = ""
 
@@ -187,7 +187,7 @@ class Guide:
 
 
 @dataclass(frozen=True)
-class Search:
+class GivenSearch:
     """Parameters of the search for the peak.
 
     ``ramp_steps``: time steps in which the whole load is raised; ``hold_steps``: of the longest
@@ -238,19 +238,19 @@ class Search:
         return abs(displacement) > self.collapse_m_per_N * max(load, self.first_increment_N)
 
 
-def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> Assembly:
+def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> GivenAssembly:
     """The assembly of a data file, with the materials that its faces name."""
     data: dict[str, Any] = json.loads(Path(path).read_text())
-    laws = {name: Material(**law) for name, law in materials.items()}
-    faces = [Face(**{**face, "material": laws[face["material"]]}) for face in data["faces"]]
+    laws = {name: GivenMaterial(**law) for name, law in materials.items()}
+    faces = [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]]
     nodes = [Node(*row) for row in zip(*data["nodes"].values(), strict=True)]
-    return Assembly(
-        [Piece(**piece) for piece in data["pieces"]],
+    return GivenAssembly(
+        [GivenPiece(**piece) for piece in data["pieces"]],
         faces,
         nodes,
         [PieceLoad(**load) for load in data["loads"]],
         data["axis"],
-        [SideLoad(**side) for side in data["sides"]],
+        [GivenSideLoad(**side) for side in data["sides"]],
         data["mesh_m"],
         data["layout"],
     )
@@ -288,7 +288,7 @@ def turned(vector: Vector, axis: Vector, angle: float) -> list[float]:
     return plus(aside, across, math.cos(angle))
 
 
-def utilisation(force: Vector, normal: Vector, law: Material, area: float) -> float:
+def utilisation(force: Vector, normal: Vector, law: GivenMaterial, area: float) -> float:
     """Shear or tension over its strength, whichever is more, of a bond under ``force`` (N)."""
     along = dot(force, normal)
     shear = length(plus(force, normal, -along))

@@ -17,8 +17,8 @@ show it as well. There pieces that fall over find another equilibrium on round f
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from .assembly import Assembly, Vector, cross, dot, length, plus
-from .records import NoAnswerError, NodeForce, Peak
+from .assembly import GivenAssembly, Vector, cross, dot, length, plus
+from .records import EnginePeak, NoAnswerError, NodeForce
 
 LARGEST_SHARE = 0.1  # of spurious forces in the load
 LARGEST_SHIFT = 0.1  # of the point of contact, over the distance from a face's centre to its edge
@@ -27,19 +27,19 @@ MARGIN = 0.05  # more load than where it was seen first
 FIRM = 2.0  # times the displacement before the last step, at most, of what stands firmly
 
 
-class Motion(NamedTuple):
+class PieceMotion(NamedTuple):
     """Displacement (m) of a piece's centroid, and its rotation as a vector (rad)."""
 
     displacement: Vector
     rotation: Vector
 
 
-STILL = Motion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+STILL = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 
 def check_flat(
-    assembly: Assembly,
-    motions: Sequence[Motion],
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
     radii: Sequence[float],
     forces: Sequence[NodeForce],
     load: float,
@@ -56,8 +56,8 @@ def check_flat(
 
 
 def roundness(
-    assembly: Assembly,
-    motions: Sequence[Motion],
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
     radii: Sequence[float],
     forces: Sequence[NodeForce],
     load: float,
@@ -73,8 +73,8 @@ def roundness(
 
 
 def spurious_force(
-    assembly: Assembly,
-    motions: Sequence[Motion],
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
     radii: Sequence[float],
     forces: Sequence[NodeForce],
 ) -> float:
@@ -93,8 +93,8 @@ def spurious_force(
 
 
 def contact_shift(
-    assembly: Assembly,
-    motions: Sequence[Motion],
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
     radii: Sequence[float],
     forces: Sequence[NodeForce],
 ) -> float:
@@ -111,7 +111,7 @@ def contact_shift(
     return largest
 
 
-def moved(position: Vector, centre: Vector, motion: Motion) -> list[float]:
+def moved(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:
     """Displacement (m) of a point of a piece with this ``centre``."""
     return plus(motion.displacement, cross(motion.rotation, plus(position, centre, -1.0)))
 
@@ -121,7 +121,7 @@ def across(vector: Vector, normal: Vector) -> float:
     return length(plus(vector, normal, -dot(vector, normal)))
 
 
-def check_mechanism(peak: Peak, displacements: Sequence[float], steps: int) -> None:
+def check_mechanism(peak: EnginePeak, displacements: Sequence[float], steps: int) -> None:
     """End with a reason where flatter spheres stand firmly at `MARGIN` more than the peak.
 
     ``displacements`` (m): theirs at the equilibria of that many ``steps`` towards it, or of fewer

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from .assembly import Guide, Search
+from .assembly import GivenSearch, Guide
 from .extrapolation import AWAY, STOPS, STRIDE
-from .records import NoAnswerError, NodeForce, Outcome, Peak, failure_mode
+from .records import EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 BEYOND = 0.01  # of such a load: further on, nothing is expected any more
@@ -15,12 +15,12 @@ LEAST_INCREMENT = 1e-9  # over the first: less is no load
 STEPS = 10  # to a load that is known
 
 
-class Model(Protocol):
+class RaisedModel(Protocol):
     """A model that the search raises the load on."""
 
     breakable: bool  # whether bonds are lost at their strength
 
-    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
         """Raise load (N) and share of the permanent loads, and wait for the outcome."""
 
     def broken(self) -> int:
@@ -89,7 +89,7 @@ class Bracket:
         return Bracket(self.load, math.inf, expected, increment, self.tolerance)
 
 
-def peak_by_increments(model: Model, search: Search) -> Peak:
+def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     """The largest load that ``model`` carries.
 
     With a guide, the load goes in few steps to most of the first failure that is expected, and then
@@ -100,7 +100,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
     slowly that nobody sees it: then `AWAY` times that load decides. Exits with a reason where the
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
-    if model.raised(0.0, 0.0, (0.0, 1.0)) is not Outcome.EQUILIBRIUM:
+    if model.raised(0.0, 0.0, (0.0, 1.0)) is not EngineOutcome.EQUILIBRIUM:
         raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
@@ -112,7 +112,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
         while True:
             start, load = bracket.load, bracket.next_load()
             outcome = model.raised(start, load, (1.0, 1.0))
-            balanced = outcome is Outcome.EQUILIBRIUM
+            balanced = outcome is EngineOutcome.EQUILIBRIUM
             breaks = model.breakable and model.broken() > broken
             first = balanced and breaks and first_failure is None
             # The first node may fail at a load that is next to none.
@@ -121,12 +121,12 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
                 break
             print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:
-                if outcome is Outcome.UNSETTLED and not breaks:
+                if outcome is EngineOutcome.UNSETTLED and not breaks:
                     outcome = _beyond(model, start, load)
                 mode = failure_mode(outcome, breaks, load)
                 if first_failure is None and breaks:
                     first_failure = start
-                return Peak(start, load, first_failure, mode, nodes)
+                return EnginePeak(start, load, first_failure, mode, nodes)
             if load - start < LEAST_INCREMENT * least:
                 raise NoAnswerError("the assembly carries no load in this direction")
             bracket.event = load
@@ -140,7 +140,7 @@ def peak_by_increments(model: Model, search: Search) -> Peak:
             raise NoAnswerError(reason)
 
 
-def _beyond(model: Model, start: float, load: float) -> Outcome:
+def _beyond(model: RaisedModel, start: float, load: float) -> EngineOutcome:
     """Outcome above a ``load`` (N) at which no bond broke and the pieces did not settle.
 
     ``start``: the load (N) of the state that is kept.
@@ -148,10 +148,10 @@ def _beyond(model: Model, start: float, load: float) -> Outcome:
     model.go_back()
     broken = model.broken()
     outcome = model.raised(start, AWAY * load, (1.0, 1.0))
-    return Outcome.UNSETTLED if model.breakable and model.broken() > broken else outcome
+    return EngineOutcome.UNSETTLED if model.breakable and model.broken() > broken else outcome
 
 
-def displacements_towards(model: Model, load: float) -> list[float]:
+def displacements_towards(model: RaisedModel, load: float) -> list[float]:
     """Displacements (m) of a new ``model`` at equilibria on the way to ``load`` (N).
 
     `STEPS` of them, in equal steps of the load, or fewer where it does not come to equilibrium.
@@ -159,8 +159,8 @@ def displacements_towards(model: Model, load: float) -> list[float]:
     found: list[float] = []
     outcome = model.raised(0.0, 0.0, (0.0, 1.0))
     for step in range(STEPS):
-        if outcome is Outcome.EQUILIBRIUM:
+        if outcome is EngineOutcome.EQUILIBRIUM:
             outcome = model.raised(load * step / STEPS, load * (step + 1) / STEPS, (1.0, 1.0))
-        if outcome is Outcome.EQUILIBRIUM:
+        if outcome is EngineOutcome.EQUILIBRIUM:
             found.append(model.displacement())
     return found

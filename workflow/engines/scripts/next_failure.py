@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Protocol
 
-from .assembly import Search
+from .assembly import GivenSearch
 from .extrapolation import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
-from .records import BONDS, NoAnswerError, NodeForce, Outcome, Peak, failure_mode
+from .records import BONDS, EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
@@ -15,15 +15,15 @@ AFTER = 0.05  # of the load, the first increment after a failure: the next one m
 TOGETHER = 1e-4  # nodes whose utilisations differ by less fail together
 
 
-class Model(Protocol):
+class CutModel(Protocol):
     """A model whose bonds hold until the search cuts them."""
 
     load: float  # N, that it stands at
 
-    def raised(self, load: float) -> Outcome:
+    def raised(self, load: float) -> EngineOutcome:
         """Raise the load (N) and wait for the outcome."""
 
-    def cut(self, nodes: Iterable[int]) -> Outcome:
+    def cut(self, nodes: Iterable[int]) -> EngineOutcome:
         """Cut the bonds of nodes and wait for the outcome, or until others must fail."""
 
     def back(self) -> None:
@@ -75,14 +75,14 @@ def most_used(used: dict[int, float]) -> float:
     return max(used.values(), default=0.0)
 
 
-def peak_by_failures(model: Model, search: Search) -> Peak:
+def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     """The largest load that ``model`` carries.
 
     The load rises to just below the failure of the next bond, with a guide by halves of the first
     one. That bond is cut, at this load, and all that fail in turn; where no equilibrium follows is
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
-    if model.raised(0.0) is not Outcome.EQUILIBRIUM:
+    if model.raised(0.0) is not EngineOutcome.EQUILIBRIUM:
         raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
@@ -94,14 +94,14 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         most = most_used(used)
         before.append((model.load, most))
         peak = model.load
-        nodes = model.record(peak, Outcome.EQUILIBRIUM.value)
+        nodes = model.record(peak, EngineOutcome.EQUILIBRIUM.value)
         model.check_flat(nodes)
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
             outcome, used = _cascade(model, used, tolerance)
-            if outcome is not Outcome.EQUILIBRIUM:
+            if outcome is not EngineOutcome.EQUILIBRIUM:
                 model.record(peak, outcome.value)
-                return Peak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
+                return EnginePeak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
             before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
             continue
         if search.guide and not bonds:
@@ -109,17 +109,17 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         load = next_load(before, increment, tolerance)
         while True:
             outcome = model.raised(load)
-            balanced = outcome is Outcome.EQUILIBRIUM
+            balanced = outcome is EngineOutcome.EQUILIBRIUM
             used = model.utilisation() if balanced else {}
             over = most_used(used)
             near = load - peak <= tolerance * max(peak, first)
             if balanced and (over <= 1.0 + tolerance or near):
                 break  # what is overstressed from one load to the next is cut there
             print(f"{load:12.4f} N {'breaks' if balanced else 'fails'}", flush=True)
-            model.record(load, Outcome.OVERSTRESSED.value if balanced else outcome.value)
+            model.record(load, EngineOutcome.OVERSTRESSED.value if balanced else outcome.value)
             if near:
                 mode = failure_mode(_beyond(model, outcome, load), False, load)
-                return Peak(peak, load, first_failure, mode, nodes)
+                return EnginePeak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
             known = balanced and math.isfinite(over)
@@ -133,27 +133,27 @@ def peak_by_failures(model: Model, search: Search) -> Peak:
         increment *= GROWTH if load >= expected else 1.0
 
 
-def _beyond(model: Model, outcome: Outcome, load: float) -> Outcome:
+def _beyond(model: CutModel, outcome: EngineOutcome, load: float) -> EngineOutcome:
     """Outcome of the pieces at a ``load`` (N) that they do not carry.
 
     Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
     """
-    if outcome is not Outcome.UNSETTLED:
+    if outcome is not EngineOutcome.UNSETTLED:
         return outcome
     model.back()
     return model.raised(AWAY * load)
 
 
 def _cascade(
-    model: Model, used: dict[int, float], tolerance: float
-) -> tuple[Outcome, dict[int, float]]:
+    model: CutModel, used: dict[int, float], tolerance: float
+) -> tuple[EngineOutcome, dict[int, float]]:
     """Cut the bonds at their strength, and all that fail in turn; utilisations of the others."""
-    outcome = Outcome.EQUILIBRIUM
+    outcome = EngineOutcome.EQUILIBRIUM
     while most_used(used) >= 1.0 - tolerance:
         cut = failing(used)
         print(f"{model.load:12.4f} N cuts {len(cut)} springs", flush=True)
         outcome = model.cut(cut)
-        if outcome not in (Outcome.EQUILIBRIUM, Outcome.OVERSTRESSED):
+        if outcome not in (EngineOutcome.EQUILIBRIUM, EngineOutcome.OVERSTRESSED):
             break
         used = model.utilisation()
     return outcome, used

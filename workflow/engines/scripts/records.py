@@ -10,7 +10,7 @@ from enum import Enum
 from pathlib import Path
 from typing import Any
 
-from .assembly import Assembly, Vector
+from .assembly import GivenAssembly, Vector
 
 Row = dict[str, Any]
 HISTORY, NODES, RESULT = "history.csv", "nodes.csv", "result.json"
@@ -31,7 +31,7 @@ class NoAnswerError(SystemExit):
         self.code = NO_ANSWER
 
 
-class Outcome(Enum):
+class EngineOutcome(Enum):
     """Outcome of raising the load or cutting bonds of an assembly."""
 
     EQUILIBRIUM = "equilibrium"
@@ -50,7 +50,7 @@ class NodeForce:
 
 
 @dataclass(frozen=True)
-class Peak:
+class EnginePeak:
     """The largest load carried, in N, and the results at it.
 
     ``failed_load``: the smallest known that is not carried; ``first_failure_load``: where the first
@@ -69,7 +69,7 @@ class Peak:
 class History:
     """Every equilibrium and failure on the way to the peak."""
 
-    assembly: Assembly
+    assembly: GivenAssembly
     time_steps: int = 0  # in all, those of failed attempts included
     attempts: int = 0
     rows: list[Row] = field(default_factory=list)
@@ -114,7 +114,7 @@ class History:
             row[f"{faces[number].name}_broken_share"] = 1.0 - bonds[number] / count[number]
         self.rows.append(row)
 
-    def write(self, peak: Peak, engine: str, version: str) -> None:
+    def write(self, peak: EnginePeak, engine: str, version: str) -> None:
         """Write ``history.csv``, ``nodes.csv`` and at the very end ``result.json``.
 
         Exits with a reason if a load or a stress is no number.
@@ -137,18 +137,18 @@ class History:
         Path(RESULT).write_text(json.dumps(result, indent=1) + "\n")
 
 
-def failure_mode(outcome: Outcome, breaks: bool, load: float) -> str:
-    """How the assembly failed at ``load`` (N); exits with a reason if it did not."""
+def failure_mode(outcome: EngineOutcome, breaks: bool, load: float) -> str:
+    """Mode of failure of the assembly at ``load`` (N); exits with a reason if it did not fail."""
     if breaks:
         return BONDS
-    if outcome is Outcome.COLLAPSE:
+    if outcome is EngineOutcome.COLLAPSE:
         return MECHANISM
     raise NoAnswerError(
         f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor separate"
     )
 
 
-def node_row(assembly: Assembly, number: int, force: NodeForce) -> Row:
+def node_row(assembly: GivenAssembly, number: int, force: NodeForce) -> Row:
     """A node's place, area and stresses."""
     node = assembly.nodes[number]
     face = assembly.faces[node.face]

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ..scripts.assembly import Assembly, Face, Material, Search
-from ..scripts.flatness import Motion, check_flat
-from ..scripts.records import History, NodeForce, Outcome
+from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
+from ..scripts.flatness import PieceMotion, check_flat
+from ..scripts.records import EngineOutcome, History, NodeForce
 from .program import O, Vector3, create_interaction, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
@@ -19,7 +19,7 @@ PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 
 @dataclass(frozen=True)
-class Settings:
+class YadeSettings:
     """The parts that only YADE has.
 
     ``radius_m``: of the contact spheres. Large against all displacements, so that contacts are as
@@ -36,7 +36,7 @@ class YadeModel:
     """An assembly of bodies in YADE's one and only scene."""
 
     def __init__(
-        self, assembly: Assembly, search: Search, settings: Settings, history: History
+        self, assembly: GivenAssembly, search: GivenSearch, settings: YadeSettings, history: History
     ) -> None:
         self.assembly, self.search, self.settings = assembly, search, settings
         self.history = history
@@ -88,7 +88,7 @@ class YadeModel:
         detection.interactionDetectionFactor = 1.0
         return clumps, pairs
 
-    def _add_material(self, law: Material, cohesive: bool, area: float) -> int:
+    def _add_material(self, law: GivenMaterial, cohesive: bool, area: float) -> int:
         """Material that gives two spheres the stiffness and strength of a node of this area (m2).
 
         For equal spheres YADE takes kn = young * radius, ks = poisson * kn, adhesion = cohesion *
@@ -157,17 +157,17 @@ class YadeModel:
             O.forces.setPermT(self.clumps[index], moments[index])
 
     def displacement(self) -> float:
-        """The displacement that the load works on, in m, see `Assembly.displacement`."""
+        """The displacement that the load works on, in m, see `GivenAssembly.displacement`."""
         return self.assembly.displacement(self._motion)
 
-    def motions(self) -> list[Motion]:
+    def motions(self) -> list[PieceMotion]:
         """Displacement and rotation of each piece."""
         return [self._motion(index) for index in range(len(self.clumps))]
 
-    def _motion(self, piece: int) -> Motion:
+    def _motion(self, piece: int) -> PieceMotion:
         state = O.bodies[self.clumps[piece]].state
         # rot() is in the frame of the clump.
-        return Motion(tuple(state.displ()), tuple(state.refOri * state.rot()))
+        return PieceMotion(tuple(state.displ()), tuple(state.refOri * state.rot()))
 
     def unbalanced_ratio(self, load: float) -> float:
         """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
@@ -196,7 +196,7 @@ class YadeModel:
         check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
 
     # --- the way to equilibrium ------------------------------------------------------------------
-    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> Outcome:
+    def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
         """Raise the load smoothly from start to end (N) and wait for the outcome.
 
         While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
@@ -209,17 +209,17 @@ class YadeModel:
             load = start + share * (end - start)
             self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
             if self._gives_way(load):
-                return self._ended(load, Outcome.COLLAPSE)
+                return self._ended(load, EngineOutcome.COLLAPSE)
         self._record(end, "loaded")
         for _ in range(PATIENCE):
             for _ in range(0, self.search.hold_steps, SLICE):
                 if self._gives_way(end):
-                    return self._ended(end, Outcome.COLLAPSE)
+                    return self._ended(end, EngineOutcome.COLLAPSE)
                 if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
-                    return self._ended(end, Outcome.EQUILIBRIUM)
+                    return self._ended(end, EngineOutcome.EQUILIBRIUM)
             if self.broken() > before:
                 break
-        return self._ended(end, Outcome.UNSETTLED)
+        return self._ended(end, EngineOutcome.UNSETTLED)
 
     def _gives_way(self, load: float) -> bool:
         """Advance by a slice of time steps; whether the pieces have moved too far for this load."""
@@ -229,7 +229,7 @@ class YadeModel:
         self.seen = None
         return self.search.collapsed(self.displacement(), load)
 
-    def _ended(self, load: float, outcome: Outcome) -> Outcome:
+    def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
         self._record(load, outcome.value)
         return outcome
 
@@ -250,7 +250,7 @@ class YadeModel:
         self.seen = self.kept
 
 
-def _node_force(pair: tuple[int, int], face: Face) -> NodeForce:
+def _node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
     """The force between two spheres."""
     if not O.interactions.has(*pair) or not O.interactions[pair].isReal:
         return NodeForce(0.0, (0.0, 0.0, 0.0), False)
@@ -263,7 +263,7 @@ def _node_force(pair: tuple[int, int], face: Face) -> NodeForce:
     return NodeForce(contact.phys.normalForce.dot(normal), shear, bonded)
 
 
-def _without_friction_of_bonds(pairs: list[tuple[int, int]], faces: list[Face]) -> None:
+def _without_friction_of_bonds(pairs: list[tuple[int, int]], faces: list[GivenFace]) -> None:
     """Let a rough face rub only where its bond has failed.
 
     By default YADE adds friction to the cohesion of a bond, and in tension takes it off.

@@ -2,15 +2,15 @@
 
 from dataclasses import replace
 
-from ..scripts.assembly import Assembly, Search
+from ..scripts.assembly import GivenAssembly, GivenSearch
 from ..scripts.flatness import FLATTER, MARGIN, check_mechanism
 from ..scripts.increments import STEPS, displacements_towards, peak_by_increments
 from ..scripts.records import MECHANISM, History
-from .model import Settings, YadeModel
+from .model import YadeModel, YadeSettings
 from .program import VERSION
 
 
-def find_peak(assembly: Assembly, search: Search, settings: Settings) -> None:
+def find_peak(assembly: GivenAssembly, search: GivenSearch, settings: YadeSettings) -> None:
     """Search the peak and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``."""
     history = History(assembly)
     peak = peak_by_increments(YadeModel(assembly, search, settings, history), search)

@@ -6,11 +6,9 @@ module counts by its syntax tree: comments and layout do not matter.
 
 import ast
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("sidmacib", "workflow", "analysis", "studies")
@@ -36,28 +34,6 @@ def code_digest(modules: Iterable[str], files: Iterable[str] = ()) -> str:
     parts = [f"{name} {_tree_digest(name)}" for name in names]
     parts += [f"{name} {_content_digest(name)}" for name in sorted(files)]
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()
-
-
-def described(modules: Iterable[str], files: Iterable[str] = ()) -> dict[str, Any]:
-    """That code as plain data, for `edited`."""
-    modules, files = sorted(modules), sorted(files)
-    paths = map(source, set().union(*map(closure, modules)))
-    sources = sorted({str(path.relative_to(ROOT)) for path in paths if path} | set(files))
-    return {
-        "digest": code_digest(modules, files),
-        "modules": modules,
-        "files": files,
-        "sources": sources,
-        "contents": _contents_digest(sources),
-    }
-
-
-def edited(code: Mapping[str, Any]) -> bool:
-    """Whether code has changed since it was `described`."""
-    with suppress(OSError):  # a file that is gone: perhaps no code was in it
-        if _contents_digest(code["sources"]) == code["contents"]:  # no need to look at the syntax
-            return False
-    return code_digest(code["modules"], code["files"]) != code["digest"]
 
 
 @cache
@@ -117,10 +93,6 @@ def _tree(module: str) -> ast.Module:
 @cache
 def _tree_digest(module: str) -> str:
     return hashlib.sha256(ast.dump(_tree(module)).encode()).hexdigest()
-
-
-def _contents_digest(names: Iterable[str]) -> str:
-    return hashlib.sha256("\n".join(map(_content_digest, names)).encode()).hexdigest()
 
 
 @cache

@@ -1,9 +1,16 @@
-"""What the theme's pages lack for people who use a keyboard or a screen reader."""
+"""An extension of Sphinx: equations without a script, and pages for keyboards and screen readers.
+
+The renderers that come with Sphinx load a script from another machine (MathJax) or draw pictures
+with LaTeX; docutils, on which it builds, writes MathML, which browsers draw by themselves.
+"""
 
 from pathlib import Path
 
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
 from sphinx.application import Sphinx
 from sphinx.util.typing import ExtensionMetadata
+from sphinx.writers.html5 import HTML5Translator
 
 CHANGES = {
     # Code and tables that scroll can be reached by the keyboard.
@@ -33,7 +40,21 @@ def change_pages(app: Sphinx, error: Exception | None) -> None:
             path.write_text(accessible(path.read_text()))
 
 
+def inline(translator: HTML5Translator, node: nodes.Element) -> None:
+    """Write an equation within a line."""
+    translator.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def block(translator: HTML5Translator, node: nodes.Element) -> None:
+    """Write an equation between lines, which scrolls where it is wider than the page."""
+    equation = tex2mathml(node.astext(), as_block=True)
+    translator.body.append(f'<div class="equation" tabindex="0">{equation}</div>\n')
+    raise nodes.SkipNode
+
+
 def setup(app: Sphinx) -> ExtensionMetadata:
-    """Change the pages when all are written."""
+    """Register the renderer and, for when all pages are written, their changes."""
+    app.add_html_math_renderer("mathml", (inline, None), (block, None))
     app.connect("build-finished", change_pages)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -1,0 +1,263 @@
+"""The lowest peak: searches that start elsewhere, where friction leaves several equilibria."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from sidmacib.mechanics.utilisation import utilisation
+
+from analysis.report.joints import verdict_of_spread
+from analysis.summary.summary import spread_lines
+from analysis.tables.collect import cases_table
+from sidmacib.errors import NoEquilibriumError
+from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
+from sidmacib.joint.load_path import load_path
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
+from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.mechanics.solution import Mode, StaticSolution
+from sidmacib.mechanics.static import lowest_peak as module
+from sidmacib.mechanics.static.lowest_peak import (
+    LOWER,
+    MOST,
+    MOST_ELASTIC,
+    OFF,
+    STARTS,
+    FromElsewhere,
+    lowest_peak,
+)
+from sidmacib.mechanics.static.model import another_peak, solver_of, static_peak
+from sidmacib.problem import Problem
+from workflow.joints.case import Case
+from workflow.results.record import CaseRecord
+from workflow.solvers.static import solve, solve_once
+from workflow.steps.solve import solved
+
+NODES, FINE = NodeLayout.LOBATTO, 0.0124875
+
+
+def loaded(locks: int, ratio: float, mesh: float = 0.02) -> tuple[Assembly, Loads]:
+    joint = Joint(locks)
+    assembly = assemble(joint, mesh, NODES)
+    return assembly, lateral_load(joint, assembly, Loading(Direction(ratio)))
+
+
+@pytest.fixture(scope="module")
+def far() -> StaticSolution:
+    """Of 11 locks at e = a on a fine mesh: a long cascade."""
+    return lowest_peak(*loaded(11, 1.0, FINE))
+
+
+def record(locks: int, ratio: float) -> CaseRecord:
+    loading = Loading(Direction(ratio))
+    case = Case("n", "static", "reference", "n", Joint(locks), 0.02, NODES, loading, None)
+    return solved(case, solve)[0]
+
+
+# --- what is found -------------------------------------------------------------------------------
+def test_a_peak_is_found_below_that_of_the_first_path(far: StaticSolution) -> None:
+    first = static_peak(*loaded(11, 1.0, FINE))
+    assert first.peak.load == pytest.approx(168.3, rel=1e-3)
+    assert far.peak.load == pytest.approx(155.9, rel=5e-3)
+    assert far.spread == pytest.approx(first.peak.load / far.peak.load - 1.0, abs=1e-3)
+    assert far.first_failure_load == first.first_failure_load
+
+
+def test_the_lowest_peak_stays_where_the_input_changes_by_its_last_digits(
+    far: StaticSolution,
+) -> None:
+    assembly, loads = loaded(11, 1.0, FINE)
+    nodes = assembly.nodes
+    change = 1e-9 * np.random.default_rng(0).uniform(-1.0, 1.0, len(nodes.area))
+    nearly = replace(assembly, nodes=replace(nodes, area=nodes.area * (1.0 + change)))
+    assert lowest_peak(nearly, loads).peak.load == pytest.approx(far.peak.load, rel=5e-3)
+
+
+def test_a_peak_is_found_that_four_of_24_copies_of_the_joint_had_found() -> None:
+    found = lowest_peak(*loaded(17, 1.0, 0.04995))
+    assert found.peak.load == pytest.approx(181.1, rel=0.01)
+    assert found.spread > 0.03
+
+
+def test_the_lowest_peak_is_one_of_equilibria_that_obey_the_same_laws(far: StaticSolution) -> None:
+    assembly, loads = loaded(11, 1.0, FINE)
+    law = ContactLaw.of(assembly)
+    for point in far.path[1:]:
+        assert unbalanced_share(assembly, loads, point.load, point.force) < 1e-6
+        assert utilisation(law, point.state, point.force).max() < 1.0 + 1e-9
+    assert [point.load for point in far.path] == sorted(point.load for point in far.path)
+
+
+def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
+    """Nine tall locks in one piece: another solver has 512.6 N, Newton's method alone 421 N."""
+    joint = Joint(
+        9,
+        a=0.1119038,
+        h=0.0291186,
+        H=0.0236134,
+        inner=replace(INNER, shear_stiffness=1.40776e10),
+        dry=FaceMaterial(1.539137e9, 1.539137e9, 0.256094, 0.0, 0.0),
+        upper_body=UpperBody.MONOLITHIC,
+    )
+    found = load_path(joint, Loading(Direction(0.3)), 0.04995)[1]
+    assert found.peak.load == pytest.approx(512.6, rel=0.02)
+    assert found.spread < 0.02
+
+
+def test_the_peak_after_a_short_cascade_does_not_spread() -> None:
+    found = lowest_peak(*loaded(5, 0.5))
+    assert found.peak.load > 1.05 * found.first_failure_load
+    assert found.spread == 0.0
+
+
+@pytest.mark.parametrize("e_over_a", [0.3, 0.5])
+def test_another_path_by_the_same_searches_is_the_same(e_over_a: float) -> None:
+    assembly, loads = loaded(5, e_over_a)
+    found, solver = static_peak(assembly, loads), solver_of(assembly, loads)
+    again = another_peak(solver, solver, loads.scale, found)
+    assert again.first_failure_load == found.first_failure_load
+    assert again.peak.load == pytest.approx(found.peak.load, rel=2e-5)
+    assert found.collapsed is not None and again.collapsed is not None
+    assert np.array_equal(again.collapsed, found.collapsed)
+    assert (again.mode, again.refinement) == (found.mode, found.refinement)
+
+
+# --- how long it is sought -----------------------------------------------------------------------
+@pytest.mark.parametrize(
+    "joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)], ids=["first failure", "ductile"]
+)
+def test_no_lower_peak_is_sought_below_the_first_failure_or_of_bonds_that_yield(
+    joint: Joint, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "another_peak", None)
+    assert load_path(joint, Loading(Direction(0.0)), 0.02)[1].spread == 0.0
+
+
+def sought(
+    peaks: list[float], monkeypatch: pytest.MonkeyPatch, cost: int = 1, joint: Joint | None = None
+) -> tuple[StaticSolution, int]:
+    """The lowest peak if each start finds one of ``peaks``, over the first; and how many did."""
+    starts = 0
+
+    def found(_, searches: FromElsewhere, __, first: StaticSolution) -> StaticSolution:
+        nonlocal starts
+        share = peaks[min(starts, len(peaks) - 1)]
+        starts, searches.number = starts + 1, cost
+        if not share:
+            raise NoEquilibriumError("no equilibrium")
+        peak = replace(first.peak, load=share * first.peak.load)
+        below = (point for point in first.path if point.load < peak.load)
+        return replace(first, path=(*below, peak))
+
+    monkeypatch.setattr(module, "another_peak", found)
+    lowest = load_path(joint or Joint(5), Loading(Direction(0.5)), 0.04)[1]
+    return lowest, starts
+
+
+def test_the_search_ends_after_ten_starts_without_a_lower_peak(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    same, starts = sought([1.0], monkeypatch)
+    assert (starts, same.spread) == (STARTS, 0.0)
+    lower, starts = sought([1.0, 1.1, 0.9, 1.0], monkeypatch)
+    assert starts == 3 + STARTS
+    assert lower.peak.load == pytest.approx(0.9 * same.peak.load)
+    assert lower.spread == round(1.1 / 0.9 - 1.0, 4)
+    assert sought([1.0, 1.0 - 0.9 * LOWER], monkeypatch)[1] == STARTS
+
+
+def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert sought([1.0], monkeypatch, cost=MOST // 3)[1] == 4
+    joint = Joint(3, elastic=Elastic(1e10, 0.2))
+    whole, starts = sought([1.0], monkeypatch, 1000, joint)
+    assert starts == 1
+    monkeypatch.undo()
+    assert sought([1.0], monkeypatch, MOST_ELASTIC * len(whole.path) // 2, joint)[1] <= 3
+
+
+def test_a_start_that_ends_without_a_peak_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, starts = sought([0.0], monkeypatch)
+    assert (starts, found.spread) == (STARTS, 0.0)
+
+
+def test_searches_start_near_what_is_asked_for_and_there_if_nothing_is_found() -> None:
+    asked: list[np.ndarray] = []
+
+    def given(_, guess, __, *, thorough: bool = False):
+        asked.append(guess)
+        if not thorough:
+            raise NoEquilibriumError("no equilibrium")
+        return guess
+
+    guess = np.array([1.0, 0.0, -4.0])
+    for seed, off in ((0, OFF[0]), (1, OFF[1]), (2, OFF[0])):
+        searches = FromElsewhere(SimpleNamespace(solve=given), seed)
+        assert searches.solve(1.0, guess, None, thorough=True) is guess
+        elsewhere = np.abs(asked[-2] - guess).max()
+        assert 0.1 * off < elsewhere / 4.0 <= off
+        assert searches.number == 1
+    again = FromElsewhere(SimpleNamespace(solve=given), 2)
+    again.solve(1.0, guess, None, thorough=True)
+    assert np.array_equal(asked[-2], asked[-4])
+
+
+# --- reported peaks ------------------------------------------------------------------------------
+def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first = record(5, 0.5)
+    assert first.load_N is not None and first.peak_spread == 0.0
+    sought([0.97], monkeypatch)
+    found = record(5, 0.5)
+    assert found.load_N == found.peak_N == found.path[-1][0] == pytest.approx(0.97 * first.load_N)
+    assert found.first_failure_load_N == first.first_failure_load_N
+    assert found.peak_spread == round(1.0 / 0.97 - 1.0, 4)
+    assert CaseRecord.from_json(found.to_json()) == found
+
+
+def test_samplings_seek_no_lower_peak(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "another_peak", None)
+    found = solve_once(Problem(*loaded(15, 1.0)))
+    assert found.peak_spread is None
+    assert found.first_failure_load is not None
+    assert found.path[-1].load > 1.1 * found.first_failure_load
+
+
+def test_peaks_are_held_against_each_other_however_far_they_spread() -> None:
+    static = replace(record(5, 0.5), peak_spread=0.1)
+    assert static.load_N is not None
+    other = replace(static, model="yade", load_N=1.02 * static.load_N, peak_spread=None)
+    table = cases_table([other], [static, other])
+    assert table["static_load_N"].item() == static.load_N
+    assert table["load_N"].item() == other.load_N
+    assert table["difference_to_static"].item() == pytest.approx(0.02)
+
+
+def rows(*spreads: float) -> pd.DataFrame:
+    names = [f"n{place}-mesh0.02-e1a" for place in range(len(spreads))]
+    return pd.DataFrame({"case": names, "variant": "reference", "peak_spread": spreads})
+
+
+def test_the_summary_names_the_cases_whose_peaks_spread() -> None:
+    text = "\n".join(spread_lines(rows(0.004, 0.2, math.nan)))
+    assert "the lowest of which counts: above 1 % in 1 of 2 cases" in text
+    assert "n1-mesh0.02-e1a: 20.0 %" in text
+    assert "n0-mesh" not in text
+    assert not list(spread_lines(rows(math.nan)))
+
+
+def test_the_report_says_how_far_peaks_spread() -> None:
+    (good,), (note,) = verdict_of_spread(rows(0.004)), verdict_of_spread(rows(0.004, 0.2))
+    assert (good["kind"], note["kind"]) == ("good", "note")
+    assert "At most 0.40 %" in good["text"]
+    assert "At most 20.00 %" in note["text"] and "lowest peak counts" in note["text"]
+
+
+def test_peaks_that_spread_are_of_joints_whose_bonds_fail(far: StaticSolution) -> None:
+    assert far.mode is Mode.BONDS
+    assert far.path[-1].state.bonded.sum() < far.path[0].state.bonded.sum()
