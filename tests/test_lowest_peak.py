@@ -18,6 +18,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import Mode, StaticSolution
 from sidmacib.mechanics.static import lowest_peak as module
@@ -31,7 +32,6 @@ from sidmacib.mechanics.static.lowest_peak import (
     lowest_peak,
 )
 from sidmacib.mechanics.static.model import another_peak, solver_of, static_peak
-from sidmacib.mechanics.utilisation import utilisation
 from sidmacib.problem import Problem
 from workflow.joints.case import Case
 from workflow.results.record import CaseRecord
