@@ -19,6 +19,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.solution import Mode, StaticSolution
 from sidmacib.mechanics.static import lowest_peak as module

@@ -11,7 +11,7 @@ import pytest
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import Direction, Joint, Side
+from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial
 from sidmacib.mechanics.solution import Mode
@@ -106,3 +106,21 @@ def test_every_number_of_a_joint_is_in_a_range_of_the_rule_or_refused_or_without
     assert {each.name for each in fields(FaceMaterial)} == of_faces | softening | {"bond_friction"}
     assert {each.name for each in fields(Elastic)} == {"young", "poisson"}
     assert {each.name for each in fields(HoldDown)} == {"kind", "amount"}
+
+
+def test_a_path_of_two_increments_does_not_agree_with_itself_by_chance() -> None:
+    """A search found it: 168.5 N on the coarsest two paths, 160.2 N on fine ones."""
+    joint = Joint(
+        2,
+        a=0.242729,
+        b=0.05,
+        h=0.0391252,
+        H=0.159497,
+        density=3830.22,
+        inner=FaceMaterial(1e10, 4.31253e8, 0.0, 8e4 / 1.06, 48381.5 / 1.06),
+        dry=FaceMaterial(5.20322e7, 1.85253e8, 0.305595, 0.0, 0.0),
+        upper_body=UpperBody.MONOLITHIC,
+        hold_down=HoldDown.pressure(4439.52),
+    )
+    problem = posed(joint, Loading(Direction(0.696345)), joint.least_side / 4)
+    assert static_first_failure(*problem).point.load == pytest.approx(160.2, rel=5e-3)

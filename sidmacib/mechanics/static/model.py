@@ -36,6 +36,7 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
+FEWEST = 2.0  # increments to the end of a path: a few of them agree by chance
 LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
 # Change of the end of a path when increments are halved, over the load: converged. Where bonds
 # fail, and where the joint slides or rocks, which depends more on the history of friction.
@@ -239,7 +240,10 @@ def _to_first_failure(
     path, failing = _raised(solver, [start], scale, precision=precision)
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
-    coarser, _ = _raised(solver, [start], scale, 2.0, precision)
+    while refinement * INCREMENT * scale * FEWEST > path[-1].load and refinement > LEAST_REFINEMENT:
+        refinement /= 2  # the first path has found how large increments are of its end
+        path, failing = _raised(solver, [start], scale, refinement, precision)
+    coarser, _ = _raised(solver, [start], scale, 2.0 * refinement, precision)
     while refinement > LEAST_REFINEMENT and _doubted(
         solver, coarser, path, bonds=bool(failing.any())
     ):
