@@ -7,7 +7,6 @@ from types import SimpleNamespace
 import numpy as np
 import pandas as pd
 import pytest
-from sidmacib.mechanics.utilisation import utilisation
 
 from analysis.report.joints import verdict_of_spread
 from analysis.summary.summary import spread_lines
