@@ -20,7 +20,7 @@ from workflow.run.command import (
     snakemake,
     study_with_joints,
 )
-from workflow.run.results_folder import REPORT
+from workflow.run.results_folder import REPORT, lock
 from workflow.schema import Study
 
 SUMMARIES = {  # and the marks that nothing is missing, whose logs show that they were written
@@ -39,7 +39,8 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
         print(f"Note: {line}", file=sys.stderr)
     if (count := case_count(study)) > MANY:
         print(f"{count:,} cases", file=sys.stderr)
-    forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
+    with lock(Path(study.results)):
+        forget_failures(Path(study.results), every=bool(os.environ.get(RETRY)))
     if not options:  # nothing is computed on a cluster's front end
         _first_report(config, study)
     started = time.time()
