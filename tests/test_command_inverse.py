@@ -35,10 +35,10 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
 
 
 def test_all_joints_are_shown_with_what_is_wrong_with_them() -> None:
-    rows = answers("joint", "-V", "300", "-H", "0.06", "--vary", "a=0.04,0.1,0.2", "--all")
+    rows = answers("joint", "-V", "300", "-H", "0.06", "--vary", "a=0.04,0.1,0.7", "--all")
     weak, meets, refused = (str(row["note"]) for row in rows)
     assert (
-        weak.startswith("too weak: at most") and meets == "strong enough" and "a / b: 4" in refused
+        weak.startswith("too weak: at most") and meets == "strong enough" and "a / b: 14" in refused
     )
 
 
@@ -46,8 +46,8 @@ def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
     found = run("joint", "-V", "3e4")
     assert found.exit_code == 1
     assert "none of 30 joints carries this by the safe rule; 30 are too weak" in found.output
-    found = run("joint", "-V", "3e4", "--vary", "a=0.05,0.2")
-    assert "the best has" in found.output and "1 are refused, such as: a / b: 4" in found.output
+    found = run("joint", "-V", "3e4", "--vary", "a=0.05,0.7")
+    assert "the best has" in found.output and "1 are refused, such as: a / b: 14" in found.output
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_values_and_prices_are_read() -> None:
 
 
 def test_the_chart_shows_each_joint_once_by_what_it_does(tmp_path: Path) -> None:
-    values = values_of(["locks=2:6", "a=0.06:0.16:0.05"])
+    values = values_of(["locks=2:6", "a=0.06:0.76:0.35"])
     found, tried = sought(JOINT, Demand(300.0), values, Prices(), Push.PLUS_Y, every=True)
     (axes,) = chart(found, tried, values).axes
     shown = {each.get_label(): len(each.get_offsets()) for each in axes.collections}

@@ -141,7 +141,7 @@ def test_a_rule_under_pressure_counts_only_where_the_interface_is_compressed_as_
     ("change", "message"),
     [
         ({"widths": (0.04, 0.05, 0.05, 0.05, 0.06)}, "widths: .* equal with condensed.rule"),
-        ({"height": 0.04}, "condensed.rule: safe has no answer: h / b: 0.8 is not allowed"),
+        ({"height": 0.12}, "condensed.rule: safe has no answer: h / b: 2.4 is not allowed"),
     ],
 )
 def test_a_rule_for_locks_that_it_was_not_tested_on_is_refused(change: dict, message: str) -> None:

@@ -99,7 +99,7 @@ def test_the_tilt_of_bonded_blocks_has_a_mesh_error_that_covers_a_finer_mesh(pat
     bonded = {"cohesion": 2e4, "tensile_strength": 8e3, "friction": 0.6}
     given = ON_GROUND | {"blocks": {"ground": GROUND, "block": tall}, "interfaces": bonded}
     given["load"] = {"tilt": {"axis": [0, 1, 0]}}
-    path.write_text(json.dumps(given))
+    path.write_text(json.dumps(given | {"mesh": 0.15}))
     coarse = answers("assembly", str(path))[-1]
     path.write_text(json.dumps(given | {"mesh": 0.04}))
     fine = answers("assembly", str(path))[-1]
