@@ -153,7 +153,7 @@ def _assert_covered(
     data = {
         str(Path(name).relative_to(ROOT))
         for name in opened.split()
-        if not name.endswith((".py", ".pyc", ".nbi", ".nbc"))
+        if not name.endswith((".py", ".pyi", ".pyc", ".nbi", ".nbc"))
         and "/.venv/" not in name
         and "__pycache__" not in name
     }

@@ -19,7 +19,7 @@ from sidmacib.mechanics.contact_law.kernels import (
     utilisation,
 )
 from workflow.engines.render import engine_material
-from workflow.engines.scripts.assembly import Material
+from workflow.engines.scripts.assembly import GivenMaterial
 from workflow.engines.scripts.assembly import utilisation as of_script
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
@@ -165,7 +165,7 @@ def test_scripts_of_engines_know_the_same_strengths() -> None:
     force = np.random.default_rng(1).normal(scale=contact_law.shear_strength[0], size=(count, 3))
     used = utilisation(contact_law, state, force)
     area = contact_law.shear_strength / INNER.cohesion
-    material = Material(**engine_material(INNER))
+    material = GivenMaterial(**engine_material(INNER))
     for n in range(count):
         assert of_script(force[n], (1.0, 0.0, 0.0), material, area[n]) == pytest.approx(used[n])
 

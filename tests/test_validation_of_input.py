@@ -103,7 +103,7 @@ def test_a_mesh_is_above_0(value: float) -> None:
         ("inner", None, "a FaceMaterial"),
         ("failure", "brittle", "Failure: BRITTLE, SOFTENING, DUCTILE"),
         ("upper_body", "monolithic", "UpperBody: COLUMNS, JOINED, MONOLITHIC"),
-        ("first", "lower", "Block: UPPER, LOWER"),
+        ("first", "lower", "Side: UPPER, LOWER"),
         ("hold_down", "plate", "a HoldDown"),
         ("elastic", 1e10, "an Elastic or None"),
         ("different", {4: OwnLock()}, "the number of a lock, 1 to 3"),
