@@ -14,6 +14,9 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
 REPORT_INPUTS = {}  # tables and summaries of the report, by name
 RETRIES = 2  # as in profiles/slurm
 
+# A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
+if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_exec:
+    workflow.scheduling_settings.max_jobs_per_timespan = None
 # A script is a child of Snakemake itself, not of a shell, and ends with it (`workflow.run.step`).
 shell.prefix("exec ")
 PATHS = filter(None, (CHECKOUT, os.environ.get("PYTHONPATH")))
