@@ -77,10 +77,15 @@ def static_first_failure(
     return first_failure_of(solver_of(assembly, loads), loads.scale, increment)
 
 
-def first_failure_of(solver: Solver, scale: float, increment: float | None = None) -> FirstFailure:
-    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N."""
+def first_failure_of(
+    solver: Solver, scale: float, increment: float | None = None, fewest: float = FEWEST
+) -> FirstFailure:
+    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N.
+
+    ``fewest``: increments to the end of a path that is compared with others.
+    """
     if increment is None:
-        path, failing, _ = _to_first_failure(solver, scale)
+        path, failing, _ = _to_first_failure(solver, scale, fewest=fewest)
     else:
         require_positive(increment=increment)
         path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
@@ -225,7 +230,10 @@ def _motion(solver: Solver, point: Equilibrium, scale: float) -> Mode:
 
 
 def _to_first_failure(
-    solver: Equilibria, scale: float, precision: float = LEAST_INCREMENT
+    solver: Equilibria,
+    scale: float,
+    precision: float = LEAST_INCREMENT,
+    fewest: float = FEWEST,
 ) -> tuple[list[Equilibrium], Flags, float]:
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
@@ -240,7 +248,7 @@ def _to_first_failure(
     path, failing = _raised(solver, [start], scale, precision=precision)
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
-    while refinement * INCREMENT * scale * FEWEST > path[-1].load and refinement > LEAST_REFINEMENT:
+    while refinement * INCREMENT * scale * fewest > path[-1].load and refinement > LEAST_REFINEMENT:
         refinement /= 2  # the first path has found how large increments are of its end
         path, failing = _raised(solver, [start], scale, refinement, precision)
     coarser, _ = _raised(solver, [start], scale, 2.0 * refinement, precision)
