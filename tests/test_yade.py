@@ -52,7 +52,7 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
                 ramp_periods=periods,
             )
         ).peak_load
-        for periods in (40, 80)
+        for periods in (40.0, 80.0)
     ]
     assert peaks[1] == pytest.approx(peaks[0], rel=0.005)
 

@@ -13,6 +13,7 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
 }
 REPORT_INPUTS = {}  # tables and summaries of the report, by name
 RETRIES = 2  # as in profiles/slurm
+LOCKS = []  # of the results folder, held until this process ends
 
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.
 if workflow.executor_plugin and workflow.executor_plugin.common_settings.local_exec:
@@ -72,4 +73,4 @@ def asks(resources_of):
 
 
 onstart:
-    LOCK = lock(Path(RESULTS))
+    LOCKS.append(lock(Path(RESULTS)))
