@@ -73,9 +73,8 @@ def lowest_peak(assembly: Assembly, loads: Loads) -> StaticSolution:
     """Raise ``loads`` from 0 to the lowest peak of ``assembly`` that is found, with its spread.
 
     The search ends after `STARTS` starts without a lower peak, or when it has cost too much, see
-    `MOST`. There is none if the peak is the first failure, or
-    bonds are not brittle, where no other peak was ever found. Errors of
-    `sidmacib.mechanics.static.model.static_peak`.
+    `MOST`. There is none if the peak is the first failure, or bonds are not brittle, where no other
+    peak was ever found. Errors of `sidmacib.mechanics.static.model.static_peak`.
     """
     if assembly.failure is not Failure.BRITTLE:
         return static_peak(assembly, loads)

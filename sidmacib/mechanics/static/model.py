@@ -239,22 +239,22 @@ def _to_first_failure(
 
     Friction depends on its history, which increments follow to first order. So if contacts have
     slipped on the path, it is compared with one of twice the increments, and these are halved until
-    the first failure no longer changes. The loads at the ends of two paths may agree by chance
-    while both step over a failure, where the utilisation stays near 1 over a range of loads. So
-    their utilisations are compared as well, see `_doubted`. A path on which the solver gives up
+    the first failure no longer changes, and until there are the ``fewest`` of them that are
+    compared. The loads at the ends of two paths may agree by chance while both step over a failure,
+    where the utilisation stays near 1 over a range of loads. So their utilisations are compared as
+    well, see `_doubted`. A path on which the solver gives up
     before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale, precision=precision)
     if not any(point.state.slip.any() for point in path):
         return path, failing, refinement
-    while refinement * INCREMENT * scale * fewest > path[-1].load and refinement > LEAST_REFINEMENT:
-        refinement /= 2  # the first path has found how large increments are of its end
-        path, failing = _raised(solver, [start], scale, refinement, precision)
-    coarser, _ = _raised(solver, [start], scale, 2.0 * refinement, precision)
-    while refinement > LEAST_REFINEMENT and _doubted(
-        solver, coarser, path, bonds=bool(failing.any())
-    ):
+    coarser: list[Equilibrium] = []
+    while refinement > LEAST_REFINEMENT:
+        if refinement * INCREMENT * scale * fewest <= path[-1].load:
+            coarser = coarser or _raised(solver, [start], scale, 2.0, precision)[0]
+            if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
+                break
         finer, finer_failing = _raised(solver, [start], scale, refinement / 2, precision)
         if failing.any() and not finer_failing.any():
             break
