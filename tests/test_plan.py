@@ -12,6 +12,7 @@ from workflow.configuration import CallError, read_study, read_study_file
 from workflow.planning.batches import BATCH, BATCH_TIME, batches, case_jobs
 from workflow.planning.cases import cases_of
 from workflow.planning.resources import solved_resources
+from workflow.results.files import BROKE_DOWN
 from workflow.run.results_folder import lock
 
 SMALL = {
@@ -90,5 +91,7 @@ def test_an_engine_that_broke_down_is_tried_again_and_one_without_an_answer_on_r
     path.parent.mkdir(parents=True)
     for every, gone in ((False, each_time), (True, on_request)):
         path.write_text(json.dumps({"error": error}) + "\n")
+        if each_time:  # as its step leaves it
+            path.with_name(BROKE_DOWN).touch()
         forget_failures(tmp_path, every=every)
         assert path.exists() is not gone

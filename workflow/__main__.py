@@ -12,7 +12,7 @@ from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
 from workflow.models import REFERENCE_MODEL
 from workflow.planning.cases import case_count
-from workflow.results.files import BATCH_RECORDS, RECORD
+from workflow.results.files import BATCH_RECORDS, BROKE_DOWN, RECORD
 from workflow.run.command import (
     options_of,
     profile_named,
@@ -29,7 +29,6 @@ SUMMARIES = {  # and the marks that nothing is missing, whose logs show that the
 }
 MANY = 5000  # cases, which take a while to plan
 RETRY = "RETRY"  # in the environment: try all cases without a result again
-NO_ANSWER = "no answer"  # of an engine, which would say so again
 
 
 def run_study(config: Path, results: str | None, options: Sequence[str] = ()) -> str | None:
@@ -48,11 +47,8 @@ def run_study(config: Path, results: str | None, options: Sequence[str] = ()) ->
     for name, mark in SUMMARIES.items():
         summary, log = Path(study.results, name), Path(study.results, f"logs/{mark}.log")
         ours = whole or (log.is_file() and log.stat().st_mtime > started)
-        if (
-            ours
-            and summary.is_file()
-            and (study.samples if mark == "complete" else study.structures)
-        ):
+        asked = study.samples if mark == "complete" else study.structures
+        if ours and asked and summary.is_file():
             print(summary.read_text(), end="")
     if whole and study.structures and not study.samples:  # the summary of joints names it
         print(f"Report: {study.results}/{REPORT}")
@@ -64,11 +60,20 @@ def forget_failures(results: Path, *, every: bool) -> None:
 
     Those that an engine broke down in, or ``every`` one.
     """
-    for path in (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS)):
-        errors = [json.loads(line)["error"] or "" for line in path.read_text().splitlines()]
-        broke = path.name == RECORD and any(errors) and NO_ANSWER not in errors[0]
-        if broke or (every and any(errors)):
-            path.unlink()
+    records = [mark.with_name(RECORD) for mark in results.rglob(BROKE_DOWN)]
+    if every:
+        found = (*results.rglob(RECORD), *results.rglob(BATCH_RECORDS))
+        records += [path for path in found if _has_failed(path)]
+    for path in records:
+        path.unlink(missing_ok=True)
+
+
+def _has_failed(records: Path) -> bool:
+    """Whether a case has no result, or the file was cut short."""
+    try:
+        return any(json.loads(line)["error"] for line in records.read_text().splitlines())
+    except ValueError:
+        return True
 
 
 def _first_report(config: Path, study: Study) -> None:

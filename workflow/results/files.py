@@ -18,6 +18,7 @@ from workflow.results.record import CaseRecord, ResultError
 T = TypeVar("T")
 
 CASE, RECORD = "case.json", "record.json"
+BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
 BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
 NODE_COLUMNS = (

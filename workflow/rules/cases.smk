@@ -1,13 +1,10 @@
 # The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
-import math
-
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
 from workflow.planning.resources import engine_resources, solved_resources
 
 IN_ENGINES = list(dict.fromkeys(engine for engine, _ in CASES.engines))
-TIME_LIMIT = math.ceil(STUDY.dem.time_limit)
 
 
 def case_in_engine(wildcards):
@@ -27,17 +24,16 @@ def of_batch(wildcards):
 
 
 @functools.cache
-def group_of_engine(engine):
-    """Cases of an engine share jobs of the cluster if all of them are short."""
-    cases = (case for case in CASES.engines.values() if case.model == engine)
-    short = all(engine_resources(case, STUDY.dem.time_limit).short for case in cases)
-    return "cases" if short else None
-
-
-@functools.cache
-def group_of_model(model):
-    batches = (cases for (name, _), cases in CASES.batches.items() if name == model)
-    return "cases" if all(solved_resources(cases).short for cases in batches) else None
+def group_of(model):
+    """Cases of a model share jobs of the cluster if all of them are short."""
+    limit = STUDY.dem.time_limit
+    engines = (
+        engine_resources(case, limit) for (name, _), case in CASES.engines.items() if name == model
+    )
+    solved = (
+        solved_resources(cases) for (name, _), cases in CASES.batches.items() if name == model
+    )
+    return "cases" if all(each.short for each in (*engines, *solved)) else None
 
 
 rule engine:
@@ -52,7 +48,7 @@ rule engine:
         engine=one_of(IN_ENGINES),
         case=one_of(case for _, case in CASES.engines),
     group:
-        lambda wildcards: group_of_engine(wildcards.engine)
+        lambda wildcards: group_of(wildcards.engine)
     threads: lambda wildcards: case_in_engine(wildcards).numerics.ranks
     resources:
         **asks(of_engine),
@@ -80,7 +76,7 @@ rule solve:
         model=one_of(model for model, _ in CASES.batches),
         batch=one_of(batch for _, batch in CASES.batches),
     group:
-        lambda wildcards: group_of_model(wildcards.model)
+        lambda wildcards: group_of(wildcards.model)
     resources:
         **asks(of_batch),
     params:

@@ -1,5 +1,6 @@
 # Shared by all rules: paths of results, digests of the code that scripts run, cluster resources.
 import functools
+import math
 import os
 import re
 
@@ -13,6 +14,7 @@ CAPTIONS = {  # of files in the report of Snakemake, by suffix
 }
 REPORT_INPUTS = {}  # tables and summaries of the report, by name
 RETRIES = 2  # as in profiles/slurm
+TIME_LIMIT = math.ceil(STUDY.dem.time_limit)  # s, of an engine in each case
 LOCKS = []  # of the results folder, held until this process ends
 
 # A limit for clusters: with it, Snakemake polls once a second for each job that has ended.

@@ -1,6 +1,4 @@
 # Included if the study has structures: their cases, tables and summary.
-import math
-
 from workflow.engines import ENGINES
 from workflow.engines.render import sources
 from workflow.models import MODELS
@@ -30,7 +28,7 @@ rule structure_engine:
     threads: lambda wildcards: structure_in_engine(wildcards).numerics.ranks
     resources:
         **asks(lambda wildcards: structure_resources(1, STUDY.dem.time_limit)),
-        time_limit=math.ceil(STUDY.dem.time_limit),
+        time_limit=TIME_LIMIT,
     params:
         case=lambda wildcards: structure_in_engine(wildcards).to_json(),
         code=lambda wildcards: code(

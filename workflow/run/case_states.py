@@ -7,9 +7,10 @@ from typing import Any
 
 from workflow.configuration import read_study_file
 from workflow.planning.batches import case_jobs
-from workflow.results.files import read_records
+from workflow.results.files import BATCH_RECORDS, RECORD, read_records
 from workflow.results.record import CaseRecord, ResultError
 from workflow.run.command import snakemake_command
+from workflow.structures.case import FOLDER
 from workflow.structures.cases import structure_jobs
 from workflow.structures.record import StructureRecord, read_structure_records
 
@@ -29,9 +30,7 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     current, records = _current(config, study.results), Path(study.results)
     found: dict[Any, tuple[CaseRecord | StructureRecord | None, bool]] = {}
     for path in current:
-        read = (
-            read_structure_records if path.is_relative_to(records / "structures") else read_records
-        )
+        read = read_structure_records if path.is_relative_to(records / FOLDER) else read_records
         try:
             found |= {record.id: (record, current[path]) for record in read([path])}
         except (OSError, ResultError):
@@ -51,7 +50,7 @@ def _current(config: Path, results: str) -> dict[Path, bool]:
     return {
         Path(row["output_file"]): row["plan"] == CURRENT
         for row in rows
-        if Path(row["output_file"]).name in ("record.json", "records.jsonl")
+        if Path(row["output_file"]).name in (RECORD, BATCH_RECORDS)
     }
 
 

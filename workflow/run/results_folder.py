@@ -20,10 +20,14 @@ def lock(results: Path) -> TextIO:
     """Lock ``results`` for as long as this process lives and the returned file is kept.
 
     The system releases the lock when the process ends, however that happens: no stale lock remains.
-    `CallError` if another run holds it.
+    `CallError` if another run holds it, or nothing can be written there.
     """
-    results.mkdir(parents=True, exist_ok=True)
-    stream = (results / LOCK).open("a+")
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+        stream = (results / LOCK).open("a+")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise CallError(f"results: {results} cannot be written to: {reason}") from None
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -1,16 +1,17 @@
 """Run an engine on a case, check what it returns, and write the record."""
 
 import json
+from pathlib import Path
 
 from sidmacib.errors import CapacityError
 from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError
+from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from workflow.engines.guide import guide_for
 from workflow.engines.run import run_engine
 from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.results.files import CASE, read_outcome, write_record
+from workflow.results.files import BROKE_DOWN, CASE, read_outcome, write_record
 from workflow.results.record import (
     ResultError,
     check_bracket,
@@ -27,6 +28,7 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     record, result = outputs["record"], outputs["result"]
     folder = record.parent
     (folder / CASE).write_text(case.to_json())
+    (folder / BROKE_DOWN).unlink(missing_ok=True)
     engine = ENGINES[case.model]
     assert case.numerics is not None, f"{case.name}: an engine needs numerics"
     title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
@@ -43,14 +45,25 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
         versions = {engine.name: engine.version()}
         write_record(record_of(case, problem, outcome, versions), record)
     except (EngineError, ResultError, CapacityError) as error:
-        if isinstance(error, EngineKilledError) and not arguments["last_try"]:
-            raise KilledError(f"{case.name}: {case.model}: {error}") from error
-        for name in OUTPUTS:
-            (folder / name).unlink(missing_ok=True)
+        reason = f"{case.name}: {case.model}: {error}"
+        leave_no_result(error, reason, folder, last_try=arguments["last_try"])
         result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
         write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
-        return f"{case.name}: {case.model}: {error}"
+        return reason
     return None
+
+
+def leave_no_result(error: Exception, reason: str, folder: Path, *, last_try: bool) -> None:
+    """Remove an engine's files from ``folder``, and mark it unless the engine would end so again.
+
+    `KilledError` with the ``reason`` if the engine was killed and this is not the ``last_try``.
+    """
+    if isinstance(error, EngineKilledError) and not last_try:
+        raise KilledError(reason) from error
+    for name in OUTPUTS:
+        (folder / name).unlink(missing_ok=True)
+    if not isinstance(error, EngineNoAnswerError | CapacityError):
+        (folder / BROKE_DOWN).touch()
 
 
 def in_short(reason: str) -> str:

@@ -6,15 +6,15 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError
+from workflow.engines.execute import EngineError
 from workflow.engines.guide import guide_for
 from workflow.engines.run import refusal, run_engine
 from workflow.engines.scripts.assembly import NEVER_FALLS
-from workflow.engines.scripts.records import HISTORY, OUTPUTS
-from workflow.results.files import CASE, read_outcome, read_table
+from workflow.engines.scripts.records import HISTORY
+from workflow.results.files import BROKE_DOWN, CASE, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
-from workflow.run.step import Arguments, Files, KilledError, step
-from workflow.steps.engine import in_short
+from workflow.run.step import Arguments, Files, step
+from workflow.steps.engine import in_short, leave_no_result
 from workflow.structures.case import StructureCase
 from workflow.structures.found import Found
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
@@ -27,15 +27,13 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     case, path = StructureCase.from_json(arguments["case"]), outputs["record"]
     folder = path.parent
     (folder / CASE).write_text(case.to_json())
+    (folder / BROKE_DOWN).unlink(missing_ok=True)
     wrong: str | None = None
     try:
         record = found_by_engine(case, folder, arguments["time_limit"])
     except (EngineError, ResultError, CapacityError, ValueError) as error:
         reason = f"{case.name}: {case.model}: {error}"
-        if isinstance(error, EngineKilledError) and not arguments["last_try"]:
-            raise KilledError(reason) from error
-        for name in OUTPUTS:
-            (folder / name).unlink(missing_ok=True)
+        leave_no_result(error, reason, folder, last_try=arguments["last_try"])
         if NEVER_FALLS in str(error):  # an answer, if not a number
             record = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
         else:
