@@ -122,11 +122,11 @@ def programme(model: Sidmacib) -> Admissible:
 
     .. math::
 
-        \begin{array}{rl}
+        \begin{aligned}
         \max_{\lambda, r} \quad & \lambda \\
         \text{subject to} \quad & C_{eq} r + E = 0, \quad (V, M) = \lambda (v, m) \\
         & r_n \ge 0, \quad |r_{t1}| \le \mu r_n, \quad |r_{t2}| \le w_j p_{ij} T_{0j}
-        \end{array}
+        \end{aligned}
 
     At point i of lock j, :math:`r_n` is normal, :math:`r_{t1}` along the lock and :math:`r_{t2}`
     across it. E contains the self-weight of the upper block, the force that presses it, the shear V

@@ -243,14 +243,14 @@ def admissible(
 
     .. math::
 
-        \begin{array}{rll}
+        \begin{aligned}
         \max_{\lambda, s} \quad & \lambda \\
         \text{subject to} \quad & C s = \kappa p + \lambda q & \text{free pieces} \\
         & |s_t| \le \tau A + \mu_b s_n, \quad s_n \ge -\sigma A & \text{bonded nodes} \\
         & |s_t| \le \mu s_n & \text{rough dry nodes} \\
         & s_t = 0, \quad s_n \ge 0 & \text{smooth nodes} \\
         & |s_{t1}| \le \mu s_n, \quad |s_{t2}| \le \tau A, \quad s_n \ge 0 & \text{locks}
-        \end{array}
+        \end{aligned}
 
     :math:`\lambda` is the load and :math:`\kappa` the part of the ``permanent`` loads p that acts.
     The ``cone`` of the nodes gives tau A, mu and sigma A; a node that is not bonded is rough if its

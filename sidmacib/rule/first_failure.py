@@ -26,7 +26,6 @@ from sidmacib.rule.pairs import bearing_pairs
 # Cells along the shorter side of a lock. Two, so that dry faces may open in part; more show how far
 # a load depends on them. Elastic blocks cost more, and three nodes a side represent their bending.
 COARSE, FINE = 2, 4
-INCREMENTS = 8.0  # to the first failure, at least: a few agree by chance
 FINEST = 6  # for dry faces so stiff that four cells may not be enough
 ELASTIC, FINE_ELASTIC = 1, 2
 
@@ -74,7 +73,7 @@ def first_failure(joint: Joint, loading: Loading, cells: int | None = None) -> J
         solver: Solver = _rigid(joint, cells).under(loads)
     else:
         solver = solver_of(assembly, loads)
-    failure = first_failure_of(solver, loads.scale, fewest=INCREMENTS)
+    failure = first_failure_of(solver, loads.scale)
     if not failure.point.load > 0.0:
         raise CapacityError(f"law: {joint.locks} locks fail under their permanent loads alone")
     return _state(joint, assembly, solver.contact_law, failure)

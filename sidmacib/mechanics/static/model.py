@@ -36,7 +36,7 @@ from sidmacib.validation import require_positive
 
 INCREMENT = 0.1  # largest load increment over the loads' scale,
 GROWTH = 0.01  # or over the load where that is more
-FEWEST = 2.0  # increments to the end of a path: a few of them agree by chance
+FEWEST = 8.0  # increments to the end of a path that is compared: a few agree by chance
 LEAST_REFINEMENT = 1 / 64  # the least factor on these increments
 # Change of the end of a path when increments are halved, over the load: converged. Where bonds
 # fail, and where the joint slides or rocks, which depends more on the history of friction.
@@ -77,15 +77,10 @@ def static_first_failure(
     return first_failure_of(solver_of(assembly, loads), loads.scale, increment)
 
 
-def first_failure_of(
-    solver: Solver, scale: float, increment: float | None = None, fewest: float = FEWEST
-) -> FirstFailure:
-    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N.
-
-    ``fewest``: increments to the end of a path that is compared with others.
-    """
+def first_failure_of(solver: Solver, scale: float, increment: float | None = None) -> FirstFailure:
+    """`static_first_failure` by a ``solver`` that is there; ``scale``: of its loads, in N."""
     if increment is None:
-        path, failing, _ = _to_first_failure(solver, scale, fewest=fewest)
+        path, failing, _ = _to_first_failure(solver, scale)
     else:
         require_positive(increment=increment)
         path, failing = _raised(solver, [solver.start()], scale, increment / INCREMENT)
@@ -233,17 +228,15 @@ def _to_first_failure(
     solver: Equilibria,
     scale: float,
     precision: float = LEAST_INCREMENT,
-    fewest: float = FEWEST,
 ) -> tuple[list[Equilibrium], Flags, float]:
     """The path to the first failure, the nodes that fail there, and the refinement of increments.
 
     Friction depends on its history, which increments follow to first order. So if contacts have
     slipped on the path, it is compared with one of twice the increments, and these are halved until
-    the first failure no longer changes, and until there are the ``fewest`` of them that are
-    compared. The loads at the ends of two paths may agree by chance while both step over a failure,
-    where the utilisation stays near 1 over a range of loads. So their utilisations are compared as
-    well, see `_doubted`. A path on which the solver gives up
-    before a bond fails is not used.
+    the first failure no longer changes and the path has at least `FEWEST` of them. The loads at the
+    ends of two paths may agree by chance while both step over a failure, where the utilisation
+    stays near 1 over a range of loads. So their utilisations are compared as well, see `_doubted`.
+    A path on which the solver gives up before a bond fails is not used.
     """
     start, refinement = solver.start(), 1.0
     path, failing = _raised(solver, [start], scale, precision=precision)
@@ -251,7 +244,7 @@ def _to_first_failure(
         return path, failing, refinement
     coarser: list[Equilibrium] = []
     while refinement > LEAST_REFINEMENT:
-        if refinement * INCREMENT * scale * fewest <= path[-1].load:
+        if refinement * INCREMENT * scale * FEWEST <= path[-1].load:
             coarser = coarser or _raised(solver, [start], scale, 2.0, precision)[0]
             if not _doubted(solver, coarser, path, bonds=bool(failing.any())):
                 break
