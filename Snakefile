@@ -14,7 +14,7 @@ from workflow.configuration import (
     read_study,
     with_installed_engines,
 )
-from workflow.models import detailed
+from sidmacib.models import detailed
 from workflow.planning.batches import case_jobs
 from workflow.structures.cases import structure_jobs
 

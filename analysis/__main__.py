@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
+from sidmacib.engines import ENGINES
+from sidmacib.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.configuration import CallError, ConfigError
-from workflow.engines import ENGINES
-from workflow.models import CLOSED_FORM, REFERENCE_MODEL
 from workflow.planning.cases import find_case, find_place
 from workflow.results.files import RECORD
 from workflow.run.command import (

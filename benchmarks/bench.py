@@ -25,6 +25,8 @@ from analysis.tables.fit import best_pair
 from benchmarks.peers import peer_times
 from benchmarks.structures import armadillo_figures, wall_figures
 from benchmarks.usage import seconds, used
+from sidmacib.engines import ENGINES
+from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
@@ -33,8 +35,6 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
-from workflow.engines import ENGINES
-from workflow.engines.scripts.records import RESULT
 from workflow.joints.sampling import Sampling, sampled_joints
 from workflow.results.files import read_times
 from workflow.run.closure import ROOT

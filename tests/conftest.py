@@ -24,6 +24,12 @@ import pytest
 from hypothesis import settings
 from structures import WITH_STRUCTURES
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import EngineError
+from sidmacib.engines.guide import guide_for
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.run import run_engine
+from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.joint.pieces import lock_faces, shared_face
@@ -41,12 +47,6 @@ from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
 from workflow.configuration import read_study
-from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError
-from workflow.engines.guide import guide_for
-from workflow.engines.numerics import Numerics
-from workflow.engines.run import run_engine
-from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
 from workflow.results.files import RECORD, read_records
 from workflow.results.record import CaseRecord

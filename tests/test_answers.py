@@ -33,7 +33,7 @@ from workflow.structures.record import StructureRecord
 
 def record_of(description: dict[str, Any], model: str = "static") -> StructureRecord:
     case = StructureCase("s-load", model, "s", "load", "reference", description, None)
-    return solved(case, f"workflow.solvers.structure_{model}")
+    return solved(case, f"sidmacib.models.structure_{model}")
 
 
 @pytest.mark.parametrize("name", FILES)

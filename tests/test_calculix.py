@@ -10,22 +10,15 @@ import numpy as np
 import pytest
 from conftest import DISTINCT, a_case, run_case
 
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics.assembly import Assembly as Discretised
-from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
-from workflow.configuration import ConfigError, read_study, with_installed_engines
-from workflow.engines import ENGINES
-from workflow.engines.calculix.deck import CalculixDeck, line_weights
-from workflow.engines.calculix.process import read_state
-from workflow.engines.calculix.run import CalculixState, at_strength, load_at, most_used, raised
-from workflow.engines.execute import EngineError
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import _material_names, assembly_data, engine_material, script
-from workflow.engines.run import refusal
-from workflow.engines.scripts.assembly import (
+from sidmacib.engines import ENGINES
+from sidmacib.engines.calculix.deck import CalculixDeck, line_weights
+from sidmacib.engines.calculix.process import read_state
+from sidmacib.engines.calculix.run import CalculixState, at_strength, load_at, most_used, raised
+from sidmacib.engines.execute import EngineError
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import _material_names, assembly_data, engine_material, script
+from sidmacib.engines.run import refusal
+from sidmacib.engines.scripts.assembly import (
     GivenAssembly,
     GivenFace,
     GivenMaterial,
@@ -34,8 +27,15 @@ from workflow.engines.scripts.assembly import (
     Node,
     PieceLoad,
 )
-from workflow.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
-from workflow.solvers.static import solve as static_model
+from sidmacib.joint.hold_down import HoldDown
+from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.assembly import Assembly as Discretised
+from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
+from sidmacib.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
+from sidmacib.models.static import solve as static_model
+from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.steps.solve import solved
 
 ENGINE = ENGINES["calculix"]

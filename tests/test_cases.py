@@ -14,15 +14,15 @@ from conftest import DISTINCT, ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
+from sidmacib.models import SOLVED, detailed
 from workflow.configuration import ConfigError, read_study
-from workflow.engines import ENGINES
-from workflow.engines.numerics import Numerics
 from workflow.joints.case import Case
-from workflow.models import SOLVED, detailed
 from workflow.planning.cases import case_count, cases_of, find_case
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -404,7 +404,7 @@ def test_an_override_among_ten_thousand_cases_is_corrected_soon() -> None:
 
 
 @pytest.mark.parametrize(
-    "module", ["workflow.planning.cases", "workflow.joints.case", "workflow.models"]
+    "module", ["workflow.planning.cases", "workflow.joints.case", "sidmacib.models"]
 )
 def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     text = f"import sys, {module}; print(*sys.modules)"

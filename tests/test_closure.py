@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 from conftest import ROOT, a_case
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.render import sources
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
+from sidmacib.models import MODELS
 from workflow.configuration import read_study
-from workflow.engines import ENGINES
-from workflow.engines.render import sources
-from workflow.models import MODELS
 from workflow.planning.batches import case_jobs
 from workflow.run import closure as module
 from workflow.run.closure import closure, code_digest, source
@@ -87,12 +87,12 @@ def test_data_files_count_by_content(project: Path) -> None:
 
 
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:
-    static, limit = closure("workflow.solvers.static"), closure("workflow.solvers.limit")
+    static, limit = closure("sidmacib.models.static"), closure("sidmacib.models.limit")
     assert "sidmacib.mechanics.limit" not in static
     assert "sidmacib.mechanics.static.model" not in limit
     for step in ("workflow.steps.engine", "workflow.steps.solve"):
         assert not any(name.startswith(("workflow.schema", "analysis")) for name in closure(step))
-    assert code_digest(["workflow.solvers.static"]) != code_digest(["workflow.solvers.limit"])
+    assert code_digest(["sidmacib.models.static"]) != code_digest(["sidmacib.models.limit"])
 
 
 def test_engines_do_not_depend_on_each_others_scripts_and_templates() -> None:

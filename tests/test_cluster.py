@@ -9,13 +9,13 @@ import pytest
 import yaml
 from conftest import ROOT, a_case
 
+from sidmacib.engines.engine import FOREIGN, engine_environment
+from sidmacib.engines.execute import EngineKilledError
+from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import ConfigError
-from workflow.engines.engine import FOREIGN, engine_environment
-from workflow.engines.execute import EngineKilledError
-from workflow.engines.scripts.records import RESULT
 from workflow.joints.case import Case
 from workflow.planning.resources import (
     Resources,

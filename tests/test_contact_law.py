@@ -9,6 +9,9 @@ from conftest import block_on_ground
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from sidmacib.engines.render import engine_material
+from sidmacib.engines.scripts.assembly import GivenMaterial
+from sidmacib.engines.scripts.assembly import utilisation as of_script
 from sidmacib.joint.joint import INNER, Joint
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState
@@ -18,9 +21,6 @@ from sidmacib.mechanics.contact_law.kernels import (
     node_tangent,
     utilisation,
 )
-from workflow.engines.render import engine_material
-from workflow.engines.scripts.assembly import GivenMaterial
-from workflow.engines.scripts.assembly import utilisation as of_script
 
 NORMAL, SHEAR, FRICTION = 2e6, 1e6, 0.3  # N/m, N/m
 moves = st.floats(-1e-5, 1e-5)

@@ -12,14 +12,14 @@ from sidmacib.joint.loading import lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.models.static import solve
+from sidmacib.outcome import Outcome
 from workflow.configuration import read_study
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.outcome import Outcome
 from workflow.planning.cases import cases_of
 from workflow.results.files import force_to_stress
 from workflow.results.record import ResultError, record_of
-from workflow.solvers.static import solve
 from workflow.threedec import INCREMENT, deck, decks, fingerprint, read_returned
 
 STUDY = read_study(

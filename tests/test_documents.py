@@ -15,9 +15,9 @@ from conftest import ROOT, outputs_of
 from promises import require_kept
 
 from sidmacib.command.main import main
+from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.yaml_text import parsed, read_yaml
 from workflow.configuration import read_study, read_study_file
-from workflow.engines.scripts.records import OUTPUTS
 from workflow.planning.cases import cases_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.files import CASE, RECORD

@@ -14,23 +14,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stack import tilted_stack
 
-from sidmacib.joint.joint import Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load
-from sidmacib.joint.pieces import assemble
-from sidmacib.mechanics import assembly as mechanics
-from sidmacib.mechanics.assembly import NodeLayout
-from workflow.engines.liggghts.deck import (
+from sidmacib.engines.liggghts.deck import (
     LiggghtsDeck,
     patches,
     pitch,
     sphere_radii,
 )
-from workflow.engines.liggghts.loads import common_gravity, handle_forces
-from workflow.engines.liggghts.model import Placement, utilisation
-from workflow.engines.liggghts.process import dumped_rows, printed_values, version_in
-from workflow.engines.render import assembly_data, engine_material
-from workflow.engines.scripts import assembly as scripts
-from workflow.engines.scripts.flatness import (
+from sidmacib.engines.liggghts.loads import common_gravity, handle_forces
+from sidmacib.engines.liggghts.model import Placement, utilisation
+from sidmacib.engines.liggghts.process import dumped_rows, printed_values, version_in
+from sidmacib.engines.render import assembly_data, engine_material
+from sidmacib.engines.scripts import assembly as scripts
+from sidmacib.engines.scripts.flatness import (
     STILL,
     PieceMotion,
     check_flat,
@@ -38,7 +33,12 @@ from workflow.engines.scripts.flatness import (
     contact_shift,
     spurious_force,
 )
-from workflow.engines.scripts.records import BONDS, MECHANISM, EnginePeak, History, NodeForce
+from sidmacib.engines.scripts.records import BONDS, MECHANISM, EnginePeak, History, NodeForce
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics import assembly as mechanics
+from sidmacib.mechanics.assembly import NodeLayout
 
 SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)
 LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)

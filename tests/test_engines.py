@@ -10,17 +10,17 @@ import pytest
 from conftest import DISTINCT, a_case, block_on_ground, load_on_block, run_case, run_guided
 from stack import overturning, tilted_stack
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import OUTPUTS, EngineError
+from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.models.static import solve as static_model
 from sidmacib.problem import Problem
-from workflow.engines import ENGINES
-from workflow.engines.execute import OUTPUTS, EngineError
-from workflow.engines.numerics import Numerics
-from workflow.solvers.static import solve as static_model
 from workflow.steps.solve import solved
 
 pytestmark = pytest.mark.engine

@@ -14,13 +14,13 @@ from pathlib import Path
 import pytest
 from conftest import block_on_ground
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.execute import OUTPUTS, EngineError, EngineNoAnswerError, execute
+from sidmacib.engines.render import DATA_FILE, MODULES
+from sidmacib.engines.run import refusal
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Failure, Kind
-from workflow.engines import ENGINES
-from workflow.engines.engine import Engine
-from workflow.engines.execute import OUTPUTS, EngineError, EngineNoAnswerError, execute
-from workflow.engines.render import DATA_FILE, MODULES
-from workflow.engines.run import refusal
 
 RESULT = {"peak_load_N": 12.5, "failed_load_N": 12.6}
 GOOD = f"""
@@ -109,7 +109,7 @@ RUNNER = """
 import sys
 from pathlib import Path
 from test_execute import python_engine
-from workflow.engines.execute import execute
+from sidmacib.engines.execute import execute
 execute(python_engine(), Path(sys.argv[1]), 300)
 """
 

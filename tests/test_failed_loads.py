@@ -8,12 +8,12 @@ import pytest
 from analysis.tables.structures import structures_table
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
+from sidmacib.models import limit, static, structure_limit, structure_static
 from sidmacib.structure.analysis.tilt import PRECISION, tilt_of_load
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.results.record import record_of
-from workflow.solvers import limit, static, structure_limit, structure_static
 from workflow.steps.structure_solve import solved
 from workflow.structures.cases import structure_cases
 

@@ -17,13 +17,13 @@ from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
 from analysis.tables.variants import variants_table
+from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.models import LAWS, detailed
 from workflow.configuration import read_study, read_study_file
-from workflow.engines import ENGINES
 from workflow.joints.case import Case
-from workflow.models import LAWS, detailed
 from workflow.planning.cases import cases_of
 from workflow.results.record import failed_record
 from workflow.results.tables import write_table

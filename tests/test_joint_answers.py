@@ -15,8 +15,8 @@ from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.models.static import solve
 from workflow.results.record import record_of
-from workflow.solvers.static import solve
 
 JOINTS = {
     "published": Settings(),

@@ -11,15 +11,15 @@ import pytest
 from conftest import DISTINCT, a_case, run_guided
 from test_execute import becomes_true
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import EngineError, EngineNoAnswerError, execute
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import write_script
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.static.model import static_peak
-from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineNoAnswerError, execute
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import write_script
 
 pytestmark = pytest.mark.engine
 
@@ -134,8 +134,8 @@ def test_no_process_of_liggghts_outlives_a_runner_that_is_killed(
     written(tmp_path, locks=5, mesh=0.004, ranks=ranks)
     before = shared_memory()
     call = (
-        "from pathlib import Path; from workflow.engines import ENGINES;"
-        "from workflow.engines.execute import execute;"
+        "from pathlib import Path; from sidmacib.engines import ENGINES;"
+        "from sidmacib.engines.execute import execute;"
         f"execute(ENGINES['liggghts'], Path({str(tmp_path)!r}), 300)"
     )
     runner = subprocess.Popen([sys.executable, "-c", call], cwd=Path(__file__).parents[1])

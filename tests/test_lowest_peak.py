@@ -32,10 +32,10 @@ from sidmacib.mechanics.static.lowest_peak import (
     lowest_peak,
 )
 from sidmacib.mechanics.static.model import another_peak, solver_of, static_peak
+from sidmacib.models.static import solve, solve_once
 from sidmacib.problem import Problem
 from workflow.joints.case import Case
 from workflow.results.record import CaseRecord
-from workflow.solvers.static import solve, solve_once
 from workflow.steps.solve import solved
 
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875

@@ -5,16 +5,16 @@ from dataclasses import fields, replace
 import pytest
 from conftest import ROOT
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.model import Ability, Model, Requirement
+from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
+from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
-from workflow.engines import ENGINES
-from workflow.engines.numerics import Numerics
-from workflow.model import Ability, Model, Requirement
-from workflow.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
-from workflow.outcome import Outcome, State
 
 DUCTILE = Requirement(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
 STIFF = Requirement(Ability.TWO_STIFFNESSES, "shear_stiffness", "5 Pa/m", "10 Pa/m")
@@ -26,7 +26,7 @@ def loaded(joint: Joint) -> Problem:
 
 
 def test_every_way_to_obtain_results_has_its_models() -> None:
-    folders = {path.parent.name for path in (ROOT / "workflow/engines").glob("*/engine.py")}
+    folders = {path.parent.name for path in (ROOT / "sidmacib/engines").glob("*/engine.py")}
     assert {"yade", "liggghts", "calculix"} <= set(ENGINES) == folders
     assert SOLVED == ("static", "limit")
     assert RETURNED == ("3dec",)

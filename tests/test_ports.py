@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import write_script
+from sidmacib.engines.scripts.children import PRIVATE_NETWORK
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
-from workflow.engines import ENGINES
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import write_script
-from workflow.engines.scripts.children import PRIVATE_NETWORK
 
 pytestmark = [
     pytest.mark.engine,

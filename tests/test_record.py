@@ -15,9 +15,10 @@ from sidmacib.joint.pieces import assemble
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.models import limit, static
+from sidmacib.outcome import Outcome, State
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.outcome import Outcome, State
 from workflow.results.files import (
     HISTORY,
     NODE_COLUMNS,
@@ -37,7 +38,6 @@ from workflow.results.record import (
     failed_record,
     record_of,
 )
-from workflow.solvers import limit, static
 from workflow.steps.solve import solved
 
 JOINT = Joint(3)

@@ -15,6 +15,19 @@ from conftest import run_guided
 from stack import tilted_stack
 from structures import dry
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.guide import guide_of
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import (
+    DATA_FILE,
+    MODULES,
+    TEMPLATES,
+    assembly_data,
+    script,
+    write_script,
+)
+from sidmacib.engines.scripts.assembly import read_assembly
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load, posed
 from sidmacib.joint.pieces import assemble
@@ -23,19 +36,6 @@ from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
-from workflow.engines import ENGINES
-from workflow.engines.engine import Engine
-from workflow.engines.guide import guide_of
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import (
-    DATA_FILE,
-    MODULES,
-    TEMPLATES,
-    assembly_data,
-    script,
-    write_script,
-)
-from workflow.engines.scripts.assembly import read_assembly
 
 
 @pytest.fixture(params=ENGINES)
@@ -169,7 +169,7 @@ def problems_of(engine: Engine) -> Iterator[Problem]:
 def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
     engine: Engine, key: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("workflow.engines.run.execute", lambda *_: None)
+    monkeypatch.setattr("sidmacib.engines.run.execute", lambda *_: None)
     value = getattr(Numerics(), key)
     other = not value if isinstance(value, bool) else type(value)(2 * value)
 

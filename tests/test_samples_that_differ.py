@@ -16,8 +16,8 @@ from analysis.summary.summary import leading_models, summary
 from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
 from analysis.tables.validation import comparisons, difference_text
+from sidmacib.models import detailed
 from workflow.configuration import read_study
-from workflow.models import detailed
 from workflow.planning.cases import cases_of
 from workflow.results.record import CaseRecord
 from workflow.schema import Study

@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from workflow.engines.scripts.assembly import GivenSearch, Guide
-from workflow.engines.scripts.increments import (
+from sidmacib.engines.scripts.assembly import GivenSearch, Guide
+from sidmacib.engines.scripts.increments import (
     STEPS,
     displacements_towards,
     peak_by_increments,
 )
-from workflow.engines.scripts.next_failure import failing, next_load, peak_by_failures
-from workflow.engines.scripts.records import BONDS, MECHANISM, EngineOutcome, NodeForce
+from sidmacib.engines.scripts.next_failure import failing, next_load, peak_by_failures
+from sidmacib.engines.scripts.records import BONDS, MECHANISM, EngineOutcome, NodeForce
 
 FIRST = 12.0  # N, the first increment
 

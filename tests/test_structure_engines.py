@@ -11,9 +11,15 @@ from conftest import DISTINCT, run_guided
 from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import EngineNoAnswerError
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import DATA_FILE, write_script
+from sidmacib.engines.run import refusal
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box
@@ -21,12 +27,6 @@ from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
 from studies.structures.shapes import arch
-from workflow.engines import ENGINES
-from workflow.engines.execute import EngineNoAnswerError
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import DATA_FILE, write_script
-from workflow.engines.run import refusal
-from workflow.outcome import Outcome
 from workflow.results.files import read_outcome
 
 MORTAR = FaceMaterial(1e10, 1e10, 0.4, cohesion=2e4, tensile_strength=1e4)

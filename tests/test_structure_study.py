@@ -13,9 +13,9 @@ from conftest import ROOT
 
 from analysis.summary.structures import summary
 from analysis.tables.structures import most_used, structures_table
+from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.models import MODELS
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.steps import structure_engine, structure_solve
 from workflow.structures.case import StructureCase, changed

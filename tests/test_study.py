@@ -12,14 +12,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS
+from sidmacib.engines import ENGINES
+from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
 from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.consistency import node_estimate, notes
-from workflow.engines import ENGINES
-from workflow.engines.numerics import Numerics
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 from workflow.schema.dem import NumericsChanges, NumericsSection

@@ -15,10 +15,10 @@ from analysis.figures.variants import fracture_energy, stiffness
 from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
+from sidmacib.models import detailed
 from workflow.configuration import read_study
 from workflow.consistency import notes
 from workflow.joints.case import Case
-from workflow.models import detailed
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 

@@ -11,14 +11,14 @@ import pandas as pd
 import pytest
 from conftest import a_case, block_on_ground, run_case
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import OUTPUTS
 from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from workflow.engines import ENGINES
-from workflow.engines.execute import OUTPUTS
 
 pytestmark = pytest.mark.engine
 

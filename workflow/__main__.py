@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from sidmacib.command.output import FORMATS, text_of
+from sidmacib.models import REFERENCE_MODEL
 from workflow.configuration import ConfigError, read_study_file
 from workflow.consistency import notes
-from workflow.models import REFERENCE_MODEL
 from workflow.planning.cases import case_count
 from workflow.results.files import BATCH_RECORDS, BROKE_DOWN, RECORD
 from workflow.run.command import (

@@ -7,12 +7,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from sidmacib.engines import ENGINES
+from sidmacib.models import LAWS, MODELS, SOLVED
 from sidmacib.quantities import shown
 from sidmacib.reading import faults, shown_key
 from sidmacib.yaml_text import TextError, read_yaml
 from workflow.consistency import inconsistencies, requirements
-from workflow.engines import ENGINES
-from workflow.models import LAWS, MODELS, SOLVED
 from workflow.schema import Study
 
 MAX_LINES, MAX_LINE = 20, 380

@@ -4,17 +4,17 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.loading import LoadShare
 from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import FaceMaterial, Failure, NodeLayout
 from sidmacib.mechanics.contact_nodes import CELL_RULES
+from sidmacib.model import Ability, Requirement
+from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.engines import ENGINES
 from workflow.joints.case import REFERENCE
-from workflow.model import Ability, Requirement
-from workflow.models import LAWS, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.campaign import required_sections

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from sidmacib.engines.render import ENVIRONMENT
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
@@ -24,11 +25,10 @@ from sidmacib.mechanics.assembly import (
     self_weight,
 )
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
-from workflow.engines.render import ENVIRONMENT
 from workflow.joints.case import REFERENCE, Case
 from workflow.joints.problem import problem_of
-from workflow.outcome import Outcome, State
 from workflow.results.files import stress_to_force
 from workflow.results.record import ResultError
 from workflow.schema import Study

@@ -23,9 +23,9 @@ import pandas as pd
 from analysis.published import Published
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.model import Ability
+from sidmacib.models import MODELS
 from workflow.configuration import ConfigError
-from workflow.model import Ability
-from workflow.models import MODELS
 from workflow.schema import Study
 from workflow.schema.joint import GeometrySection as Geometry
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.drawing import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION
-from workflow.models import MODELS
+from sidmacib.models import MODELS
 
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, BLACK)  # of what is no model, in turn
 

@@ -14,12 +14,12 @@ from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.answers.structure import FIRST_FAILURE, PEAK, Counts
 from sidmacib.errors import CapacityError
+from sidmacib.models import structure_limit, structure_static
+from sidmacib.models.found import Found
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.results.record import ResultError
-from workflow.solvers import structure_limit, structure_static
 from workflow.structures.case import StructureCase
-from workflow.structures.found import Found
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
 
 KEPT = 64  # structures that are not computed again

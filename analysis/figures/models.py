@@ -18,8 +18,8 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.joints.case import REFERENCE
-from workflow.models import LAWS, REFERENCE_MODEL
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 

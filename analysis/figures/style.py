@@ -10,7 +10,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from analysis.drawing.labels import SERIES, label_of
-from workflow.models import MODELS, SOLVED
+from sidmacib.models import MODELS, SOLVED
 
 ASSUMED_POINTS = "Assumed: the positions of the contact points."
 COLOURS = SERIES

@@ -17,8 +17,8 @@ from analysis.report.structures import (
     structures_verdict,
     with_room,
 )
-from workflow.engines import ENGINES
-from workflow.models import MODELS
+from sidmacib.engines import ENGINES
+from sidmacib.models import MODELS
 from workflow.results.files import read_times
 from workflow.schema import Study
 from workflow.structures.case import StructureCase

@@ -15,9 +15,9 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
+from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import Problem
 from workflow.joints.case import REFERENCE, Case
-from workflow.models import REFERENCE_MODEL
 
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most

@@ -13,7 +13,7 @@ import pandas as pd
 import yaml
 
 from analysis.published import read_published
-from workflow.engines import ENGINES
+from sidmacib.engines import ENGINES
 from workflow.schema import Study
 
 CHECKOUT = Path(__file__).parents[2]

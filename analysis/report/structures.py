@@ -13,9 +13,9 @@ from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
 from sidmacib.answers.structure import FIRST_FAILURE
+from sidmacib.models import REFERENCE_MODEL
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.joints.case import REFERENCE
-from workflow.models import REFERENCE_MODEL
 from workflow.structures.case import StructureCase
 
 LIMIT = "limit"

@@ -10,7 +10,7 @@ import pandas as pd
 from analysis.drawing.labels import label_of, option_name, rule_name
 from analysis.summary.rules import RuleError, direction_words, rule_errors, worst_of
 from analysis.tables.misfit import winner
-from workflow.engines import ENGINES
+from sidmacib.engines import ENGINES
 
 MESH_LIMIT = 0.02  # of a mesh error; larger ones are named
 DESIGN = "safe"  # the model whose loads are for design

@@ -8,7 +8,7 @@ from analysis.tables.capacity import law_capacity
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint.joint import Direction
-from workflow.models import LAWS
+from sidmacib.models import LAWS
 from workflow.planning.cases import Place
 from workflow.results.record import CaseRecord
 from workflow.schema import Study

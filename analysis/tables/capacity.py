@@ -13,10 +13,10 @@ from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction
+from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule.law import RULES, LawCapacity
 from workflow.consistency import requirements
 from workflow.joints.case import REFERENCE, case_name
-from workflow.models import LAWS, MODELS, detailed
 from workflow.results.tables import (
     CAPACITY,
     CASES,

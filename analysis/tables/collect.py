@@ -10,8 +10,8 @@ import pandas as pd
 
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
+from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.joints.case import REFERENCE
-from workflow.models import REFERENCE_MODEL, SOLVED, first_failure_only
 from workflow.results.files import read_records
 from workflow.results.record import CaseRecord
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table

@@ -14,9 +14,9 @@ from sidmacib.answers.structure import (
     counting,
     without_other_meshes,
 )
+from sidmacib.models import REFERENCE_MODEL, first_failure_only
 from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import tilt_of_load
-from workflow.models import REFERENCE_MODEL, first_failure_only
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
 from workflow.run.step import Arguments, FileLists, Files, step
 from workflow.structures.record import (

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from analysis.drawing.labels import label_of
+from sidmacib.models import REFERENCE_MODEL
 from studies.locks.bonds import BONDS
 from studies.locks.errors import LAW, RULE_ERRORS
 from studies.locks.freedoms import FREEDOMS
@@ -12,7 +13,6 @@ from studies.locks.paper_joint import ASSUMED_SIZES, CHARACTERISTIC
 from studies.locks.points import POINTS
 from studies.locks.sensitivity import SENSITIVITY
 from studies.markdown import body, markdown, markdown_of, percent, size, span, table_in
-from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import CAPACITY
 
 DIRECTIONS = {"0.0": "e = 0", "0.1": "0.1 a", "0.3": "0.3 a", "1.0": "a", "inf": "torsion"}

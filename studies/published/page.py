@@ -18,6 +18,7 @@ from analysis.tables.validation import (
     quantity_label,
 )
 from sidmacib.joint.joint import Direction
+from sidmacib.models import REFERENCE_MODEL
 from studies.markdown import (
     direction,
     markdown,
@@ -28,7 +29,6 @@ from studies.markdown import (
     span,
     table_in,
 )
-from workflow.models import REFERENCE_MODEL
 from workflow.results.tables import CASES, FIT, MODELS, VALIDATION, VARIANTS, WEIGHTS
 
 SHOWN = (0.0, 0.1, 0.5, np.inf)  # directions of the models beside each other, e / a

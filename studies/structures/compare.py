@@ -13,6 +13,10 @@ from typing import Any
 import pandas as pd
 import yaml
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.guide import guide_for
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.run import run_engine
 from sidmacib.errors import InfeasibleError, NoEquilibriumError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.rigid.solver import RigidSolver
@@ -31,10 +35,6 @@ from studies.structures.peer import STABLE, UNSTABLE, rbe_verdict
 from studies.structures.pyramid import pyramid_tilt
 from studies.structures.samples import ABOUT, AXES, SAMPLES, Sample, fetched, sample_structure
 from studies.structures.shapes import answers
-from workflow.engines import ENGINES
-from workflow.engines.guide import guide_for
-from workflow.engines.numerics import Numerics
-from workflow.engines.run import run_engine
 from workflow.results.files import read_outcome
 
 PUBLISHED = Path(__file__).parent / "published.yaml"

@@ -26,7 +26,7 @@ import yaml
 from campaigns.counts import ROOT, asked, write_counts
 from tables import tables_of
 
-from workflow.engines.scripts.records import RESULT
+from sidmacib.engines.scripts.records import RESULT
 from workflow.results.files import RECORD
 
 STUDY = {

@@ -6,11 +6,11 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
+from sidmacib.engines.numerics import Numerics
 from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.engines.numerics import Numerics
 
 REFERENCE = "reference"  # the variant without changes; compared with the published numbers
 

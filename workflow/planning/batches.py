@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from sidmacib.engines import ENGINES
 from sidmacib.mechanics.assembly import Failure
-from workflow.engines import ENGINES
+from sidmacib.model import Ability
+from sidmacib.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.joints.case import Case, CaseId, case_name
-from workflow.model import Ability
-from workflow.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
 from workflow.planning.cases import cases_of, second_mesh
 from workflow.planning.resources import solved_resources
 from workflow.schema import Study

@@ -6,19 +6,19 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import APART, cells_of
+from sidmacib.model import Model
+from sidmacib.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, node_estimate, requirements
-from workflow.engines import ENGINES
-from workflow.engines.engine import Engine
-from workflow.engines.numerics import Numerics
 from workflow.joints.case import REFERENCE, Case, CaseId, case_name
-from workflow.model import Model
-from workflow.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.dem import NumericsChanges, NumericsSection

@@ -9,10 +9,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from sidmacib.engines.scripts.records import HISTORY, MODES, NODES, RESULT
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
-from workflow.engines.scripts.records import HISTORY, MODES, NODES, RESULT
-from workflow.outcome import Outcome, State
+from sidmacib.outcome import Outcome, State
 from workflow.results.record import CaseRecord, ResultError
 
 T = TypeVar("T")

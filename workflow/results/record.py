@@ -17,9 +17,9 @@ from sidmacib.joint.weights import LockWeight, lock_weights
 from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mesh_error import cells_of
+from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.joints.case import Case, CaseId
-from workflow.outcome import Outcome
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007

@@ -1,7 +1,7 @@
 # The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
-from workflow.engines import ENGINES
-from workflow.engines.render import sources
-from workflow.models import MODELS
+from sidmacib.engines import ENGINES
+from sidmacib.engines.render import sources
+from sidmacib.models import MODELS
 from workflow.planning.resources import engine_resources, solved_resources
 
 IN_ENGINES = list(dict.fromkeys(engine for engine, _ in CASES.engines))

@@ -1,7 +1,7 @@
 # Included if the study has structures: their cases, tables and summary.
-from workflow.engines import ENGINES
-from workflow.engines.render import sources
-from workflow.models import MODELS
+from sidmacib.engines import ENGINES
+from sidmacib.engines.render import sources
+from sidmacib.models import MODELS
 from workflow.planning.resources import structure_resources
 
 STRUCTURES_IN_ENGINES = {(case.model, case.name): case for case in STRUCTURES.engines.values()}

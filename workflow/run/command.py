@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.configuration import CallError, ConfigError, read_study_file
-from workflow.engines.scripts.children import ENDS_WITH_PARENT
 from workflow.run.results_folder import use_writable_caches
 from workflow.schema import Study
 

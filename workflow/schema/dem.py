@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any
 
+from sidmacib.engines.numerics import Numerics
 from sidmacib.quantities import Number
 from sidmacib.reading import Section, changes_to, section_of
-from workflow.engines.numerics import Numerics
 
 _KEYS: Any = section_of(Numerics)
 

@@ -4,7 +4,7 @@ import json
 
 import pandas as pd
 
-from workflow.engines.scripts.records import HISTORY, NODES
+from sidmacib.engines.scripts.records import HISTORY, NODES
 from workflow.joints.case import Case
 from workflow.results.files import (
     BATCH_HISTORY,

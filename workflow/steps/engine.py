@@ -3,12 +3,12 @@
 import json
 from pathlib import Path
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
+from sidmacib.engines.guide import guide_for
+from sidmacib.engines.run import run_engine
+from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.errors import CapacityError
-from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
-from workflow.engines.guide import guide_for
-from workflow.engines.run import run_engine
-from workflow.engines.scripts.records import OUTPUTS
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
 from workflow.results.files import BROKE_DOWN, CASE, read_outcome, write_record

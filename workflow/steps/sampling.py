@@ -10,11 +10,11 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.models import limit, static
 from workflow.joints.case import REFERENCE, Case, case_name
 from workflow.joints.sampling import SampledJoint
 from workflow.results.record import CaseRecord, ResultError
 from workflow.run.step import Arguments, Files, step
-from workflow.solvers import limit, static
 from workflow.steps.joints import joints_of, write_rows
 from workflow.steps.solve import solved
 

@@ -11,10 +11,10 @@ import pyarrow.parquet as pq
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of
-from workflow.outcome import Outcome
 from workflow.results.files import NODE_COLUMNS, force_to_stress
 from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
 from workflow.run.step import Arguments, Files, step

@@ -2,21 +2,21 @@
 
 from pathlib import Path
 
+from sidmacib.engines import ENGINES
+from sidmacib.engines.execute import EngineError
+from sidmacib.engines.guide import guide_for
+from sidmacib.engines.run import refusal, run_engine
+from sidmacib.engines.scripts.assembly import NEVER_FALLS
+from sidmacib.engines.scripts.records import HISTORY
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly
+from sidmacib.models.found import Found
 from sidmacib.structure.files.structure_file import structure_of
-from workflow.engines import ENGINES
-from workflow.engines.execute import EngineError
-from workflow.engines.guide import guide_for
-from workflow.engines.run import refusal, run_engine
-from workflow.engines.scripts.assembly import NEVER_FALLS
-from workflow.engines.scripts.records import HISTORY
 from workflow.results.files import BROKE_DOWN, CASE, read_outcome, read_table
 from workflow.results.record import ResultError, check_bracket
 from workflow.run.step import Arguments, Files, step
 from workflow.steps.engine import in_short, leave_no_result
 from workflow.structures.case import StructureCase
-from workflow.structures.found import Found
 from workflow.structures.record import StructureRecord, record_without_result, structure_record
 
 BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds

@@ -2,11 +2,11 @@
 
 import importlib
 
+from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib.model import Ability
+from sidmacib.models import MODELS
 from sidmacib.structure.files.structure_file import structure_of
-from workflow.engines.scripts.assembly import NEVER_FALLS
-from workflow.model import Ability
-from workflow.models import MODELS
 from workflow.results.record import ResultError
 from workflow.run.step import Arguments, Files, step
 from workflow.structures.case import StructureCase

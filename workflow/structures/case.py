@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from workflow.engines.numerics import Numerics
+from sidmacib.engines.numerics import Numerics
 from workflow.joints.case import REFERENCE, CaseId
 
 FOLDER = "structures"  # below the results folder

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
 
+from sidmacib.engines import ENGINES
+from sidmacib.model import Ability
+from sidmacib.models import MODELS, SOLVED
 from sidmacib.quantities import shown
-from workflow.engines import ENGINES
 from workflow.joints.case import REFERENCE, CaseId
-from workflow.model import Ability
-from workflow.models import MODELS, SOLVED
 from workflow.schema import Study
 from workflow.schema.structures import StructureSection
 from workflow.structures.case import StructureCase, changed, structure_case_name

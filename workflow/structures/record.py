@@ -13,15 +13,15 @@ import numpy as np
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind
 from sidmacib.mechanics.contact_law import Flags, NodeState
 from sidmacib.mechanics.equilibrium import unbalanced_share
+from sidmacib.models.found import Found
+from sidmacib.outcome import State
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.joints.case import CaseId
-from workflow.outcome import State
 from workflow.results.files import read_lines
 from workflow.results.record import ResultError, check_balance, check_loads, rounded
 from workflow.structures.case import FOLDER, StructureCase
-from workflow.structures.found import Found
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class InterfaceRow:
 class BlockRow:
     """A block or a part of one: its weight, centroid (m), displacement (m) and rotation (rad).
 
-    ``motion``: what its motion is, see `workflow.structures.found`; None if there is none.
+    ``motion``: what its motion is, see `sidmacib.models.found`; None if there is none.
     """
 
     block: str

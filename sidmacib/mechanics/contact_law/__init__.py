@@ -45,7 +45,7 @@ Of all this, limit analysis knows only the limits of the forces, see `Cone`:
 Forces, tangents, slip and utilisation are compiled, in `sidmacib.mechanics.contact_law.kernels`.
 They are apart, so that whoever needs only numbers of nodes loads no compiler. Engines run on
 their own: each script has the law in its engine's terms, and the utilisation of bonds in
-`workflow.engines.scripts.assembly`.
+`sidmacib.engines.scripts.assembly`.
 """
 
 from dataclasses import dataclass, replace

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 
-from workflow.engines.numerics import Numerics
-from workflow.model import Ability, Model
+from sidmacib.engines.numerics import Numerics
+from sidmacib.model import Ability, Model
 
 # Variables that schedulers and MPI set for the processes that they start; not for engines.
 FOREIGN = ("SLURM_", "SLURMD_", "SRUN_", "PMI_", "PMIX_", "OMPI_", "PRTE_")

@@ -2,13 +2,13 @@
 
 from sidmacib.answers.structure_limit import limit_state
 from sidmacib.mechanics.contact_law import ContactLaw
+from sidmacib.models.found import MECHANISM, Found
+from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.mesh_error import MeshErrors
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt
-from workflow.outcome import Outcome, State
-from workflow.structures.found import MECHANISM, Found
 
 
 def solve(problem: Problem) -> Found:

@@ -1,18 +1,18 @@
 """The start of an engine's search: failure loads of the static model, roughly.
 
-Apart from `workflow.engines.run`, so that whoever plans or runs an engine loads no compiled model.
+Apart from `sidmacib.engines.run`, so that whoever plans or runs an engine loads no compiled model.
 """
 
 import importlib
 
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.run import refusal
+from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Failure, Loads
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
-from workflow.engines.engine import Engine
-from workflow.engines.numerics import Numerics
-from workflow.engines.run import refusal
-from workflow.engines.scripts.assembly import Guide
 
 
 def guide_for(engine: Engine, problem: Problem, numerics: Numerics) -> Guide | None:

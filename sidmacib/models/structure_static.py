@@ -8,11 +8,11 @@ from sidmacib.answers.structure import StaticAnswer, bond_fails, static_answer
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static.model import static_first_failure
+from sidmacib.models.found import AT_THE_LOAD, MECHANISM, Found
+from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import PRECISION, load_of_tilt
-from workflow.outcome import Outcome, State
-from workflow.structures.found import AT_THE_LOAD, MECHANISM, Found
 
 
 def solve(problem: Problem) -> Found:

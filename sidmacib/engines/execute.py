@@ -12,10 +12,10 @@ import tempfile
 import time
 from pathlib import Path
 
-from workflow.engines.engine import Engine, engine_environment
-from workflow.engines.render import DATA_FILE, MODULES
-from workflow.engines.scripts.children import ENDS_WITH_PARENT
-from workflow.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
+from sidmacib.engines.engine import Engine, engine_environment
+from sidmacib.engines.render import DATA_FILE, MODULES
+from sidmacib.engines.scripts.children import ENDS_WITH_PARENT
+from sidmacib.engines.scripts.records import NO_ANSWER, OUTPUTS, RESULT
 
 TAIL_LINES = 20
 KILLED_WITHIN = 128 + signal.SIGKILL  # exit code of a script whose program was killed

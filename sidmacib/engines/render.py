@@ -14,6 +14,9 @@ from typing import Any
 import jinja2
 import jinja2.meta
 
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -27,9 +30,6 @@ from sidmacib.mechanics.assembly import (
 )
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.mechanics.springs import compliance, natural_frequencies
-from workflow.engines.engine import Engine
-from workflow.engines.numerics import Numerics
-from workflow.engines.scripts.assembly import GivenMaterial, Guide
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent

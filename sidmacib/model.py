@@ -9,8 +9,8 @@ from enum import StrEnum, auto
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from sidmacib.outcome import Outcome
     from sidmacib.problem import Problem
-    from workflow.outcome import Outcome
 
 
 class Ability(StrEnum):

@@ -3,9 +3,9 @@
 To add one, see CONTRIBUTING.md.
 """
 
-from workflow.engines.calculix.engine import CALCULIX
-from workflow.engines.engine import Engine
-from workflow.engines.liggghts.engine import LIGGGHTS
-from workflow.engines.yade.engine import YADE
+from sidmacib.engines.calculix.engine import CALCULIX
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.liggghts.engine import LIGGGHTS
+from sidmacib.engines.yade.engine import YADE
 
 ENGINES: dict[str, Engine] = {engine.name: engine for engine in (YADE, LIGGGHTS, CALCULIX)}

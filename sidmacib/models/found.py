@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 from sidmacib.answers.structure import Counts
 from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.outcome import Outcome, State
 from sidmacib.structure.analysis.mesh_error import UNKNOWN, Failures, MeshErrors
-from workflow.outcome import Outcome, State
 
 AT_THE_LOAD = "at the load"
 MECHANISM = "mechanism"  # velocities at the limit load, for 1 m along the load

@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 from sidmacib.drawing import ORANGE
-from workflow.engines.engine import Engine, engine_environment
-from workflow.model import Ability
+from sidmacib.engines.engine import Engine, engine_environment
+from sidmacib.model import Ability
 
 
 def _help() -> str:

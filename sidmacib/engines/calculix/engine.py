@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 from sidmacib.drawing import PURPLE
-from workflow.engines.engine import Engine
-from workflow.model import Ability
+from sidmacib.engines.engine import Engine
+from sidmacib.model import Ability
 
 
 def _version() -> str:

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
+from sidmacib.engines.engine import Engine
+from sidmacib.engines.execute import EngineNoAnswerError, execute
+from sidmacib.engines.numerics import Numerics
+from sidmacib.engines.render import write_script
+from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind
+from sidmacib.model import Ability
 from sidmacib.problem import Problem
-from workflow.engines.engine import Engine
-from workflow.engines.execute import EngineNoAnswerError, execute
-from workflow.engines.numerics import Numerics
-from workflow.engines.render import write_script
-from workflow.engines.scripts.assembly import Guide
-from workflow.model import Ability
 
 
 def run_engine(

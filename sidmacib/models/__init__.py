@@ -6,8 +6,8 @@ Light to import: a model's code is loaded when it is used.
 from collections.abc import Iterable
 
 from sidmacib.drawing import BLACK, BLUE, GREEN, OCHRE, PURPLE, SKY
-from workflow.engines import ENGINES
-from workflow.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
+from sidmacib.engines import ENGINES
+from sidmacib.model import Ability, ClosedForm, FirstFailureLaw, Model, ReturnedModel, SolvedModel
 
 REFERENCE_MODEL = "static"  # every engine is compared with it, on the same nodes
 _OF_THE_PIECES = {
@@ -31,16 +31,16 @@ _ALL: tuple[Model, ...] = (
                 *(Ability.DISPLACEMENTS, Ability.FIRST_FAILURE),
             }
         ),
-        module="workflow.solvers.static",
-        structures="workflow.solvers.structure_static",
+        module="sidmacib.models.static",
+        structures="sidmacib.models.structure_static",
     ),
     SolvedModel(
         name="limit",
         label="limit analysis",
         colour=SKY,
         abilities=frozenset({*_OF_THE_PIECES, Ability.DUCTILE, Ability.CONDENSED}),
-        module="workflow.solvers.limit",
-        structures="workflow.solvers.structure_limit",
+        module="sidmacib.models.limit",
+        structures="sidmacib.models.structure_limit",
     ),
     ReturnedModel(
         name="3dec",

@@ -4,8 +4,8 @@ import os
 from pathlib import Path
 
 from sidmacib.drawing import VERMILION
-from workflow.engines.engine import Engine
-from workflow.model import Ability
+from sidmacib.engines.engine import Engine
+from sidmacib.model import Ability
 
 CONFIGURATION = "/usr/lib", "*/yade-double/py/yade/config.py"  # Debian's
 
