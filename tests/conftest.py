@@ -9,7 +9,7 @@ import shutil
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -36,6 +36,7 @@ from sidmacib.joint.pieces import lock_faces, shared_face
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
+    FaceMaterial,
     Floats,
     Kind,
     Loads,
@@ -112,6 +113,23 @@ def renumbered(assembly: Assembly) -> Assembly:
             area=assembly.nodes.area[nodes],
         ),
     )
+
+
+def scaled(joint: Joint, length: float, stress: float) -> Joint:
+    """The joint with lengths, and all that is a force or a stiffness per area, times these."""
+
+    def of(face: FaceMaterial) -> FaceMaterial:
+        names = ("normal_stiffness", "shear_stiffness"), ("cohesion", "tensile_strength")
+        stiff, strong = ({name: getattr(face, name) for name in each} for each in names)
+        return replace(
+            face,
+            **{name: stress / length * value for name, value in stiff.items()},
+            **{name: stress * value for name, value in strong.items()},
+        )
+
+    sizes = {name: length * getattr(joint, name) for name in ("a", "b", "h", "H")}
+    density = stress / length * joint.density
+    return replace(joint, **sizes, density=density, inner=of(joint.inner), dry=of(joint.dry))
 
 
 def load_on_block(assembly: Assembly, force: tuple[float, float, float], moment_z: float) -> Loads:
@@ -264,6 +282,15 @@ def broken_python(tmp_path: Path) -> Path:
     )
     path.chmod(0o755)
     return path
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A real one, for pages."""
+    from chromium import chromium  # noqa: PLC0415 - few tests need it
+
+    with chromium() as opened:
+        yield opened
 
 
 def run_study(config: Mapping[str, Any], folder: Path, *targets: str) -> None:

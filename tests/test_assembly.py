@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block, renumbered
+from conftest import block_on_ground, load_on_block
 
 from sidmacib.joint.joint import DRY, Joint
 from sidmacib.mechanics.assembly import Kind
@@ -64,8 +64,3 @@ def test_nodes_have_an_area(joint: Joint, value: float) -> None:
     nodes = block_on_ground(joint, Kind.DRY, 0.02).nodes
     with pytest.raises(ValueError, match="areas"):
         replace(nodes, area=nodes.area * value)
-
-
-def test_an_assembly_can_be_numbered_the_other_way(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.DRY, 0.02)
-    assert renumbered(model).nodes.position == pytest.approx(model.nodes.position)

@@ -1,7 +1,6 @@
 """Blocks from OBJ, PLY and STL files, against the same blocks by their corners."""
 
 import json
-import os
 import re
 from pathlib import Path
 
@@ -57,15 +56,6 @@ def test_bodies_that_touch_stay_apart(suffix: str, tmp_path: Path) -> None:
     assert sum(block.volume for block in found.values()) == pytest.approx(2.0)
 
 
-def test_a_material_library_is_not_read(tmp_path: Path) -> None:
-    """It says nothing of a block, and a pipe in its place would be waited for without end."""
-    path = write(tmp_path / "b.obj", [LOW])
-    os.mkfifo(tmp_path / "colours.mtl")
-    path.write_text("mtllib colours.mtl\nusemtl red\n" + path.read_text())
-    (found,) = blocks_from_mesh(path, 2e3).values()
-    assert found.volume == pytest.approx(1.0)
-
-
 TETRAHEDRON = """ply
 format ascii 1.0
 element vertex 4
@@ -97,13 +87,6 @@ def test_a_face_whose_vertex_is_missing_is_refused(vertex: int, tmp_path: Path) 
     assert "\n" not in str(error.value)
     if vertex > 0:
         assert str(error.value).endswith(f"has a face with vertex {vertex}; it has 0 to 3")
-
-
-def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: Path) -> None:
-    path = tmp_path / "ball.ply"
-    trimesh.creation.icosphere(subdivisions=5).export(path)
-    with pytest.raises(ValueError, match=r"has 20480 plane faces; at most 5000 are allowed"):
-        blocks_from_mesh(path, 2e3)
 
 
 def test_bodies_that_share_corners_in_an_stl_file_are_refused(tmp_path: Path) -> None:

@@ -11,12 +11,11 @@ import pytest
 from conftest import DISTINCT, a_case, run_case
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.calculix.deck import CalculixDeck, line_weights
+from sidmacib.engines.calculix.deck import CalculixDeck
 from sidmacib.engines.calculix.process import read_state
-from sidmacib.engines.calculix.run import CalculixState, at_strength, load_at, most_used, raised
+from sidmacib.engines.calculix.run import load_at, raised
 from sidmacib.engines.execute import EngineError
-from sidmacib.engines.numerics import Numerics
-from sidmacib.engines.render import _material_names, assembly_data, engine_material, script
+from sidmacib.engines.render import _material_names, assembly_data, engine_material
 from sidmacib.engines.run import refusal
 from sidmacib.engines.scripts.assembly import (
     GivenAssembly,
@@ -35,7 +34,7 @@ from sidmacib.mechanics.assembly import Assembly as Discretised
 from sidmacib.mechanics.assembly import Elastic, Failure, Loads, NodeLayout
 from sidmacib.models import MODELS, REFERENCE_MODEL, detailed, first_failure_only
 from sidmacib.models.static import solve as static_model
-from workflow.configuration import ConfigError, read_study, with_installed_engines
+from workflow.configuration import ConfigError, read_study
 from workflow.steps.solve import solved
 
 ENGINE = ENGINES["calculix"]
@@ -113,12 +112,6 @@ def test_nodal_forces_have_the_force_and_moment_of_every_pieces_loads(
             assert resultant(deck, forces, index) == pytest.approx(expected, abs=1e-12)
 
 
-def test_the_lateral_load_acts_on_its_side_only() -> None:
-    deck = deck_of(elastic(Joint(3)))
-    where = places(deck)
-    assert {float(where[node][1]) for node, _ in deck.variable} == {0.0}
-
-
 @pytest.mark.parametrize("body", UpperBody)
 def test_the_deck_holds_every_piece_and_a_contact_of_two_equal_areas_for_every_face(
     body: UpperBody,
@@ -148,32 +141,6 @@ def test_every_contact_node_of_a_rough_face_is_a_node_of_both_grids() -> None:
                 assert sorted(weights.values()) == pytest.approx([-1.0, 1.0])
 
 
-def test_a_node_at_a_cells_centre_stands_for_the_mean_over_the_cell() -> None:
-    deck = deck_of(elastic(Joint(3)), layout=NodeLayout.CENTRES)
-    for number in range(len(deck.assembly.nodes)):
-        weights = deck.jump_weights(number)
-        assert sum(w for w in weights.values() if w > 0.0) == pytest.approx(1.0)
-        assert max(weights.values()) == pytest.approx(0.25)
-
-
-def test_elements_are_no_longer_than_half_the_mesh() -> None:
-    deck = deck_of(elastic(Joint(3), UpperBody.MONOLITHIC))
-    for piece, grid in zip(deck.assembly.pieces, deck.grids, strict=True):
-        for line in () if piece.fixed else grid.lines:
-            assert max(high - low for low, high in pairwise(line)) <= 0.01 + 1e-9
-
-
-def test_stiff_columns_reach_the_deck() -> None:
-    text = deck_of(elastic(Joint(3), UpperBody.JOINED)).text("joined", [1.0])
-    assert "=TIED\n1.000000000000e+13\n" in text
-
-
-def test_a_place_that_is_not_on_the_grid_is_no_place() -> None:
-    assert line_weights((0.0, 1.0), 0.25) == [(0, 0.75), (1, 0.25)]
-    with pytest.raises(ValueError, match="not on the grid"):
-        line_weights((0.0, 1.0), 2.0)
-
-
 # --- what comes back -----------------------------------------------------------------------------
 BLOCK_TEXT = """
   100CL  102 1.062500000           2                     0    2           1
@@ -189,11 +156,6 @@ def test_displacements_are_read_by_node() -> None:
     assert moved == {1: (1e-5, -2e-6, 0.0), 12: (-3.5e-5, 0.0, 1e-7)}
 
 
-def test_displacements_without_a_time_are_not_understood() -> None:
-    with pytest.raises(SystemExit, match="without a time"):
-        read_state(BLOCK_TEXT.replace("100CL", "100XX"))
-
-
 def test_loads_rise_whatever_is_carried_and_follow_from_the_time() -> None:
     loads = raised(10.0)
     assert all(0.0 < high - low <= max(10.0, 0.3 * low) for low, high in pairwise([0.0, *loads]))
@@ -201,23 +163,6 @@ def test_loads_rise_whatever_is_carried_and_follow_from_the_time() -> None:
     assert [load_at(t, loads) for t in (0.5, 1.0, 1.5, 2.0, 2.25)] == pytest.approx(
         [0.0, 0.0, 5.0, 10.0, 12.5]
     )
-
-
-def test_where_the_strength_is_reached_is_found_between_two_states() -> None:
-    assembly = as_read(*loaded(elastic(Joint(3)), 0.0))
-    inner = next(n for n, node in enumerate(assembly.nodes) if assembly.faces[node.face].cohesive)
-    law = assembly.faces[assembly.nodes[inner].face].material
-
-    def state(
-        load: float,
-    ) -> CalculixState:  # sheared by the load, which reaches the cohesion at 80 N
-        jumps = [[0.0, 0.0, 0.0] for _ in assembly.nodes]
-        jumps[inner] = [load / 80.0 * law.cohesion / law.shear_stiffness, 0.0, 0.0]
-        return CalculixState(load, jumps, load)
-
-    found = at_strength(assembly, state(60.0), state(90.0))
-    assert found.load == found.displacement == pytest.approx(80.0)
-    assert most_used(assembly, found.jumps) == pytest.approx(1.0)
 
 
 # --- what it can do ------------------------------------------------------------------------------
@@ -238,36 +183,6 @@ def test_a_study_with_rigid_pieces_refuses_it_and_one_with_elastic_pieces_takes_
     with pytest.raises(ConfigError, match="pieces: rigid is not allowed with calculix; it must"):
         read_study({**config, "dem": {"engines": ["calculix"]}})
     assert read_study({**config, "assembly": {"pieces": "elastic"}}).dem.engines == ("calculix",)
-
-
-def test_a_study_continues_without_an_engine_that_is_not_installed(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
-    monkeypatch.setenv("PATH", "")
-    assert with_installed_engines(study).dem.engines == ()
-    note = "calculix: not installed; on Debian: apt-get install calculix-ccx. The study continues"
-    assert note in capsys.readouterr().err
-
-
-def test_first_failures_alone_are_not_enough_for_a_study() -> None:
-    with pytest.raises(
-        ConfigError, match=r"limit has no model that follows failure while dem\.engines is calculix"
-    ):
-        read_study(
-            {
-                "samples": {"n3": {"locks": 3}},
-                "assembly": {"pieces": "elastic"},
-                "models": ["limit"],
-                "dem": {"engines": ["calculix"]},
-            }
-        )
-
-
-def test_its_script_needs_no_time_step() -> None:
-    text = script(ENGINE, *loaded(elastic(Joint(3)), 0.0), Numerics(), "three")
-    assert "first_increment_N=12.0" in text
-    assert "time_step" not in text
 
 
 # --- real runs, small ones -----------------------------------------------------------------------

@@ -3,27 +3,20 @@
 import math
 from typing import Any
 
-import numpy as np
 import pandas as pd
 import pytest
 
 from analysis.calibration.candidates import (
     CandidateMisfit,
     Trial,
-    TwoParts,
-    best_rows,
-    candidate_of,
     candidate_study,
     candidates,
     check,
-    describe,
     engine_study,
-    friction_table,
     misfit_table,
     read_as_degrees,
     study_candidates,
 )
-from analysis.calibration.figure import calibration
 from analysis.published import read_published
 from analysis.tables.collect import cases_table, weights_table
 from sidmacib.models.static import solve
@@ -108,19 +101,8 @@ def test_peaks_count_in_half_percents_and_weights_in_steps_of_two_hundredths() -
     assert (found.peak, found.weight) == (pytest.approx(0.005), pytest.approx(0.02))
 
 
-def test_weights_at_the_coarse_mesh_are_held_to_the_aim_only() -> None:
-    weights = at_both(SWAPPED) | {(3, 0.02): [0.77, 0.99, 0.05]}
-    found = CandidateMisfit.of(PEAKS, weights, PUBLISHED)
-    assert (found.swapped, found.weight, found.fits) == (0.0, pytest.approx(0.05), False)
-
-
 def test_nothing_fits_the_weights_as_printed(table: pd.DataFrame) -> None:
     assert table["misfit_printed"].min() > 8.0
-
-
-def test_samples_that_are_not_published_are_left_out(table: pd.DataFrame) -> None:
-    assert {"peak_n3_mesh0.02_N", "peak_n5_mesh0.005_N"} <= set(table)
-    assert not any("n7" in column for column in table)
 
 
 def test_the_shipped_joint_that_fits_is_within_the_aims_and_the_printed_one_is_not(
@@ -133,34 +115,8 @@ def test_the_shipped_joint_that_fits_is_within_the_aims_and_the_printed_one_is_n
     assert printed["largest_peak_difference"] > 0.025
 
 
-def test_with_the_printed_friction_every_geometry_carries_too_much(grid: pd.DataFrame) -> None:
-    rows = grid[grid["friction"] == 0.3]
-    assert (rows["peak_n3_mesh0.02_N"] > 1.02 * 240.76).all()
-
-
-def test_each_friction_has_its_best_geometry(grid: pd.DataFrame) -> None:
-    found = friction_table(grid).set_index("friction")
-    assert found.index.tolist() == [0.01, 0.3]
-    assert found.loc[0.01, "misfit_swapped"] < found.loc[0.3, "misfit_swapped"]
-    rows = grid[grid["friction"] == 0.01]
-    assert found.loc[0.01, "misfit_swapped"] == rows["misfit_swapped"].min()
-    assert found.loc[0.01, "geometries_that_fit"] == rows["fits"].sum() > 0
-    assert found.loc[0.3, "geometries_that_fit"] == 0
-    assert found.loc[0.3, "least_peak_difference"] == rows_least(grid, 0.3)
-
-
-def rows_least(grid: pd.DataFrame, friction: float) -> float:
-    return float(grid.loc[grid["friction"] == friction, "largest_peak_difference"].min())
-
-
 def test_the_printed_friction_as_an_angle_in_degrees_is_a_sixtieth_of_it() -> None:
     assert read_as_degrees(PUBLISHED) == pytest.approx(0.005236, abs=1e-7)
-
-
-def test_the_text_calls_the_hypothesis_one(table: pd.DataFrame, grid: pd.DataFrame) -> None:
-    text = describe(table[-2:], friction_table(grid), PUBLISHED)
-    assert "as printed: 0.3; hypothesis: given to 3DEC as 0.3 degrees, 0.005236" in text
-    assert "own1" in text
 
 
 @pytest.mark.parametrize(
@@ -181,23 +137,6 @@ def test_a_study_without_a_published_sample_is_refused() -> None:
         check(read_study({"samples": {"n7": {"locks": 7}}}), PUBLISHED)
 
 
-def test_there_is_one_best_joint_for_each_length(grid: pd.DataFrame) -> None:
-    best = best_rows(grid)
-    assert sorted(best["a_m"]) == [0.05, 0.06]
-    assert best["misfit_swapped"].is_monotonic_increasing
-    assert best["misfit_swapped"].min() == grid["misfit_swapped"].min()
-
-
-def test_two_straight_parts_are_found_where_they_meet() -> None:
-    shear = np.array([100.0, 90.0, 80.0, 70.0, 35.0, 0.0])
-    torque = np.interp(shear, [0.0, 70.0, 100.0], [5.0, 3.0, 0.0])
-    found = TwoParts.of(np.column_stack([shear, torque]))
-    first, second = math.hypot(0.3, 0.6), math.hypot(0.7, 0.4)
-    assert found.turn == pytest.approx(first / (first + second), abs=0.01)
-    assert found.slopes == pytest.approx((2.0, 0.4 / 0.7), rel=0.05)
-    assert found.residual < 0.01
-
-
 def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     chosen = list(candidates(study, PUBLISHED))[:2]
     ranked = {f"rank{rank}": each for rank, each in enumerate(chosen)}
@@ -213,38 +152,3 @@ def test_the_confirmation_is_a_study_of_the_chosen_joints(study: Study) -> None:
     assert elastic.dem.engines == ("calculix",)  # the confirmation's pieces are rigid
     of_elastic = engine_study(elastic, check(study, PUBLISHED), ranked, "there")
     assert read_study(of_elastic).dem.engines == ()
-
-
-def test_a_row_gives_back_its_candidate(study: Study, grid: pd.DataFrame) -> None:
-    first = next(candidates(study, PUBLISHED))
-    found = candidate_of(grid.iloc[0])
-    assert found.friction == first.friction
-    assert found.geometry.model_dump() == pytest.approx(first.geometry.model_dump())
-
-
-def test_the_figures_show_friction_map_profiles_and_a_curve_for_each_sample(
-    grid: pd.DataFrame, of_study: pd.DataFrame
-) -> None:
-    row = of_study.iloc[-1][["candidate", "a_m", "friction"]].to_dict()
-    shape = {"turn_from_shear": 0.4}
-    points = [(100.0, 0.0), (50.0, 2.0), (0.0, 3.0)]
-    curves = pd.DataFrame(
-        row | {"locks": n, "shear_N": v, "torque_Nm": m} | shape for n in (3, 5) for v, m in points
-    )
-    figures = calibration(grid, of_study, curves, PUBLISHED)
-    titles = {
-        name: [title for axes in figure.axes if (title := axes.get_title(loc="left"))]
-        for name, figure in figures.items()
-    }
-    assert titles == {
-        "calibration_friction": [
-            *("least misfit of any geometry", "closest peaks of any geometry (%)"),
-        ],
-        "calibration_geometry": ["misfit, a = 0.06 m, friction 0.01", "least misfit"],
-        "calibration_curves": ["3 locks", "5 locks"],
-    }
-    legend = figures["calibration_friction"].axes[0].get_legend()
-    assert legend is not None
-    assert [text.get_text() for text in legend.get_texts()] == [
-        *("0.3, as printed", "tan 0.3° (hypothesis)")
-    ]

@@ -10,17 +10,16 @@ from typing import Any
 
 import pytest
 import yaml
-from conftest import DISTINCT, ROOT
+from conftest import ROOT
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sidmacib.engines import ENGINES
 from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
+from sidmacib.joint.joint import DRY, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
-from sidmacib.models import SOLVED, detailed
+from sidmacib.models import SOLVED
 from workflow.configuration import ConfigError, read_study
 from workflow.joints.case import Case
 from workflow.planning.cases import case_count, cases_of, find_case
@@ -89,20 +88,6 @@ def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> Non
     assert case_count(study) == len(cases_of(study))
 
 
-def test_meshes_that_are_close_to_each_other_count_as_one() -> None:
-    def meshes(*given: float) -> set[float]:
-        config = merged(meshes=given, models=["static"], dem={"engines": []})
-        return {case.mesh for case in cases_of(read_study(config)).values()}
-
-    assert meshes(0.02, 0.018) == {0.02, 0.018, 0.009}
-    assert meshes(0.02, 0.01) == {0.02, 0.01}
-
-
-def test_a_coarser_mesh_gives_the_error_where_the_finer_one_has_too_many_nodes() -> None:
-    config = merged(meshes=[0.0004], eccentricities=[0], models=["static"], dem={"engines": []})
-    assert {case.mesh for case in cases_of(read_study(config)).values()} == {0.0004, 0.0008}
-
-
 def test_a_model_runs_a_part_of_a_sample_and_the_reference_variant_always() -> None:
     only = {
         "yade": {"variants": []},
@@ -149,47 +134,6 @@ def test_an_engine_is_left_out_for_the_sample_that_it_cannot_run() -> None:
     assert models == {"yade", "static"}
 
 
-def test_a_variant_of_the_numerics_is_for_engines_only() -> None:
-    cases = cases_of(read_study(merged(variants={"slow": {"numerics": {"ramp_periods": 80}}})))
-    slow = [case for case in cases.values() if case.variant == "slow"]
-    assert {case.model for case in slow} == {*DISTINCT}
-    assert all(c.numerics and c.numerics == Numerics(ramp_periods=80) for c in slow)
-    assert all((case.numerics is None) == (case.model not in ENGINES) for case in cases.values())
-
-
-def test_without_engines_the_static_model_leads() -> None:
-    study = read_study(merged(dem={"engines": []}))
-    assert detailed(study.model_names) == ("static",)
-    assert {model for model, _ in cases_of(study)} == {"static", "limit"}
-
-
-def test_an_override_changes_one_case_only() -> None:
-    before = cases_of(read_study(ONE))
-    after = cases_of(read_study(merged(overrides={"n3-mesh0.02-torsion": {"ramp_periods": 50}})))
-    changed = [key for key in before if before[key] != after[key]]
-    assert changed == [(engine, "n3-mesh0.02-torsion") for engine in DISTINCT]
-    assert after[changed[0]].numerics == Numerics(ramp_periods=50)
-
-
-def test_an_override_of_a_variant_changes_what_the_variant_left() -> None:
-    variants = {"slow": {"numerics": {"ramp_periods": 80}}}
-    overrides = {"n3-mesh0.02-e0a-slow": {"tolerance": 0.002}}
-    cases = cases_of(read_study(merged(variants=variants, overrides=overrides)))
-    numerics = cases["yade", "n3-mesh0.02-e0a-slow"].numerics
-    assert numerics == Numerics(ramp_periods=80, tolerance=0.002)
-
-
-def test_an_override_may_be_for_an_engine_that_is_left_out() -> None:
-    overrides = {"n3-mesh0.02-e0a": {"tolerance": 0.002}}
-    assert cases_of(read_study(merged(overrides=overrides, dem={"engines": []})))
-
-
-def test_only_an_engine_that_can_gets_several_ranks() -> None:
-    cases = cases_of(read_study(merged(dem={**BOTH["dem"], "numerics": {"ranks": 2}})))
-    ranks = {m: c.numerics.ranks for (m, _), c in cases.items() if c.numerics is not None}
-    assert ranks == {"yade": 1, "liggghts": 2}
-
-
 def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> None:
     study = read_study(merged(dem={"engines": []}))
     assert find_case(study, "n3-mesh0.02-e0a").model == "static"
@@ -202,19 +146,6 @@ def test_a_case_is_found_by_its_name_and_others_are_refused_in_one_line() -> Non
         ConfigError, match=r"^CASE: 'n3-mesh0.2-e0a' is not a case of static; it must"
     ):
         find_case(study, "n3-mesh0.2-e0a")
-
-
-OWN: dict[str, Any] = {2: {"width": 0.06, "density": 2000, "inner": {"cohesion": 1e5}}}
-WEIGHED = {"reductions": ["none", "lower_sum", "per_lock"]}
-
-
-def test_a_sample_may_have_locks_of_its_own_and_begin_with_a_lower_one() -> None:
-    sample = {"locks": 3, "first": "lower", "different": OWN}
-    study = read_study({"samples": {"s": sample}, "sidmacib": WEIGHED, "meshes": [0.02]})
-    strong = replace(INNER, cohesion=1e5)
-    changes = OwnLock(width=0.06, density=2000.0, inner=strong)
-    joint = Joint(3, first=Side.LOWER, different={2: changes})
-    assert {case.joint for case in cases_of(study).values()} == {joint}
 
 
 @pytest.mark.parametrize(
@@ -235,20 +166,6 @@ def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
     other = read_study(merged(variants={"v": {"hold_down": spelled, "eccentricities": [0]}}))
     hold_downs = {c.joint.hold_down for c in cases_of(other).values() if c.variant == "v"}
     assert hold_downs == {meant}
-
-
-def test_one_lock_alone_is_a_sample_for_models_that_know_friction() -> None:
-    study = read_study({"samples": {"n1": {"locks": 1}, "n3": {"locks": 3}}, "models": ["static"]})
-    assert {model for model, _ in cases_of(study)} == {*DISTINCT, "static"}
-    assert study.interlocking == ("n3",)
-
-
-def test_a_case_that_the_engines_do_not_run_is_found_with_the_first_model_that_does() -> None:
-    samples = {"n3": {"locks": 3}, "quick": {"locks": 3, "models": ["limit", "static"]}}
-    study = read_study({"samples": samples, "meshes": [0.02], "eccentricities": [0]})
-    assert find_case(study, "n3-mesh0.02-e0a").model in ENGINES
-    assert find_case(study, "quick-mesh0.02-e0a").model == "static"
-    assert find_case(study, "n3-mesh0.01-e0a").model == "static"
 
 
 # --- names and identity --------------------------------------------------------------------------
@@ -280,11 +197,6 @@ def test_the_digest_covers_what_the_results_depend_on_and_nothing_else() -> None
     ]
     assert len({other.digest() for other in [case, *others]}) == 1 + len(others)
     assert len({case.digest() for case in cases.values()}) == len(cases)
-
-
-def test_a_figures_setting_changes_no_case() -> None:
-    figures = {"mesh": 0.02, "eccentricity": 1}
-    assert cases_of(read_study(ONE)) == cases_of(read_study(merged(figures=figures)))
 
 
 # --- written and read ----------------------------------------------------------------------------
@@ -353,12 +265,6 @@ def test_what_is_not_a_case_is_refused(change: Any) -> None:
         Case.from_json(json.dumps(data))
 
 
-@pytest.mark.parametrize("text", ["", "{", "[]", "null", "\xff", "[" * 100_000])
-def test_a_text_that_is_cut_short_or_no_json_is_no_case(text: str) -> None:
-    with pytest.raises(ValueError, match=r"^not a case: "):
-        Case.from_json(text)
-
-
 # --- many ----------------------------------------------------------------------------------------
 def many(samples: int, ratios: int) -> dict[str, Any]:
     return {
@@ -388,19 +294,6 @@ def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> N
     ):
         cases_of(study)
     assert time.process_time() - start < 2.0
-
-
-def test_the_count_is_that_of_the_published_study() -> None:
-    study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
-    assert case_count(study) == len(cases_of(study))
-
-
-def test_an_override_among_ten_thousand_cases_is_corrected_soon() -> None:
-    config = {**many(10, 500), "overrides": {"s1-mesh0.02-e0.4": {}}}
-    start = time.process_time()
-    with pytest.raises(ConfigError, match=r"such as s1-mesh0\.02-e0\.4a"):
-        cases_of(read_study(config))
-    assert time.process_time() - start < 5.0
 
 
 @pytest.mark.parametrize(

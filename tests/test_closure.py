@@ -73,19 +73,6 @@ def test_an_edit_changes_the_digest_of_what_runs_it_and_of_nothing_else(project:
     assert changed == {"a", "b", "c"}
 
 
-def test_a_comment_changes_nothing(project: Path) -> None:
-    before = module.code_digest(["workflow.a"])
-    (project / "workflow/c.py").write_text("# why\n\nimport  numpy\n")
-    assert module.code_digest(["workflow.a"]) == before
-
-
-def test_data_files_count_by_content(project: Path) -> None:
-    (project / "data.yaml").write_text("a: 1")
-    before = module.code_digest(["workflow.a"], ["data.yaml"])
-    (project / "data.yaml").write_text("a: 2")
-    assert module.code_digest(["workflow.a"], ["data.yaml"]) != before
-
-
 def test_models_do_not_depend_on_each_other_nor_on_the_schema_or_the_figures() -> None:
     static, limit = closure("sidmacib.models.static"), closure("sidmacib.models.limit")
     assert "sidmacib.mechanics.limit" not in static

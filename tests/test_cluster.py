@@ -1,8 +1,6 @@
 """The cluster resources that a job requests, and jobs that the cluster kills."""
 
 import os
-import re
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,14 +12,11 @@ from sidmacib.engines.execute import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
-from sidmacib.mechanics.assembly import Elastic
 from workflow.configuration import ConfigError
 from workflow.joints.case import Case
 from workflow.planning.resources import (
-    Resources,
     engine_resources,
     nodes_of,
-    sampling_resources,
     solved_resources,
 )
 from workflow.results.files import RECORD
@@ -47,20 +42,6 @@ def test_more_nodes_ask_for_more() -> None:
 
 def test_an_engine_asks_for_no_more_than_its_own_time_limit() -> None:
     assert engine_resources(case_on(mesh=0.001), 60).time == 60
-
-
-def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
-    case = case_on(mesh=0.02)
-    soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
-    assert solved_resources([soft]).time > 10 * solved_resources([case]).time
-    assert solved_resources([case, case]).time == 2 * solved_resources([case]).time
-    assert sampling_resources(64).time > sampling_resources(8).time
-
-
-def test_a_further_attempt_asks_for_twice_as_much() -> None:
-    resources = Resources(memory=1000, time=600.0)
-    assert resources.megabytes(2) == 2 * resources.megabytes(1) == 2000
-    assert resources.minutes(2) == 2 * resources.minutes(1)
 
 
 def test_the_profile_tries_as_often_as_jobs_expect() -> None:
@@ -98,15 +79,3 @@ def test_engines_do_not_see_the_scheduler(monkeypatch: pytest.MonkeyPatch) -> No
     assert not [name for name in environment if name.startswith(FOREIGN)]
     assert environment["OMP_NUM_THREADS"] == "1"
     assert environment["PATH"] == os.environ["PATH"]
-
-
-def test_both_containers_are_made_by_the_same_commands() -> None:
-    """No registry is needed to see that the recipes agree with each other and the checkout."""
-    recipes = [(ROOT / name).read_text() for name in ("Containerfile", "multilock.def")]
-    base = {re.search(r"^(?:FROM|From:) (\S+)$", text, re.MULTILINE)[1] for text in recipes}  # type: ignore[index]
-    assert len(base) == 1
-    packages = "apt-get install --yes --no-install-recommends make python3 python3-venv"
-    assert all(packages in text for text in recipes)
-    assert all("make .venv/study.ready" in text for text in recipes)
-    assert ".venv/study.ready:" in (ROOT / "Makefile").read_text()
-    assert all("-m" in text and "workflow" in text for text in recipes)

@@ -1,13 +1,9 @@
 """A joint from a file: the study's reader, and one line for whatever else it holds."""
 
-import tempfile
 from pathlib import Path
 
 import pytest
-import yaml
 from command_runner import answers, run
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 
 def test_flags_go_before_a_file(tmp_path: Path) -> None:
@@ -85,51 +81,6 @@ def test_a_flag_before_a_faulty_file_is_blamed_for_its_own_value_only(tmp_path: 
     path.write_text("a: 0.08\nb: -1\n")
     assert f"--file {path}: b: -1 is" in run("law", "--file", str(path), "-a", "0.07").output
     assert "-a: -2.0 is not" in run("law", "--file", str(path), "-a", "-2", "-b", "1").output
-
-
-@given(
-    st.dictionaries(
-        st.sampled_from(
-            [
-                "locks",
-                "a",
-                "H",
-                "friction",
-                "dry_stiffness",
-                "young",
-                "poisson",
-                "density",
-                "hold_down",
-                "upper_body",
-                "failure",
-                "cohesion",
-                "fracture_energy",
-                "first",
-            ]
-        ),
-        st.recursive(
-            st.none()
-            | st.booleans()
-            | st.integers()
-            | st.floats()
-            | st.text(max_size=5)
-            | st.sampled_from(["plate", "weight", "joined", "ductile", 3, 0.1, 1e300, 1e-300]),
-            lambda below: (
-                st.lists(below, max_size=2)
-                | st.dictionaries(st.sampled_from(["force", "pressure", "x"]), below, max_size=2)
-            ),
-            max_leaves=3,
-        ),
-        max_size=4,
-    )
-)
-@settings(max_examples=60, deadline=None)
-def test_whatever_a_file_holds_there_is_an_answer_or_one_line(values: dict[str, object]) -> None:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "joint.yaml")
-        path.write_text(yaml.safe_dump(values))
-        found = run("law", "--file", str(path))
-    assert found.exception is None or isinstance(found.exception, SystemExit), found.exception
 
 
 @pytest.mark.parametrize(("name", "value"), [("a", 80.0), ("b", 50.0), ("h", 472e3), ("H", 5.1)])

@@ -14,8 +14,6 @@ SOLVERS = {"cvxpy", "numba", "matplotlib", "pandas", "scipy"}
     ("arguments", "seconds", "allowed"),
     [
         (["--help"], 0.4, set()),
-        (["capacity", "--help"], 0.4, set()),
-        (["law", "-n", "5"], 1.0, {"scipy", "numba"}),
         (["capacity", "-m", "safe", "-m", "law"], 1.0, {"scipy", "numba"}),
     ],
 )
@@ -37,21 +35,3 @@ def test_a_quick_answer_loads_no_solver_of_others(
     time, *loaded = found.stderr.split()
     assert SOLVERS & {*loaded} <= allowed
     assert float(time) < 4.0 * seconds  # a busy machine takes longer
-
-
-def test_completion_of_the_shell_loads_no_solver() -> None:
-    code = (
-        "import sys\nfrom sidmacib.command.main import main\n"
-        "try: main(prog_name='multilock')\nexcept SystemExit: pass\n"
-        "print(*{m.partition('.')[0] for m in sys.modules}, file=sys.stderr)"
-    )
-    words = {"COMP_WORDS": "multilock cap", "COMP_CWORD": "1", "PYTHONPATH": str(ROOT)}
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        env=os.environ | words | {"_MULTILOCK_COMPLETE": "bash_complete"},
-        check=True,
-        capture_output=True,
-        text=True,
-    )
-    assert found.stdout.split() == ["plain,capacity"]
-    assert SOLVERS & {*found.stderr.split()} == set()

@@ -111,16 +111,6 @@ def test_a_model_of_compas_dem_has_blocks_that_are_moved_and_materials(path: Pat
     assert np.array(cube.vertices) == pytest.approx(np.array(CUBE.vertices))
 
 
-def test_an_empty_group_is_no_block(path: Path) -> None:
-    given = model()
-    group = {"dtype": "compas_model.elements/Group", "data": {"name": "empty"}}
-    given["data"]["elements"]["e"] = group
-    given["data"]["graph"]["node"]["1"] = {"element": "e"}
-    given["data"]["tree"]["root"]["children"].append({"element": "e"})
-    path.write_text(json.dumps(given))
-    assert [block.name for block in read_compas(path, 2e3)] == ["block-0", "block-3"]
-
-
 def test_an_analysis_has_its_model(path: Path) -> None:
     data = {"model": model(), "problems": []}
     path.write_text(json.dumps({"dtype": "compas_dem.models/Analysis", "data": data}))
@@ -137,28 +127,6 @@ def test_messages_name_blocks_as_answers_do(path: Path) -> None:
     described = {"blocks": {"vault": {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
     with pytest.raises(ValueError, match=r"blocks\.vault\.vault-3: a vertex or face is not"):
         structure_of(described, folder=path.parent)
-
-
-@pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("large", [math.inf, -math.inf, math.nan, 1e308, 1e200, 2e9])
-def test_coordinates_that_are_too_large_are_refused_without_a_warning(
-    path: Path, large: float
-) -> None:
-    keys = ("data", "graph", "data", "node", "3", "block", "data", "vertex", "13", "z")
-    words = "block-3: all coordinates must be finite, and at most 1e\\+09 m"
-    refuses(path, assembly(), keys, large, words)
-    given = model()
-    matrix = given["data"]["elements"]["c"]["data"]["transformation"]["data"]["matrix"]
-    matrix[2][2] = large
-    keys = ("data", "elements", "c", "data", "transformation", "data", "matrix")
-    refuses(path, given, keys, matrix, "block-3: transformation: must be a matrix of 4 x 4 numbers")
-    edge = {"dtype": "compas_assembly.datastructures/Interface"}
-    edge["data"] = {"points": [[0, 0, 0], [0.4, 0, 0], [0.4, large, 0]]}  # type: ignore[assignment]
-    given = assembly()
-    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [edge]}}}
-    path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match="edge 3-0: is not understood"):
-        read_compas_interfaces(path, read_compas(path, 2e3))
 
 
 def test_a_model_with_groups_is_refused(path: Path) -> None:
@@ -214,16 +182,6 @@ def test_interfaces_of_the_file_are_those_that_are_found(path: Path, turned: int
     assert structure(blocks, dry(0.7), regions=[read]).faces[0].area == pytest.approx(0.24)
 
 
-def test_an_interface_without_an_area_is_refused(path: Path) -> None:
-    given = assembly()
-    points = [[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.2, 0.0, 0.0]]
-    one = {"dtype": "compas_assembly.datastructures/Interface", "data": {"points": points}}
-    given["data"]["graph"]["data"]["edge"] = {"3": {"0": {"interfaces": [one]}}}
-    path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match="edge 3-0: an interface must have an area"):
-        read_compas_interfaces(path, read_compas(path, 2e3))
-
-
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
@@ -249,18 +207,6 @@ def test_what_is_not_understood_is_named_in_one_line(
     path: Path, keys: tuple[str, ...], value: Any, words: str
 ) -> None:
     refuses(path, assembly(), keys, value, words)
-
-
-def test_a_fixed_node_that_is_not_there_is_refused(path: Path) -> None:
-    path.write_text(json.dumps(assembly()))
-    with pytest.raises(ValueError, match="fixed: 1 is not allowed; it must be a node of 0, 3"):
-        read_compas(path, 2e3, fixed=[1])
-
-
-def test_a_file_that_is_no_json_is_named(path: Path) -> None:
-    path.write_text("{")
-    with pytest.raises(ValueError, match=r"assembly.json: is no JSON"):
-        read_compas(path, 2e3)
 
 
 @pytest.mark.parametrize(

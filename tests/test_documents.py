@@ -11,16 +11,14 @@ import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import CHROMIUM, Opened, chromium
 from click.testing import CliRunner
-from conftest import ROOT, outputs_of
+from conftest import ROOT
 from promises import require_kept
 
 from sidmacib.command.main import main
-from sidmacib.engines.scripts.records import OUTPUTS
-from sidmacib.yaml_text import parsed, read_yaml
-from workflow.configuration import read_study, read_study_file
+from sidmacib.yaml_text import parsed
+from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
-from workflow.results.files import CASE, RECORD
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection
@@ -40,12 +38,6 @@ PAGES = [
 EXAMPLES = {  # a study for what a page changes of one
     "samples": {"n3": {"locks": 3}},
     "samplings": {"short": {"joints": 64, "seed": 1}},
-}
-# Written by the engines' runs, by 3DEC and by `make calibrate`, which are no jobs of a study.
-WRITTEN = {"joint.json", "joint.py", "joint.dat", "results.txt"}
-CALIBRATION = {
-    *("calibration.csv", "map.csv", "friction.csv"),
-    *(f"calibration_{part}.png" for part in ("friction", "geometry", "curves")),
 }
 
 BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -93,10 +85,6 @@ def test_the_readme_is_short_and_has_examples_of_every_kind() -> None:
         assert len(words) <= most, page
     assert blocks(readme, "python") and blocks(readme, "yaml")
     assert {("study",), ("test",)} <= {tuple(words) for words in commands(readme, "make")}
-
-
-def test_pages_show_how_to_ask_snakemake_for_a_case() -> None:
-    assert any(commands(page, "snakemake") for page in PAGES)
 
 
 def test_the_command_takes_what_pages_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -203,14 +191,6 @@ def test_make_knows_every_command() -> None:
         assert done.returncode == 0, f"make {' '.join(words)}: {done.stderr}"
 
 
-def test_every_command_for_snakemake_asks_for_results_of_a_case() -> None:
-    study = read_study_file(ROOT / "config.yaml")
-    cases = {f"{study.results}/{case.folder}/result.json" for case in cases_of(study)}
-    for page in PAGES:
-        for words in commands(page, "snakemake"):
-            assert set(words) <= cases
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_examples_of_configurations_are_studies(page: Path) -> None:
     for block in blocks(page, "yaml"):
@@ -248,47 +228,11 @@ def test_links_lead_to_files_and_headings(page: Path) -> None:
             assert not heading or heading in anchors(path), target
 
 
-@pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Paths of all that studies and their calibrations write, and the paths' ends."""
-    published = read_yaml(ROOT / "config.yaml")
-    config = {
-        **published,
-        "samplings": {"one": {"joints": 1}},
-        "campaign": "locks",
-        "structures": {"arch": {"file": str(ROOT / "studies/arch/arch.yaml")}},
-    }
-    made = outputs_of(config, tmp_path_factory.mktemp("documents"))
-    paths = {f"results/{name}" for names in made.values() for name in names}
-    cases = cases_of(read_study(published))
-    folders = {f"results/{case.folder}" for case in cases}
-    paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}
-    paths |= {
-        f"results/{folder}/{name}"
-        for folder in ("tables", "figures", "calibration")
-        for name in CALIBRATION
-    }
-    paths |= {f"results/decks/3dec/n3-mesh0.02-e0a/{name}" for name in WRITTEN}
-    return paths
-
-
-def is_result(path: str, results: set[str]) -> bool:
-    """Whether ``path`` ends the path of a result, or of its folder; <...> and * stand for any."""
-    parts = re.split(r"(<[^>]*>|\*)", path)
-    words = [
-        "[^/]+" if part.startswith("<") else "[^/]*" if part == "*" else re.escape(part)
-        for part in parts
-    ]
-    pattern = re.compile(f"(^|.*/){''.join(words)}{'.*' if path.endswith('/') else ''}")
-    return any(pattern.fullmatch(name) for name in results)
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_paths_in_a_page_are_there_or_are_results(page: Path, results: set[str]) -> None:
-    paths = [code for code in inline(page) if PATH.fullmatch(code)]
-    for path in paths:
-        there = (ROOT / path).exists() or (page.parent / path).exists()
-        assert there or is_result(path, results), path
+def test_paths_of_code_in_a_page_are_there(page: Path) -> None:
+    for path in (code for code in inline(page) if re.fullmatch(r"[\w./-]+\.(py|smk|j2|md)", code)):
+        places = ROOT / path, page.parent / path, *ROOT.glob(f"*/{path}")
+        assert "joint.py" in path or any(place.exists() for place in places), path
 
 
 def test_the_way_of_the_data_leads_through_files_that_are_there() -> None:
@@ -307,11 +251,3 @@ def test_what_a_page_says_is_in_a_module_is_there(page: Path) -> None:
         assert re.search(rf"^(class|def) {name}\b|^{name}\b.*=", (ROOT / path).read_text(), re.M), (
             name
         )
-
-
-def test_a_path_that_is_nowhere_would_be_noticed(results: set[str]) -> None:
-    assert is_result("cases/<engine>/<case>/", results)
-    assert is_result("cases/<model>/batch*/", results)
-    assert is_result("tables/models.csv", results)
-    assert not is_result("tables/times.csv", results)
-    assert not is_result("odels.csv", results)

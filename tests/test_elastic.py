@@ -5,11 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import scaled
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import NoEquilibriumError, SolverError
+from sidmacib.errors import SolverError
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
@@ -25,7 +26,6 @@ from sidmacib.mechanics.assembly import (
     Loads,
     NodeLayout,
     SideLoad,
-    self_weight,
 )
 from sidmacib.mechanics.contact_law import NodeState
 from sidmacib.mechanics.contact_nodes import contact_nodes
@@ -59,12 +59,9 @@ def elastic(locks: int, young: float = YOUNG, body: UpperBody = UpperBody.COLUMN
 # --- the limit of stiff blocks -------------------------------------------------------------------
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_stiff_blocks_are_rigid_ones(
-    layout: NodeLayout, body: UpperBody, eccentricity: float
-) -> None:
-    stiff = solved(elastic(3, 1e15, body), 0.03, layout, eccentricity)
-    rigid = solved(Joint(3, upper_body=body), 0.03, layout, eccentricity)
+def test_stiff_blocks_are_rigid_ones(layout: NodeLayout, body: UpperBody) -> None:
+    stiff = solved(elastic(3, 1e15, body), 0.03, layout, 0.5)
+    rigid = solved(Joint(3, upper_body=body), 0.03, layout, 0.5)
     assert stiff.first_failure_load == pytest.approx(rigid.first_failure_load, rel=1e-3)
     assert stiff.peak.load == pytest.approx(rigid.peak.load, rel=1e-3)
     assert stiff.peak.displacement == pytest.approx(rigid.peak.displacement, rel=1e-3)
@@ -119,19 +116,10 @@ def _fresh(model: Assembly, loads: Loads) -> tuple[Floats, NodeState]:
     return start.unknowns, start.state
 
 
-def test_weight_alone_presses_by_the_weight() -> None:
-    model = bonded_block(NodeLayout.LOBATTO, YOUNG, 0.2)
-    loads = Loads(self_weight(model.pieces), np.zeros((2, 6)), 100.0)
-    found = ElasticSolver(model, loads).start()
-    assert found.force[:, 0].sum() == pytest.approx(9.81)
-
-
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
-def test_the_work_of_the_load_is_stored_while_all_nodes_hold(
-    body: UpperBody, eccentricity: float
-) -> None:
+def test_the_work_of_the_load_is_stored_while_all_nodes_hold(body: UpperBody) -> None:
     """Clapeyron: load times displacement is twice the energy of springs and elements."""
+    eccentricity = 0.5
     joint = replace(elastic(3, body=body), density=0.0, dry=replace(Joint(3).dry, friction=1e6))
     displacement, springs = solved_displacement(joint, YOUNG, eccentricity)
     whole = 10.0 * displacement
@@ -158,7 +146,7 @@ def solved_displacement(joint: Joint, young: float, eccentricity: float) -> tupl
 
 
 # --- properties ----------------------------------------------------------------------------------
-@hypothesis_settings(max_examples=12)
+@hypothesis_settings(max_examples=8)
 @given(
     st.integers(3, 4),
     st.sampled_from([NodeLayout.CENTRES, NodeLayout.VERTICES]),
@@ -184,35 +172,11 @@ def test_every_piece_is_in_equilibrium_at_the_peak(
 @pytest.mark.parametrize("factor", [1e-3, 1e3])
 def test_capacity_scales_with_strength_and_stiffness_alike(factor: float) -> None:
     """Forces scale with strengths, stiffnesses and weight; displacements stay."""
-
-    def scaled(material: FaceMaterial) -> FaceMaterial:
-        return FaceMaterial(
-            factor * material.normal_stiffness,
-            factor * material.shear_stiffness,
-            material.friction,
-            factor * material.cohesion,
-            factor * material.tensile_strength,
-        )
-
     joint = elastic(3)
-    other = replace(
-        joint,
-        inner=scaled(joint.inner),
-        dry=scaled(joint.dry),
-        density=factor * joint.density,
-        elastic=Elastic(factor * YOUNG),
-    )
+    other = replace(scaled(joint, 1.0, factor), elastic=Elastic(factor * YOUNG))
     one, two = (solved(each, 0.03, NodeLayout.LOBATTO, 0.5) for each in (joint, other))
     assert two.peak.load == pytest.approx(factor * one.peak.load, rel=1e-6)
     assert two.peak.displacement == pytest.approx(one.peak.displacement, rel=1e-6)
-
-
-def test_pushing_a_symmetric_joint_the_other_way_is_the_same() -> None:
-    joint = elastic(3)
-    one, two = (
-        static_peak(*posed(joint, 0.03, NodeLayout.LOBATTO, 0.0, push)).peak.load for push in Push
-    )
-    assert one == pytest.approx(two, rel=1e-9)
 
 
 # --- elements ------------------------------------------------------------------------------------
@@ -259,25 +223,6 @@ def test_joined_columns_are_as_stiff_as_one_piece() -> None:
         assert joined.first_failure_load == pytest.approx(whole.first_failure_load, rel=5e-3)
 
 
-def test_a_rough_joint_without_weight_does_not_fail_at_once() -> None:
-    """The attack found it: all dry nodes begin without a force, where Newton's method cycled."""
-    joint = Joint(
-        3,
-        *(0.0338, 0.05, 0.022, 0.019),
-        density=0.0,
-        inner=FaceMaterial(1e10, 6.7e9, 0.0, 8e4, 1.232e5),
-        dry=FaceMaterial(1.5e10, 8.1e9, 0.0755, 0.0, 0.0),
-        elastic=Elastic(2.85e11, 0.013),
-    )
-    loading = Loading(Direction(-9.3), push=Push.MINUS_Y)
-    light, heavy = (
-        static_first_failure(*posed_problem(replace(joint, density=density), loading, 0.017))
-        for density in (0.0, 1.0)
-    )
-    assert light.point.load == pytest.approx(heavy.point.load, rel=1e-3)
-    assert light.point.load > 10.0
-
-
 def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_0_N() -> None:
     """The attack found it: 45 N with the least weight, and a mechanism at 0 N without."""
     joint = Joint(
@@ -297,26 +242,7 @@ def test_a_joint_without_weight_that_cannot_be_solved_is_refused_and_carries_no_
     assert heavy.point.load == pytest.approx(45.058, rel=1e-4)
 
 
-@pytest.mark.parametrize(("density", "calls"), [(0.0, 1), (1400.0, 2)])
-def test_a_load_without_weight_is_not_tried_again_at_another_size(
-    density: float, calls: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """From no force at all every load is like any other; a weight tells them apart."""
-    loading = Loading(Direction(0.5))
-    solver = ElasticSolver(*posed_problem(replace(elastic(2), density=density), loading, 0.05))
-    start, tried = solver.start(), []
-
-    def fails(load: float, *_: object) -> None:
-        tried.append(load)
-
-    monkeypatch.setattr(solver, "_newton", fails)
-    for load in (10.0, 5.0):
-        with pytest.raises(NoEquilibriumError):
-            solver.solve(load, start.unknowns, start.state)
-    assert len(tried) == calls
-
-
-@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("layout", LAYOUTS[:1])
 def test_a_smooth_joint_under_pressure_is_solved_without_a_word(
     layout: NodeLayout, capfd: pytest.CaptureFixture[str]
 ) -> None:

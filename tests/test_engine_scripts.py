@@ -4,8 +4,6 @@ import csv
 import itertools
 import json
 import math
-import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,23 +15,20 @@ from stack import tilted_stack
 from sidmacib.engines.liggghts.deck import (
     LiggghtsDeck,
     patches,
-    pitch,
-    sphere_radii,
 )
-from sidmacib.engines.liggghts.loads import common_gravity, handle_forces
+from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
-from sidmacib.engines.liggghts.process import dumped_rows, printed_values, version_in
+from sidmacib.engines.liggghts.process import dumped_rows, printed_values
 from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.scripts import assembly as scripts
 from sidmacib.engines.scripts.flatness import (
     STILL,
     PieceMotion,
     check_flat,
-    check_mechanism,
     contact_shift,
     spurious_force,
 )
-from sidmacib.engines.scripts.records import BONDS, MECHANISM, EnginePeak, History, NodeForce
+from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
@@ -115,27 +110,6 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > 2 * radius + 1e-6
 
 
-def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
-    stack: scripts.GivenAssembly,
-) -> None:
-    def radii(assembly: scripts.GivenAssembly) -> list[float]:
-        return sphere_radii(assembly, patches(assembly), 1.0)
-
-    assert radii(stack) == [1.0, 1.0]
-    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
-    faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
-    first, second = radii(replace(stack, faces=faces))
-    assert first < second == 1.0
-    pressed = stack.permanent_N / (1e5 * 0.2 * 0.2)
-    assert 0.05**2 / (4 * first) == pytest.approx(2 * pressed)
-
-
-def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
-    assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
-    assert pitch([(0.0, 0.03, 0.0), (0.04, 0.0, 0.0)]) == pytest.approx(0.05)
-    assert pitch([(0.0, 0.0, 0.0)]) == math.inf
-
-
 def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
     built = assemble(joint, 0.03, NodeLayout.LOBATTO)
     three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)
@@ -148,27 +122,6 @@ def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_
     assert len({patch.area_m2 for patch in found if patch.face == 0}) == 5
 
 
-def test_only_the_two_sides_of_a_face_touch(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, 0.12)
-    lines = list(deck.input_script())
-    excluded = {frozenset(map(int, line.split()[3:])) for line in lines if "exclude type" in line}
-    every = set(
-        map(frozenset, itertools.combinations_with_replacement(range(1, deck.types + 1), 2))
-    )
-    assert every - excluded == set(map(frozenset, deck.patch_types))
-
-
-def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
-    three: scripts.GivenAssembly,
-) -> None:
-    lines = list(LiggghtsDeck(three, SEARCH, 0.12).input_script())
-    rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
-    forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
-    assert forces and max(forces) < rigid
-    names = ["load_before", "load_rise", "load_start", "load_ramp"]
-    assert [line.split()[1] for line in lines[-4:]] == names
-
-
 def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:
     deck = LiggghtsDeck(three, SEARCH, 0.12)
     lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
@@ -178,73 +131,7 @@ def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> No
     assert total == pytest.approx(1e10 * area)
 
 
-def test_weight_is_gravity_and_what_else_always_acts_is_forces(
-    stack: scripts.GivenAssembly,
-) -> None:
-    assert common_gravity(stack) == pytest.approx(9.81)
-    assert any(" gravity " in line for line in LiggghtsDeck(stack, SEARCH, 0.4).input_script())
-    pushed = replace(stack.pieces[2], force_N=(1.0, 0.0, stack.pieces[2].force_N[2]))
-    leaning = replace(stack, pieces=[*stack.pieces[:2], pushed])
-    assert common_gravity(leaning) == common_gravity(stack)
-    lines = list(LiggghtsDeck(leaning, SEARCH, 0.4).input_script())
-    assert any(" gravity " in line for line in lines)
-    always = [line for line in lines if re.match(r"variable handle\d+_x ", line)]
-    assert any(line.endswith("+(0.5)") for line in always)
-
-
-def test_what_presses_on_a_piece_comes_on_top_of_its_gravity(stack: scripts.GivenAssembly) -> None:
-    weight = stack.pieces[2].force_N[2]
-    pressed = replace(stack.pieces[2], force_N=(0.0, 0.0, weight - 8.0))
-    whole = replace(stack, pieces=[*stack.pieces[:2], pressed])
-    assert common_gravity(whole) == pytest.approx(9.81)
-    lines = list(LiggghtsDeck(whole, SEARCH, 0.4).input_script())
-    down = [line for line in lines if re.match(r"variable handle\d+_z ", line)]
-    assert [float(line.rsplit("+(", 1)[1][:-1]) for line in down] == pytest.approx([-4.0, -4.0])
-
-
-def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.GivenAssembly) -> None:
-    floating = replace(stack.pieces[2], force_N=(0.0, 0.0, 1.0))
-    whole = replace(stack, pieces=[*stack.pieces[:2], floating])
-    assert common_gravity(whole) == 0.0
-    assert not any(" gravity " in line for line in LiggghtsDeck(whole, SEARCH, 0.4).input_script())
-
-
-def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
-    many = as_read(*tilted_stack(15), tmp_path)
-    raised = [line for line in LiggghtsDeck(many, SEARCH, 0.4).input_script() if "v_load*" in line]
-    assert [line.split()[:3] for line in raised] == [
-        ["variable", f"acceleration_{axis}", "atom"] for axis in "xyz"
-    ]
-    per_newton = many.loads[0].force[0] / many.pieces[many.free[0]].mass_kg
-    assert raised[0].endswith(f"v_load*mass*({per_newton!r})")
-
-
-def test_permanent_loads_are_raised_where_that_is_asked_for(stack: scripts.GivenAssembly) -> None:
-    (at_once,) = (
-        line for line in LiggghtsDeck(stack, SEARCH, 0.4).input_script() if "gravity" in line
-    )
-    assert at_once.startswith("fix gravity handles gravity 9.81 ")
-    slowly = list(LiggghtsDeck(stack, SEARCH, 0.4, gradual=True).input_script())
-    (share,) = (line for line in slowly if line.startswith("variable permanent "))
-    assert f"cos(PI*step/{SEARCH.ramp(stack.permanent_N, 0.0)})" in share
-    assert not any(" gravity 9.81" in line for line in slowly)
-    assert any(line.startswith("variable gravity atom v_permanent*mass*(-9.8") for line in slowly)
-
-
-def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None:
-    many = as_read(*tilted_stack(15), tmp_path)
-    heavier = replace(many.pieces[-1], mass_kg=2 * many.pieces[-1].mass_kg)
-    many = replace(many, pieces=[*many.pieces[:-1], heavier])  # which is accelerated by half
-    with pytest.raises(SystemExit, match="30 points of load application; at most 28"):
-        list(LiggghtsDeck(many, SEARCH, 0.4).input_script())
-
-
 # --- LIGGGHTS' answers ---------------------------------------------------------------------------
-def test_the_version_is_in_the_greeting() -> None:
-    greeting = "LIGGGHTS (Version LIGGGHTS-PUBLIC 3.8.0, compiled 2022-01-26-19:42:32 by buildd)"
-    assert version_in(["", greeting]) == "3.8.0"
-    with pytest.raises(SystemExit, match="states no version"):
-        version_in(["ERROR: no such thing"])
 
 
 def test_a_dump_is_read_from_its_last_snapshot() -> None:
@@ -282,12 +169,6 @@ def test_utilisation_is_the_larger_of_shear_and_tension() -> None:
     assert utilisation((0.1 * shear, 0.0, 9 * tension), up, LAW, area) == pytest.approx(0.1)
 
 
-def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> None:
-    law, up = replace(LAW, tensile_strength=0.0), (0.0, 0.0, 1.0)
-    assert utilisation((0.0, 0.0, -1e-12), up, law, 1e-4) < 1e-3
-    assert utilisation((0.0, 0.0, -1e-3), up, law, 1e-4) > 1.0
-
-
 # --- flatness ------------------------------------------------------------------------------------
 def pressed(assembly: scripts.GivenAssembly) -> list[NodeForce]:
     return [NodeForce(1.0, (0.0, 0.0, 0.0), False) for _ in assembly.nodes]
@@ -318,15 +199,6 @@ def test_a_turn_moves_the_point_of_contact_of_two_spheres_as_geometry_requires(
         check_flat(stack, large, [0.4] * 2, only_last, 1e12)
 
 
-def test_open_nodes_and_faces_that_move_as_one_do_no_harm(stack: scripts.GivenAssembly) -> None:
-    far = [STILL, PieceMotion((1.0, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
-    open_nodes = [NodeForce(0.0, (0.0, 0.0, 0.0), False) for _ in stack.nodes]
-    assert spurious_force(stack, far, [0.4] * 2, open_nodes) == 0.0
-    together = [PieceMotion((1.0, 2.0, 3.0), (0.0, 0.0, 0.0))] * 3
-    assert spurious_force(stack, together, [0.4] * 2, pressed(stack)) == 0.0
-    assert contact_shift(stack, together, [0.4] * 2, pressed(stack)) == 0.0
-
-
 def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.GivenAssembly) -> None:
     def at(slip: float) -> None:
         moved = [STILL, PieceMotion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
@@ -336,14 +208,6 @@ def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.GivenAssembl
     at(1.7e-4)
     with pytest.raises(SystemExit, match=r"spurious forces are 0\.11 of the load"):
         at(1.9e-4)
-
-
-def test_a_mechanism_that_flatter_spheres_do_not_show_ends_with_a_reason() -> None:
-    peak = EnginePeak(43.5, 43.6, None, MECHANISM, [])
-    check_mechanism(peak, [1e-6], 2)  # no equilibrium
-    check_mechanism(peak, [1e-6, 5e-5], 2)  # another one, on round feet
-    with pytest.raises(SystemExit, match=r"no peak: at 43\.6 N the pieces drift off"):
-        check_mechanism(peak, [1e-6, 1.2e-6], 2)
 
 
 @pytest.mark.parametrize("displacement", [math.nan, math.inf, -math.inf])
@@ -389,18 +253,3 @@ def test_results_are_written_with_stresses_mode_and_engine(
         assert float(row[f"{face.name}_shear_x_N"]) == pytest.approx(0.5 * len(numbers))
         whole = sum(n % 2 == 0 for n in numbers) / len(numbers)
         assert float(row[f"{face.name}_broken_share"]) == pytest.approx(1.0 - whole)
-
-
-@pytest.mark.parametrize(("load", "normal"), [(math.nan, 1.0), (12.0, math.nan), (12.0, math.inf)])
-def test_results_that_are_no_numbers_are_not_written(
-    three: scripts.GivenAssembly,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    load: float,
-    normal: float,
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    nodes = [NodeForce(normal, (0.0, 0.0, 0.0), True) for _ in three.nodes]
-    with pytest.raises(SystemExit, match="diverged"):
-        History(three).write(EnginePeak(load, 13.0, None, BONDS, nodes), "engine", "1.2")
-    assert not (tmp_path / "result.json").exists()

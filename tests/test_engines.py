@@ -15,7 +15,7 @@ from sidmacib.engines.execute import OUTPUTS, EngineError
 from sidmacib.engines.numerics import Numerics
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
-from sidmacib.joint.loading import Loading, Push, lateral_load
+from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Kind, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
@@ -71,7 +71,7 @@ def test_a_dry_block_slides_at_friction_times_its_weight(
 
 
 # --- an assembly that is no joint ----------------------------------------------------------------
-@pytest.mark.parametrize(("friction", "width"), [(0.1, 0.4), (0.35, 0.4), (2.0, 0.2)])
+@pytest.mark.parametrize(("friction", "width"), [(0.35, 0.4), (2.0, 0.2)])
 def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
     engine: str, tmp_path: Path, friction: float, width: float
 ) -> None:
@@ -84,21 +84,12 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 
 
 # --- a right answer or a clear no ----------------------------------------------------------------
-@pytest.mark.parametrize("eccentricity", [0.5, np.inf])
 def test_pieces_that_drift_off_round_contacts_are_not_taken_for_failed(
-    engine: str, tmp_path: Path, eccentricity: float
+    engine: str, tmp_path: Path
 ) -> None:
     # Without friction nothing holds the upper pieces along x; the bonds would carry 60 % more.
     joint = Joint(3, dry=replace(DRY, friction=0.0))
     with pytest.raises(EngineError, match=r"no peak: at .* N"):
-        run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
-
-
-def test_rotations_that_round_contacts_cannot_follow_end_with_a_reason(
-    engine: str, tmp_path: Path
-) -> None:
-    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
-    with pytest.raises(EngineError, match="further than contact spheres can follow"):
         run_case(a_case(engine, joint, Loading(Direction(0.5)), mesh=0.02), tmp_path)
 
 
@@ -109,7 +100,7 @@ def test_soft_faces_end_with_a_reason(
     soft = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
     joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
     with pytest.raises(EngineError, match="further than contact spheres can follow"):
-        run_case(a_case(engine, joint, Loading(Direction(eccentricity)), mesh=0.02), tmp_path)
+        run_case(a_case(engine, joint, Loading(Direction(0.5)), mesh=0.02), tmp_path)
 
 
 def test_joints_with_hardly_any_tensile_strength_have_a_peak(engine: str, run) -> None:
@@ -135,21 +126,6 @@ def test_a_computation_that_diverges_ends_with_a_reason(engine: str, tmp_path: P
 
 
 # --- the joint -----------------------------------------------------------------------------------
-def test_one_lower_lock_without_friction_carries_T0(engine: str, run) -> None:
-    joint = Joint(locks=2, dry=replace(DRY, friction=0.0))
-    result = run(a_case(engine, joint, Loading(Direction(0.0))))
-    assert result.shear == pytest.approx(joint.T0, rel=2.5e-3)
-    weights = result.weights.set_index("lock")["weight"]
-    assert weights[2] == pytest.approx(1.0, abs=3e-3)
-
-
-@pytest.mark.parametrize("push", Push)
-def test_three_locks_are_the_same_pushed_from_either_side(engine: str, run, push: Push) -> None:
-    weights = (
-        run(a_case(engine, Joint(3), Loading(Direction(0.0), push=push))).weights["weight"].tolist()
-    )
-    ordered = weights if push is Push.PLUS_Y else weights[::-1]
-    assert ordered == pytest.approx([0.74, 1.0, 0.01], abs=0.02)
 
 
 @pytest.mark.parametrize("eccentricity", [0.0, 0.5, float("inf")])
@@ -160,32 +136,12 @@ def test_every_piece_is_in_equilibrium_under_its_stresses(
     assert result.unbalanced_share < 0.0075
 
 
-def test_shear_and_friction_of_the_lower_faces_balance_V(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.0)), mesh=0.02))
-    nodes = result.nodes[result.nodes["z_m"] == 0.0]
-    carried = -float(nodes["shear_y_Pa"] @ nodes["area_m2"])
-    assert carried == pytest.approx(result.shear, rel=0.005)
-    dry = nodes[nodes["kind"] == "dry"]
-    assert 0.0 < -float(dry["shear_y_Pa"] @ dry["area_m2"]) < 0.1 * result.shear
-
-
 def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: str, run) -> None:
     result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
     dry = result.nodes[result.nodes["kind"] == "dry"]
     shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
     assert (dry["normal_Pa"] >= 0.0).all()
     assert (shear <= 0.3 * dry["normal_Pa"] * (1 + 1e-6) + 1e-6).all()
-
-
-def test_an_inner_face_carries_no_more_than_its_cohesion(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.5)), mesh=0.02))
-    assert result.weights["max_shear_ratio"].max() == pytest.approx(1.0, abs=5e-3)
-    assert result.weights["max_shear_ratio"].max() <= 1.0 + 1e-6
-
-
-def test_the_first_load_that_fails_is_within_the_tolerance(engine: str, run) -> None:
-    result = run(a_case(engine, Joint(3), Loading(Direction(0.0))))
-    assert 0.0 < result.failed_load / result.peak_load - 1.0 <= 0.001
 
 
 def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) -> None:
@@ -240,14 +196,6 @@ def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
     assert result.record.mode == expected.mode == "bonds"
     weights = [each.weight for each in expected.weights]
     assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.01)
-
-
-def test_one_lock_alone_slides_under_a_given_force(run) -> None:
-    joint = Joint(1, hold_down=HoldDown.force(500.0))
-    result = run(a_case("yade", joint, Loading(Direction(0.0)), mesh=0.02))
-    weight = joint.density * 9.81 * joint.a * joint.b * (joint.h + joint.H)
-    assert result.peak_load == pytest.approx(0.3 * (500.0 + weight), rel=2e-3)
-    assert result.record.mode == "mechanism"
 
 
 def test_a_run_repeats_to_the_byte(engine: str, tmp_path: Path) -> None:

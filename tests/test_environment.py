@@ -52,14 +52,6 @@ def test_an_environment_that_cannot_be_made_leaves_the_one_that_is_there(
     assert not (tmp_path / ".venv.old").exists()
 
 
-def test_one_that_was_killed_on_the_way_is_made_from_what_was_there_before(tmp_path: Path) -> None:
-    for name in (".venv.old", ".venv"):
-        (tmp_path / name).mkdir()
-        (tmp_path / name / "of").write_text(name)
-    assert made(tmp_path, "exit 1").returncode != 0
-    assert (tmp_path / ".venv/of").read_text() == ".venv.old"
-
-
 def test_a_new_environment_takes_the_place_of_the_old_one(tmp_path: Path) -> None:
     (tmp_path / ".venv").mkdir()
     (tmp_path / ".venv/mine").write_text("mine")
@@ -80,11 +72,6 @@ def test_packages_are_installed_by_uv_and_by_pip_where_that_cannot(
     assert "--require-hashes --requirement requirements.txt" in by_uv
     by_pip = "install --quiet --require-hashes --requirement requirements.txt"
     assert (by_pip in calls) == pip_too
-
-
-def test_another_python_can_be_chosen(tmp_path: Path) -> None:
-    assert made(tmp_path, "", python="other-python").returncode == 0
-    assert (tmp_path / "calls").read_text().startswith("-m venv --clear .venv\n")
 
 
 def test_a_python_that_is_not_there_is_named() -> None:

@@ -96,14 +96,6 @@ def test_a_missing_program_is_named_with_its_package(tmp_path: Path) -> None:
         execute(engine, folder_with(tmp_path, GOOD), 60)
 
 
-def test_only_the_end_of_a_long_log_is_shown(tmp_path: Path) -> None:
-    text = "for i in range(1000): print('line', i)\nraise SystemExit(3)"
-    with pytest.raises(EngineError) as error:
-        execute(python_engine(), folder_with(tmp_path, text), 60)
-    assert "line 999" in str(error.value)
-    assert "line 900" not in str(error.value)
-
-
 # --- however the runner ends, the program ends ---------------------------------------------------
 RUNNER = """
 import sys
@@ -164,15 +156,3 @@ def test_an_engine_says_why_it_cannot_compute_an_assembly(joint: Joint) -> None:
     soft = replace(assembly, faces=(replace(assembly.faces[0], material=material),))
     assert "one stiffness" in str(refusal(ENGINES["liggghts"], soft))
     assert refusal(ENGINES["yade"], soft) is None
-
-
-def test_an_engine_that_is_not_there_has_no_version() -> None:
-    with pytest.raises(RuntimeError, match="not installed"):
-        replace(ENGINES["yade"], probe="no-such-yade").version()
-
-
-def test_a_version_is_the_programs_own_words() -> None:
-    engine = replace(python_engine(), version_text=lambda: "name='x'\nversion='2023.02a'\n")
-    assert engine.version() == "2023.02a"
-    with pytest.raises(RuntimeError, match="states no version"):
-        replace(engine, version_text=lambda: "").version()

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from analysis.explore.covered import covered
-from analysis.explore.effects import effects, words
-from analysis.explore.pictures import Counted, answers, peak, pictures, ratios, which_counts
+from analysis.explore.effects import effects
+from analysis.explore.pictures import Counted, answers, pictures, which_counts
 from analysis.explore.state import (
     SLIDERS,
     Settings,
@@ -96,41 +96,6 @@ def test_a_joint_beyond_the_rule_is_noted_and_drawn() -> None:
     assert pictures(state, answer)["pieces"]
 
 
-def test_blocks_that_bend_have_no_first_failure_where_the_law_refuses() -> None:
-    state = Settings(locks=3, young=10.0, b=20.0, H=150.0)
-    answer = answers(state)
-    assert answer.peak is None
-    assert answer.words.startswith(
-        "3 locks, e = 0.3 a: no first failure is known. No safe rule: H / b"
-    )
-    assert pictures(state, answer)["curve"]["shear"] == []
-    assert answers(Settings(locks=3, young=10.0)).peak is not None
-
-
-def test_the_drawing_has_every_piece() -> None:
-    states = (Settings(locks=4, one_piece=one) for one in (False, True))
-    columns, whole = (pictures(state, answers(state))["pieces"] for state in states)
-    assert len(columns) == 1 + 4 + 4
-    assert len(whole) == 1 + 4 + 1
-    assert [piece["lock"] for piece in whole if piece["lock"]] == [1, 2, 3, 4]
-
-
-def test_what_is_shown_is_of_one_joint() -> None:
-    state = Settings(locks=7, eccentricity=0.5)
-    answer = answers(state)
-    shown = pictures(state, answer)
-    assert answer.words.startswith("7 locks, e = 0.5 a: peak at V = ")
-    assert len(shown["shares"]) == 7
-    assert shown["curve"]["shear"] == [answer.peak.shear]
-    assert {mark["name"] for mark in shown["marks"]} == {"first failure, law", "safe rule"}
-    assert 0.5 in ratios(state)
-
-
-def test_peaks_fall_with_the_eccentricity() -> None:
-    shears = [peak(Settings().joint, ratio).shear for ratio in (0.0, 0.1, 0.3, 1.0)]
-    assert shears == sorted(shears, reverse=True)
-
-
 def test_the_curve_states_the_lowest_peak_found_where_it_is_below_the_curve() -> None:
     near = which_counts(Settings(eccentricity=0.3))
     assert (near.legend, near.words) == (" (no lower peak found at 0.3 a)", "")
@@ -155,16 +120,6 @@ def test_the_law_answers_at_the_ends_of_a_range_and_not_a_tenth_of_the_slider_be
                 law(replace(state, **{name: beyond}).joint, Direction(0.3))
 
 
-def test_two_locks_are_covered_at_every_eccentricity() -> None:
-    assert covered(Settings(locks=2, eccentricity=0.3))["eccentricity"] == (0.0, 3.0)
-
-
-def test_nothing_of_one_size_brings_a_joint_back_that_another_size_takes_out() -> None:
-    high = Settings(H=150.0, b=20.0)
-    assert covered(high)["eccentricity"] is None
-    assert covered(high)["H"] is not None
-
-
 # --- effects ------------------------------------------------------------------------------------
 def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
     state = Settings(locks=5, eccentricity=0.3, pressure=50.0)
@@ -184,9 +139,3 @@ def test_an_arrow_points_to_where_the_first_failure_is_larger() -> None:
 
 def posed_at(state: Settings) -> Problem:
     return posed(state.joint, Loading(Direction(state.eccentricity)), meshes(state.joint)[1])
-
-
-def test_sliders_at_0_and_blocks_that_bend_have_no_arrow() -> None:
-    assert effects(Settings(friction=0.0)).keys() == {"a", "b", "h", "H", "cohesion"}
-    assert effects(Settings(young=20.0, one_piece=True)) == {}
-    assert [words(x) for x in (0.004, -0.004)] == ["0.00 %", "0.00 %"]

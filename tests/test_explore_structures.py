@@ -1,24 +1,20 @@
 """What the explorer's page of structures answers: examples, their sliders, and its models."""
 
-import threading
-import time
 from collections.abc import Iterator
 
 import numpy as np
 import pytest
 from explorer import Answered, Served, explorer
 
-from analysis.explore import app, structures
 from analysis.explore.examples import (
     EXAMPLES,
-    STRUCTURE_SLIDERS,
     STUDIES,
     Chosen,
     checked_choice,
     choice_in,
     defaults,
 )
-from analysis.explore.structures import limit, static, structure_answer
+from analysis.explore.structures import structure_answer
 from sidmacib.command.structures import structure_rows
 from sidmacib.structure.files.structure_file import structure_of
 from sidmacib.yaml_text import parsed, read_yaml
@@ -53,40 +49,6 @@ def test_an_example_opens_as_its_file_has_it(name: str) -> None:
     assert np.array_equal(ours.assembly.nodes.position, theirs.assembly.nodes.position)
     assert ours.loads.axis == theirs.loads.axis
     assert ours.loads.variable == pytest.approx(theirs.loads.variable)
-
-
-@pytest.mark.parametrize("name", EXAMPLES)
-def test_defaults_are_on_the_sliders(name: str) -> None:
-    first = defaults(name)
-    assert list(first) == list(EXAMPLES[name].sliders)
-    for slider, value in first.items():
-        assert STRUCTURE_SLIDERS[slider].nearest(value) == pytest.approx(value)
-
-
-def test_sliders_change_what_they_are_called_after() -> None:
-    arch = chosen(structure="arch", friction=0.5, cohesion=20, tensile_strength=7).description
-    assert arch["interfaces"] == {
-        "friction": 0.5,
-        "cohesion": 20e3,
-        "tensile_strength": 7e3,
-    }
-    assert chosen(structure="arch", azimuth=90).description["load"]["acceleration"] == [0, 1, 0]
-    up = chosen(structure="vault", slope=30, azimuth=180).description["load"]["force"]
-    assert up["direction"] == pytest.approx([-(0.75**0.5), 0, 0.5])
-    assert up["block"] == "block22"
-    keyed = chosen(structure="keyed", locks=7, friction=0.2, cohesion=50).description["locks"][0]
-    assert (keyed["count"], keyed["dry"]["friction"], keyed["inner"]["cohesion"]) == (7, 0.2, 50e3)
-    trilith = chosen(structure="trilith", cohesion=30).description["special"][0]
-    assert (trilith["cohesion"], trilith["tensile_strength"]) == (30e3, 5e3)
-
-
-def test_gravity_turns_towards_the_chosen_direction() -> None:
-    for azimuth in (-180, 0, 35):
-        problem = structure_of(chosen(structure="stack", azimuth=azimuth).description)
-        assert problem.loads.axis is not None
-        leaning = np.cross(problem.loads.axis, (0, 0, -1))  # of gravity, as it begins to turn
-        angle = np.radians(azimuth)
-        assert leaning == pytest.approx([np.cos(angle), np.sin(angle), 0], abs=1e-8)
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -141,27 +103,6 @@ def test_its_numbers_are_those_that_the_command_prints_for_the_file(name: str) -
             assert line[2] == pytest.approx(printed[model]["load / weight"], rel=2e-5)
 
 
-def test_what_is_drawn_belongs_to_the_model_that_is_chosen() -> None:
-    for model, record in (("limit", limit), ("static", static)):
-        answer = structure_answer(chosen(structure="trilith", model=model))
-        expected = record(chosen(structure="trilith"))
-        assert answer["row"]["model"] == model
-        assert answer["row"]["load_N"] == pytest.approx(expected.load_N, rel=1e-5)
-        names = [each["interface"] for each in answer["interfaces"]]
-        assert names == [each["name"] for each in answer["shape"]["interfaces"]]
-        assert [each["block"] for each in answer["blocks"]] == [
-            each["name"] for each in answer["shape"]["blocks"]
-        ]
-
-
-def test_locks_that_are_drawn_are_those_that_were_chosen() -> None:
-    for locks in (1, 4):
-        answer = structure_answer(chosen(structure="keyed", locks=locks))
-        drawn = {each["name"] for each in answer["shape"]["interfaces"]}
-        assert drawn == {each["interface"] for each in answer["interfaces"]}
-        assert sum("lock" in name for name in drawn) >= locks
-
-
 def test_a_model_without_an_answer_says_why() -> None:
     answer = structure_answer(chosen(structure="arch", friction=0.1))
     (limit_line, static_line) = answer["lines"]
@@ -176,38 +117,6 @@ def test_a_model_without_an_answer_says_why() -> None:
     assert answer["shape"]["blocks"] and answer["yaml"]
 
 
-def test_a_peak_that_depends_on_the_mesh_is_not_the_answer() -> None:
-    answer = structure_answer(chosen(structure="arch", cohesion=50, tensile_strength=20))
-    lines = {line[0]: line for line in answer["lines"]}
-    counts, peak = lines["static model"], lines["static model, peak"]
-    assert counts[1] < peak[1] / 2.0 and counts[3] < 1.0
-    assert peak[3:] == [None, "does not count"]
-    words = (
-        f"first bond at {counts[1]:.4g} N, {counts[2]:.3g} of the weight; the first failure counts"
-    )
-    assert words in answer["words"]
-
-
-def test_the_first_failure_stands_beside_a_peak_that_counts() -> None:
-    lines = {line[0]: line for line in structure_answer(chosen(structure="trilith"))["lines"]}
-    first = lines["static model, first failure"]
-    assert first[1] < lines["static model"][1] / 4.0
-    assert first[4] == "bond of left-lintel"
-
-
-def test_a_fault_in_one_model_is_a_line_and_the_other_model_is_shown(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    def broken(*given: object) -> None:
-        raise ArithmeticError("no matrix")
-
-    state = chosen(structure="wall", friction=0.37)
-    monkeypatch.setattr(structures.structure_static, "solve", broken)
-    lines = structure_answer(state)["lines"]
-    assert lines[0][1] > 0
-    assert lines[1] == ["static model", None, None, None, "no matrix"]
-
-
 # --- requests ------------------------------------------------------------------------------------
 def test_a_request_is_answered_for_what_the_sliders_allow(served: Served) -> None:
     found = ask(served, {"structure": "wall", "friction": 7}, number=3)
@@ -216,35 +125,6 @@ def test_a_request_is_answered_for_what_the_sliders_allow(served: Served) -> Non
     assert found.content["values"] == defaults("wall") | {"friction": 1.0}
     assert found.content["notes"] == ["friction: 7 is outside 0 to 1; 1 is shown."]
     assert found.content["link"] == f"{served.url}/structures?structure=wall&friction=1"
-
-
-def test_a_superseded_request_is_dropped_between_models(
-    served: Served, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    seen: list[str] = []
-    newer: list[Answered] = []
-
-    def send() -> None:
-        newer.append(ask(served, {"structure": "wall"}, number=8))
-
-    thread = threading.Thread(target=send)
-
-    def first(state: Chosen) -> None:
-        seen.append(f"first {state.example}")
-        if state.example == "arch":
-            thread.start()
-            while served.newest()[1] < 8:  # the newer request arrives, and waits
-                time.sleep(0.001)
-
-    def second(state: Chosen) -> None:
-        seen.append(f"second {state.example}")
-
-    monkeypatch.setattr(app, "STAGES", (first, second))
-    monkeypatch.setattr(app, "structure_answer", lambda state: {})
-    assert ask(served, {"structure": "arch"}, number=7).status == 204
-    thread.join()
-    assert newer[0].status == 200
-    assert seen == ["first arch", "first wall", "second wall"]
 
 
 def test_the_page_opens_as_its_link_says_and_shows_text_as_text(served: Served) -> None:
@@ -265,9 +145,3 @@ def test_structures_are_computed_for_this_page_only(
 ) -> None:
     found = served.post("/structure", {"page": "x", "number": 1, "values": {}}, **headers)
     assert found.status == 403
-
-
-def test_another_site_may_link_to_the_page_but_not_frame_it(served: Served) -> None:
-    site = {"Sec_Fetch_Site": "cross-site", "Sec_Fetch_Mode": "navigate"}
-    assert served.get("/structures", **site, Sec_Fetch_Dest="document").status == 200
-    assert served.get("/structures", **site, Sec_Fetch_Dest="iframe").status == 403

@@ -5,17 +5,11 @@ from typing import Any
 
 import pytest
 
-from analysis.tables.structures import structures_table
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.models import limit, static, structure_limit, structure_static
 from sidmacib.structure.analysis.tilt import PRECISION, tilt_of_load
 from sidmacib.structure.files.structure_file import structure_of
-from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
-from workflow.results.record import record_of
-from workflow.steps.structure_solve import solved
-from workflow.structures.cases import structure_cases
 
 FRICTION = 0.2
 SLIDING: dict[str, Any] = {
@@ -37,16 +31,6 @@ def test_of_a_joint(model: Any, ratio: float) -> None:
     outcome = model.solve(posed(Joint(3), Loading(Direction(ratio)), 0.05))
     above = outcome.failed_load / outcome.path[-1].load - 1.0
     assert 0.0 <= above <= (1.1e-5 if model is static else 0.0)
-
-
-def test_a_record_has_the_failed_load_and_first_failure_of_the_outcome() -> None:
-    study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
-    case, *_ = (each for each in cases_of(study).values() if each.model == "static")
-    problem = posed(case.joint, case.loading, case.mesh, case.nodes)
-    outcome = static.solve(problem)
-    record = record_of(case, problem, outcome, {})
-    assert record.failed_load_N == pytest.approx(outcome.failed_load, rel=1e-9)
-    assert record.first_failure_load_N == pytest.approx(outcome.first_failure_load, rel=1e-9)
 
 
 @pytest.mark.parametrize("model", STRUCTURES)
@@ -76,23 +60,6 @@ def test_a_block_on_a_slope_slides_between_the_last_angle_and_the_failed_one() -
     assert carried == pytest.approx(critical, rel=2e-3)
     assert failed == pytest.approx(critical, rel=2e-3)
     assert carried < failed
-
-
-@pytest.mark.parametrize(("load", "unit"), [(PUSH, "load_N"), (TILT, "tilt_degrees")])
-def test_tables_have_the_failed_load_of_the_outcome(load: dict[str, Any], unit: str) -> None:
-    config = {
-        "structures": {"one": {"description": {**SLIDING, "load": load}}},
-        "models": ["static"],
-        "dem": {"engines": []},
-    }
-    (case,) = structure_cases(read_study(config))
-    record = solved(case, structure_static.__name__)
-    found = structure_static.solve(structure_of(case.description))
-    assert record.failed_load_N == pytest.approx(found.outcome.failed_load, rel=1e-9)
-    (row,) = structures_table([record]).to_dict("records")
-    largest = row["load_N"] if unit == "load_N" else row["tilt_degrees"]
-    failed = row["failed_load_N"] if unit == "load_N" else row["failed_tilt_degrees"]
-    assert largest <= failed <= 1.0002 * largest
 
 
 @pytest.mark.parametrize("load", [PUSH, TILT], ids=["push", "tilt"])

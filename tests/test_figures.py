@@ -10,9 +10,8 @@ from conftest import ROOT
 from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import figures_of
-from analysis.figures.curves import first_quadrant
 from analysis.figures.draw import DRAWN_BY, KINDS, run
-from analysis.figures.stress_maps import _cells, _thinned
+from analysis.figures.stress_maps import _cells
 from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
@@ -43,23 +42,6 @@ def test_every_figure_of_the_paper_that_can_be_redrawn_is_there() -> None:
     }
 
 
-def test_a_study_of_blocks_of_different_stiffness_has_a_figure_of_it() -> None:
-    study = read_study_file(ROOT / "studies/elastic/config.yaml")
-    assert "stiffness" in figures_of(study, detailed(study.model_names))
-
-
-def test_a_study_of_bonds_of_different_fracture_energy_has_a_figure_of_it() -> None:
-    study = read_study_file(ROOT / "studies/softening/config.yaml")
-    assert "fracture_energy" in figures_of(study, detailed(study.model_names))
-
-
-def test_elastic_pieces_have_stress_maps_of_the_leading_model_and_of_their_engine() -> None:
-    study = read_study({"samples": {"n3": {"locks": 3}}, "assembly": {"pieces": "elastic"}})
-    figures = figures_of(study, detailed(study.model_names))
-    assert figures["shear_stress-n3"].case.model == "static"
-    assert figures["shear_stress-n3-calculix"].case.model == "calculix"
-
-
 def test_stress_maps_show_pure_shear_and_torsion_with_shear_at_the_finest_mesh() -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}})
     figures = figures_of(study, detailed(study.model_names))
@@ -83,11 +65,6 @@ def test_a_sweep_over_many_samples_has_figures_of_the_first_ones_only() -> None:
     assert drawn == {None, *(f"n{n}" for n in range(12))}
 
 
-def test_the_first_quadrant_of_a_polygon_ends_on_both_axes() -> None:
-    square = np.array([[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]])
-    assert first_quadrant(square) == pytest.approx(np.array([[2, 0], [2, 2], [0, 2]]))
-
-
 @pytest.fixture(params=NodeLayout)
 def face_and_nodes(request: pytest.FixtureRequest):
     model = assemble(Joint(3), 0.005, request.param)
@@ -107,20 +84,6 @@ def test_the_cells_of_a_stress_map_fill_the_face(face_and_nodes) -> None:
     for axis, corner in ((1, corners[..., 0]), (0, corners[..., 1])):
         assert corner.min() == pytest.approx(1e3 * face.low[axis])
         assert corner.max() == pytest.approx(1e3 * face.high[axis])
-
-
-def test_arrows_are_spread_over_the_whole_face(face_and_nodes) -> None:
-    _, nodes = face_and_nodes
-    shown = _thinned(nodes)
-    assert 9 <= len(shown) <= 25
-    assert len(shown) == shown["x_m"].nunique() * shown["y_m"].nunique()
-
-
-def test_rules_without_a_figure_of_their_own_leave_it_out() -> None:
-    config = {"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}}
-    for reductions, there in ((["none"], False), (["none", "half"], True), (["lower_sum"], True)):
-        study = read_study({**config, "sidmacib": {"reductions": reductions}})
-        assert ("revised-n3" in figures_of(study, ("static",))) == there
 
 
 # --- cases without a result ----------------------------------------------------------------------
@@ -161,16 +124,9 @@ def drawn_with_failures(fails: Callable[[Case], bool], folder: Path) -> list[str
 
 
 WITHOUT: dict[str, Callable[[Case], bool]] = {
-    "the leading model": lambda case: case.model == "yade",
     "the finest mesh": lambda case: case.model == "static" and case.mesh == 0.01,
-    "pure shear": lambda case: case.direction.eccentricity == 0.0,
     "everything": lambda case: True,
 }
-
-
-def test_every_figure_is_drawn_without_any_result_of_an_engine(tmp_path: Path) -> None:
-    drawn = drawn_with_failures(lambda case: case.model == "liggghts", tmp_path)
-    assert {"meshes", "models-n3", "side_by_side", "stiffness", "fracture_energy"} <= set(drawn)
 
 
 @pytest.mark.study

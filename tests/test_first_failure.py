@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
-from sidmacib.joint.loading import Loading, LoadShare, Push, lateral_load
+from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Elastic, Failure
 from sidmacib.mechanics.static.model import static_first_failure
@@ -42,7 +42,7 @@ def on_mesh(joint: Joint, loading: Loading, cells: int) -> float:
 
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("eccentricity", DIRECTIONS)
-@pytest.mark.parametrize("locks", [3, 4, 8])
+@pytest.mark.parametrize("locks", [3, 8])
 def test_the_lower_locks_carry_the_load(locks: int, eccentricity: float, body: UpperBody) -> None:
     """Shear and, about the origin of x, torque: forces along y have no arm along y."""
     joint = joint_of(locks, upper_body=body)
@@ -80,58 +80,23 @@ def test_where_nothing_can_tilt_the_load_is_the_closed_form(locks: int) -> None:
     assert failure(joint).load / joint.T0 == pytest.approx(pairs_of(joint).working, rel=1e-3)
 
 
-def test_one_rigid_piece_has_as_many_working_locks_as_pairs_if_loaded_on_its_body() -> None:
-    """But for its tilt."""
-    joint = joint_of(9, upper_body=UpperBody.MONOLITHIC)
-    loading = Loading(Direction(0.0), share=LoadShare.BODY)
-    assert first_failure(joint, loading).load == pytest.approx(4 * joint.T0, rel=2e-3)
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    size=st.floats(-3, 3),
-    stiffness=st.floats(-4, 4),
-    strength=st.floats(-4, 4),
-    eccentricity=st.sampled_from(DIRECTIONS),
-)
-def test_the_first_failure_scales_with_strength_and_area_and_with_no_stiffness(
-    size: float, stiffness: float, strength: float, eccentricity: float
+@settings(max_examples=10, deadline=None)
+@given(st.floats(-3, 3), st.floats(-4, 4), st.sampled_from(DIRECTIONS))
+def test_the_first_failure_scales_with_strength_and_area(
+    size: float, strength: float, eccentricity: float
 ) -> None:
     plain = joint_of(5)
-    length, k, s = 10.0**size, 10.0**stiffness, 10.0**strength
-    scaled = joint_of(
-        5,
-        **{name: length * getattr(plain, name) for name in ("a", "b", "h", "H")},
-        inner=replace(
-            INNER,
-            normal_stiffness=k * INNER.normal_stiffness,
-            shear_stiffness=k * INNER.shear_stiffness,
-            cohesion=s * INNER.cohesion,
-            tensile_strength=s * INNER.tensile_strength,
-        ),
-        dry=replace(
-            SMOOTH,
-            normal_stiffness=k * DRY.normal_stiffness,
-            shear_stiffness=k * DRY.shear_stiffness,
-        ),
-    )
-    loads = [failure(each, eccentricity).load / each.T0 for each in (plain, scaled)]
+    larger = scaled(plain, 10.0**size, 10.0**strength)
+    loads = [failure(each, eccentricity).load / each.T0 for each in (plain, larger)]
     assert loads[1] == pytest.approx(loads[0], rel=1e-4)
 
 
-@pytest.mark.parametrize("eccentricity", DIRECTIONS)
+@pytest.mark.parametrize("eccentricity", [0.5, math.inf])
 def test_torques_of_either_sign_are_alike(eccentricity: float) -> None:
     joint = joint_of(4)
     assert failure(joint, -eccentricity).load == pytest.approx(
         failure(joint, eccentricity).load, rel=1e-4
     )
-
-
-def test_an_odd_joint_is_the_same_from_both_sides_and_an_even_one_is_not() -> None:
-    for locks, same in ((5, True), (6, False)):
-        joint = joint_of(locks)
-        there, back = (failure(joint, push=push).load for push in Push)
-        assert math.isclose(there, back, rel_tol=1e-6) is same
 
 
 def test_an_even_joint_pushed_back_is_one_that_begins_with_a_lower_lock() -> None:
@@ -140,20 +105,11 @@ def test_an_even_joint_pushed_back_is_one_that_begins_with_a_lower_lock() -> Non
     assert there.load == pytest.approx(other.load, rel=1e-9)
 
 
-def test_friction_and_what_presses_add_to_shear() -> None:
-    rough = joint_of(5, dry=replace(DRY, friction=0.4))
-    pressed = replace(rough, hold_down=HoldDown.pressure(2e4))
-    loads = [failure(each).load for each in (joint_of(5), rough, pressed)]
-    assert loads[0] < loads[1] < loads[2]
-    assert loads[2] - loads[1] < 0.4 * 2e4 * 5 * rough.a * rough.b
-
-
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("eccentricity", [0.0, 0.3, math.inf])
 @pytest.mark.parametrize(
     "locks, others",
     [
-        (3, {}),
         (5, {}),
         (8, {"H": 0.06, "h": 0.02}),
         (11, {"a": 0.1, "H": 0.1, "inner": replace(INNER, shear_stiffness=3e9)}),
@@ -180,11 +136,6 @@ def test_stiff_blocks_are_rigid_ones(eccentricity: float, body: UpperBody) -> No
     loading = Loading(Direction(eccentricity))
     stiff = first_failure(replace(rigid, elastic=Elastic(1e17)), loading, ELASTIC)
     assert stiff.load == pytest.approx(first_failure(rigid, loading, ELASTIC).load, rel=1e-3)
-
-
-def test_softer_blocks_carry_less() -> None:
-    loads = [failure(joint_of(9, elastic=Elastic(young))).load for young in (3e9, 1e10, 3e10)]
-    assert loads == sorted(loads)
 
 
 @pytest.mark.parametrize("body", BODIES)

@@ -10,7 +10,7 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.loads import free_weight
-from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description, name, text
+from studies.flat_vault.geometry import FILES, LEAN, SIDE, THICKNESS, description, text
 
 
 @pytest.mark.parametrize("blocks", FILES)
@@ -52,11 +52,3 @@ def test_smooth_joints_do_not_hold_it_and_a_rigid_frame_holds_any_load() -> None
         value["fixed"] = not block.startswith("block")
     with pytest.raises(UnboundedError):
         limit_load(*structure_of(framed), friction=True)
-
-
-def test_the_load_is_at_the_top_of_the_middle_block() -> None:
-    force = description(5)["load"]["force"]
-    assert force["block"] == name(2, 2) == "block33"
-    block = next(p for p in read_structure(FILES[5]).assembly.pieces if p.name == "block33")
-    assert force["at"][:2] == pytest.approx(block.centre[:2])
-    assert force["at"][2] == THICKNESS

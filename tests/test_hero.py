@@ -1,8 +1,6 @@
 """The moving picture of README.md."""
 
 import pytest
-from conftest import ROOT
-from PIL import Image
 
 from studies.published import hero
 
@@ -30,11 +28,3 @@ def test_what_is_shown_rises_to_the_peak_and_loses_bonds_behind_it(film: hero.Fi
     bonds = [int(point.state.bonded.sum()) for point in points]
     assert bonds == sorted(bonds, reverse=True)
     assert bonds[-1] < bonds[top]
-
-
-def test_the_picture_is_light_and_ends() -> None:
-    path = ROOT / "docs/images/first_failure.gif"
-    assert path.stat().st_size < 1_000_000
-    with Image.open(path) as gif:
-        assert gif.n_frames > 10
-        assert gif.info["loop"] == 2  # after the first time

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block, renumbered
+from conftest import block_on_ground, load_on_block, renumbered, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.errors import CapacityError, InfeasibleError, UnboundedError
+from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, Push, lateral_load
@@ -28,40 +28,10 @@ def limit_of(joint: Joint, loading: Loading, mesh: float = 0.03) -> float:
     return limit_load(model, lateral_load(joint, model, loading)).load
 
 
-@pytest.mark.parametrize("locks", [3, 5, 7])
-@pytest.mark.parametrize("push", Push)
-def test_half_the_locks_of_an_odd_number_count_with_no_rule_put_in(locks: int, push: Push) -> None:
-    joint = Joint(locks)
-    expected = (locks - 1) / 2 * joint.T0
-    found = limit_of(joint, Loading(Direction(0.0), push=push))
-    assert found == pytest.approx(expected, rel=1e-8)
-
-
-@pytest.mark.parametrize("locks", [2, 4, 6])
-def test_an_even_number_of_locks_carries_one_more_in_the_push_that_closes_all_pairs(
-    locks: int,
-) -> None:
-    joint = Joint(locks)
-    pairs = {Push.PLUS_Y: locks / 2, Push.MINUS_Y: locks / 2 - 1}
-    for push, count in pairs.items():
-        found = limit_of(joint, Loading(Direction(0.0), push=push))
-        assert found == pytest.approx(count * joint.T0, abs=1e-8 * joint.T0)
-
-
-@pytest.mark.parametrize("e_over_a", [0.0, 5.0, -5.0, math.inf, -math.inf])
-@pytest.mark.parametrize("hold_down", [HoldDown.plate(), HoldDown.weight()])
-def test_one_lock_carries_nothing_and_not_minus_nothing(
-    e_over_a: float, hold_down: HoldDown
-) -> None:
-    found = limit_of(Joint(1, hold_down=hold_down), Loading(Direction(e_over_a)))
+@pytest.mark.parametrize("e_over_a", [0.0, -5.0, math.inf])
+def test_one_lock_carries_nothing_and_not_minus_nothing(e_over_a: float) -> None:
+    found = limit_of(Joint(1, hold_down=HoldDown.weight()), Loading(Direction(e_over_a)))
     assert (found, math.copysign(1.0, found)) == (0.0, 1.0)
-
-
-def test_an_inner_face_alone_carries_T0(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.INNER, 0.02)
-    assert limit_load(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0)).load == pytest.approx(
-        joint.T0
-    )
 
 
 def test_an_inner_face_in_torsion_carries_its_plastic_torque(joint: Joint) -> None:
@@ -69,14 +39,6 @@ def test_an_inner_face_in_torsion_carries_its_plastic_torque(joint: Joint) -> No
     arm = np.linalg.norm(model.nodes.position[:, :2] - model.pieces[1].centre[:2], axis=1)
     found = limit_load(model, load_on_block(model, (0.0, 0.0, 0.0), 1.0)).load
     assert found == pytest.approx(joint.inner.cohesion * float(model.nodes.area @ arm), rel=1e-6)
-
-
-def test_a_dry_block_slides_at_friction_times_what_presses(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.DRY, 0.02)
-    loads = load_on_block(model, (0.0, 1.0, 0.0), 0.0)
-    loads.permanent[1, 2] -= 100.0
-    found = limit_load(model, loads, friction=True).load
-    assert found == pytest.approx(0.3 * (100.0 + model.pieces[1].weight), rel=1e-7)
 
 
 @pytest.mark.parametrize("strength", [0.0, 1e3, 3.7e5])
@@ -96,19 +58,6 @@ def test_a_block_pressed_without_end_has_no_limit(joint: Joint) -> None:
         limit_load(model, load_on_block(model, (0.0, 0.0, -1.0), 0.0))
 
 
-def test_a_block_that_floats_away_is_infeasible(joint: Joint) -> None:
-    model = block_on_ground(joint, Kind.DRY, 0.02)
-    loads = load_on_block(model, (0.0, 0.0, -1.0), 0.0)
-    loads.permanent[1, 2] = 1.0
-    with pytest.raises(InfeasibleError, match=r"^limit analysis: no forces balance"):
-        limit_load(model, replace(loads, variable=np.roll(loads.variable, -1, axis=1)))
-
-
-def test_a_joint_without_cohesion_carries_nothing_without_friction() -> None:
-    loose = Joint(3, inner=replace(INNER, cohesion=0.0))
-    assert limit_of(loose, Loading(Direction(0.0))) == pytest.approx(0.0, abs=1e-7)
-
-
 def test_associated_friction_under_a_fixed_plate_is_refused(joint: Joint) -> None:
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     with pytest.raises(ValueError, match=r"^friction: must be false under a fixed plate"):
@@ -126,15 +75,6 @@ def test_friction_under_an_overload_adds_to_what_the_locks_carry(joint: Joint) -
     assert 2 / 3 * 0.3 * 1000.0 < rough - smooth < 0.3 * pressure
 
 
-@settings(max_examples=10)
-@given(st.floats(1.0, 3.0), st.floats(0.0, 0.2))
-def test_more_strength_never_carries_less(factor: float, eccentricity: float) -> None:
-    joint = Joint(3)
-    stronger = replace(joint, inner=replace(joint.inner, cohesion=factor * joint.inner.cohesion))
-    loading = Loading(Direction(eccentricity))
-    assert limit_of(stronger, loading) >= limit_of(joint, loading) * (1 - 1e-6)
-
-
 @pytest.mark.parametrize("push", Push)
 def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
     joint: Joint, push: Push
@@ -145,7 +85,7 @@ def test_mirrored_torque_and_push_give_the_same_limit_for_odd_locks(
         assert found == pytest.approx(expected, rel=1e-7)
 
 
-@settings(max_examples=12)
+@settings(max_examples=8)
 @given(
     st.floats(-6, 6).map(lambda power: 10**power),
     st.floats(-6, 6).map(lambda power: 10**power),
@@ -156,17 +96,10 @@ def test_the_limit_scales_with_lengths_and_stresses_over_twelve_orders_of_magnit
     length: float, stress: float, eccentricity: float, locks: int
 ) -> None:
     joint, loading, factor = Joint(locks), Loading(Direction(eccentricity)), stress * length**2
-    scaled = replace(
-        joint,
-        **{name: length * getattr(joint, name) for name in ("a", "b", "h", "H")},
-        density=stress / length * joint.density,
-        inner=replace(
-            INNER,
-            cohesion=stress * INNER.cohesion,
-            tensile_strength=stress * INNER.tensile_strength,
-        ),
+    one, other = (
+        limit_of(each, loading, 0.03 * size)
+        for each, size in ((joint, 1.0), (scaled(joint, length, stress), length))
     )
-    one, other = limit_of(joint, loading), limit_of(scaled, loading, 0.03 * length)
     # To the nine digits that are reported, of which the last may be rounded either way.
     assert other / factor == pytest.approx(one, rel=3e-8, abs=1e-8 * joint.T0)
 
@@ -218,16 +151,6 @@ def test_joints_of_masonry_have_a_limit_that_admissible_forces_carry() -> None:
         assert (found.force[~inner, 0] >= -allowed).all()
 
 
-@pytest.mark.parametrize(("eccentricity", "pairs"), [(0.0, 2.0), (0.1, None), (math.inf, None)])
-def test_a_large_strong_joint_has_a_limit(eccentricity: float, pairs: float | None) -> None:
-    inner = replace(INNER, cohesion=2e6, tensile_strength=4e6)
-    joint = Joint(5, a=0.3, b=0.25, h=0.04, H=0.135, inner=inner)
-    _, _, found = solved(joint, eccentricity, 0.1)
-    assert 0.3 * joint.T0 < found.load <= 2.0 * joint.T0 * (1 + 1e-8)
-    if pairs is not None:
-        assert found.load == pytest.approx(pairs * joint.T0, rel=1e-8)
-
-
 def test_the_order_of_faces_and_nodes_does_not_matter(joint: Joint) -> None:
     model = assemble(joint, 0.03, NodeLayout.CENTRES)
     loads = lateral_load(joint, model, Loading(Direction(0.3)))
@@ -265,7 +188,7 @@ def test_the_published_samples_need_no_rounding(joint: Joint) -> None:
     assert solved(joint, 0.0, 0.02)[2].load == 240.0
 
 
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
 def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
     joint: Joint, eccentricity: float
 ) -> None:
@@ -275,12 +198,9 @@ def test_the_frictionless_limit_is_above_the_frictionless_brittle_peak(
     assert limit_load(model, loads).load >= static_peak(model, loads).peak.load * (1 - 1e-5)
 
 
-@pytest.mark.parametrize("locks", [3, 5])
-@pytest.mark.parametrize("body", UpperBody)
-def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(
-    locks: int, body: UpperBody
-) -> None:
-    joint = Joint(locks, upper_body=body)
+@pytest.mark.parametrize("body", [UpperBody.COLUMNS, UpperBody.MONOLITHIC])
+def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(body: UpperBody) -> None:
+    joint = Joint(5, upper_body=body)
     model = assemble(joint, 0.02, NodeLayout.LOBATTO)
     found = [
         limit_load(model, lateral_load(joint, model, Loading(Direction(eccentricity)))).load
@@ -290,8 +210,8 @@ def test_a_limit_is_found_where_forces_concentrate_on_few_nodes(
     assert found[1] == pytest.approx((found[0] + found[2]) / 2, rel=1e-3)
 
 
-@pytest.mark.parametrize("locks", [4, 6, 8])
-@pytest.mark.parametrize("ratio", [0.0, 0.5, 2.0, math.inf])
+@pytest.mark.parametrize("locks", [4, 8])
+@pytest.mark.parametrize("ratio", [0.5, math.inf])
 def test_an_even_number_of_locks_has_a_limit_load_and_forces(locks: int, ratio: float) -> None:
     """One lock is idle there, which leaves solvers fewer digits."""
     joint = Joint(locks)

@@ -82,26 +82,6 @@ def test_strengths_of_a_bonded_arch_agree_with_differences(name: str) -> None:
     assert found * value / load == pytest.approx(central * value / load, abs=1e-6)
 
 
-def test_of_a_joint_the_strengths_together_raise_the_load_as_much() -> None:
-    joint = Joint(3, density=0.0)
-    problem = posed(joint, Loading(Direction(0.4)), 0.025)
-    found = [by_inner(problem, joint, name) for name in ("cohesion", "tensile_strength")]
-    assert sum(found) == pytest.approx(limit_load(*problem).load, rel=1e-6)
-
-
-def by_inner(problem: Problem, joint: Joint, name: str) -> float:
-    """The derivative by a strength of the inner faces of ``joint``, times the strength."""
-    value = getattr(joint.inner, name)
-    sides = []
-    for each in (value * 0.999, value * 1.001):
-        other = replace(joint, inner=replace(joint.inner, **{name: each}))
-        sides.append((posed(other, Loading(Direction(0.4)), 0.025).assembly, problem.loads))
-    change = Change(sides[0], sides[1], 0.002 * value, value)
-    found = limit_derivatives(*problem, {name: change}).by[name]
-    assert found is not None
-    return found * float(value)
-
-
 def test_a_change_of_the_mesh_is_refused() -> None:
     joint, loading = Joint(2), Loading(Direction(0.3))
     problem, finer = posed(joint, loading, 0.025), posed(joint, loading, 0.0125)
@@ -128,20 +108,6 @@ def test_a_block_overturns_later_if_the_side_that_it_turns_about_moves_out() -> 
     assert out.load[0] == pytest.approx(2.0 * load / 0.4, rel=1e-6)
     assert up.factor[2] == pytest.approx(-0.4, rel=1e-6)
     assert up.load[2] == pytest.approx(0.0, abs=1e-6 * load)
-
-
-def test_effects_of_vertices_add_up_where_each_has_one() -> None:
-    blocks = [GROUND, BLOCK]
-    top = [place for place in BLOCK.vertices if place[2] == 1.0]
-    alone = [each for each in vertex_effects(overturned, blocks) if each.places[0] in top]
-    (all_four,) = vertex_effects(overturned, blocks, [top])
-    for axis in (0, 2):
-        parts = [each.load[axis] for each in alone]
-        assert len(parts) == 4 and None not in parts
-        load = limit_load(*overturned(blocks), friction=True).load
-        assert sum(part or 0.0 for part in parts) == pytest.approx(
-            all_four.load[axis], abs=1e-6 * load
-        )
 
 
 def with_moved(blocks: Sequence[Block], edge: Vector, shift: Vector) -> list[Block]:

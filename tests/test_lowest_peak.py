@@ -2,15 +2,12 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from analysis.report.joints import verdict_of_spread
 from analysis.summary.summary import spread_lines
-from analysis.tables.collect import cases_table
 from sidmacib.errors import NoEquilibriumError
 from sidmacib.joint.joint import INNER, Direction, Elastic, Joint, UpperBody
 from sidmacib.joint.load_path import load_path
@@ -20,20 +17,18 @@ from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Failure, Loads, 
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.equilibrium import unbalanced_share
-from sidmacib.mechanics.solution import Mode, StaticSolution
+from sidmacib.mechanics.solution import StaticSolution
 from sidmacib.mechanics.static import lowest_peak as module
 from sidmacib.mechanics.static.lowest_peak import (
     LOWER,
     MOST,
     MOST_ELASTIC,
-    OFF,
     STARTS,
     FromElsewhere,
     lowest_peak,
 )
-from sidmacib.mechanics.static.model import another_peak, solver_of, static_peak
-from sidmacib.models.static import solve, solve_once
-from sidmacib.problem import Problem
+from sidmacib.mechanics.static.model import static_peak
+from sidmacib.models.static import solve
 from workflow.joints.case import Case
 from workflow.results.record import CaseRecord
 from workflow.steps.solve import solved
@@ -109,24 +104,6 @@ def test_a_peak_that_newtons_method_alone_misses_is_found() -> None:
     assert found.spread < 0.02
 
 
-def test_the_peak_after_a_short_cascade_does_not_spread() -> None:
-    found = lowest_peak(*loaded(5, 0.5))
-    assert found.peak.load > 1.05 * found.first_failure_load
-    assert found.spread == 0.0
-
-
-@pytest.mark.parametrize("e_over_a", [0.3, 0.5])
-def test_another_path_by_the_same_searches_is_the_same(e_over_a: float) -> None:
-    assembly, loads = loaded(5, e_over_a)
-    found, solver = static_peak(assembly, loads), solver_of(assembly, loads)
-    again = another_peak(solver, solver, loads.scale, found)
-    assert again.first_failure_load == found.first_failure_load
-    assert again.peak.load == pytest.approx(found.peak.load, rel=2e-5)
-    assert found.collapsed is not None and again.collapsed is not None
-    assert np.array_equal(again.collapsed, found.collapsed)
-    assert (again.mode, again.refinement) == (found.mode, found.refinement)
-
-
 # --- how long it is sought -----------------------------------------------------------------------
 @pytest.mark.parametrize(
     "joint", [Joint(5), Joint(5, failure=Failure.DUCTILE)], ids=["first failure", "ductile"]
@@ -180,32 +157,6 @@ def test_the_search_ends_after_so_many_searches(monkeypatch: pytest.MonkeyPatch)
     assert sought([1.0], monkeypatch, MOST_ELASTIC * len(whole.path) // 2, joint)[1] <= 3
 
 
-def test_a_start_that_ends_without_a_peak_does_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    found, starts = sought([0.0], monkeypatch)
-    assert (starts, found.spread) == (STARTS, 0.0)
-
-
-def test_searches_start_near_what_is_asked_for_and_there_if_nothing_is_found() -> None:
-    asked: list[np.ndarray] = []
-
-    def given(_, guess, __, *, thorough: bool = False):
-        asked.append(guess)
-        if not thorough:
-            raise NoEquilibriumError("no equilibrium")
-        return guess
-
-    guess = np.array([1.0, 0.0, -4.0])
-    for seed, off in ((0, OFF[0]), (1, OFF[1]), (2, OFF[0])):
-        searches = FromElsewhere(SimpleNamespace(solve=given), seed)
-        assert searches.solve(1.0, guess, None, thorough=True) is guess
-        elsewhere = np.abs(asked[-2] - guess).max()
-        assert 0.1 * off < elsewhere / 4.0 <= off
-        assert searches.number == 1
-    again = FromElsewhere(SimpleNamespace(solve=given), 2)
-    again.solve(1.0, guess, None, thorough=True)
-    assert np.array_equal(asked[-2], asked[-4])
-
-
 # --- reported peaks ------------------------------------------------------------------------------
 def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
     monkeypatch: pytest.MonkeyPatch,
@@ -220,24 +171,6 @@ def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
     assert CaseRecord.from_json(found.to_json()) == found
 
 
-def test_samplings_seek_no_lower_peak(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "another_peak", None)
-    found = solve_once(Problem(*loaded(15, 1.0)))
-    assert found.peak_spread is None
-    assert found.first_failure_load is not None
-    assert found.path[-1].load > 1.1 * found.first_failure_load
-
-
-def test_peaks_are_held_against_each_other_however_far_they_spread() -> None:
-    static = replace(record(5, 0.5), peak_spread=0.1)
-    assert static.load_N is not None
-    other = replace(static, model="yade", load_N=1.02 * static.load_N, peak_spread=None)
-    table = cases_table([other], [static, other])
-    assert table["static_load_N"].item() == static.load_N
-    assert table["load_N"].item() == other.load_N
-    assert table["difference_to_static"].item() == pytest.approx(0.02)
-
-
 def rows(*spreads: float) -> pd.DataFrame:
     names = [f"n{place}-mesh0.02-e1a" for place in range(len(spreads))]
     return pd.DataFrame({"case": names, "variant": "reference", "peak_spread": spreads})
@@ -249,15 +182,3 @@ def test_the_summary_names_the_cases_whose_peaks_spread() -> None:
     assert "n1-mesh0.02-e1a: 20.0 %" in text
     assert "n0-mesh" not in text
     assert not list(spread_lines(rows(math.nan)))
-
-
-def test_the_report_says_how_far_peaks_spread() -> None:
-    (good,), (note,) = verdict_of_spread(rows(0.004)), verdict_of_spread(rows(0.004, 0.2))
-    assert (good["kind"], note["kind"]) == ("good", "note")
-    assert "At most 0.40 %" in good["text"]
-    assert "At most 20.00 %" in note["text"] and "lowest peak counts" in note["text"]
-
-
-def test_peaks_that_spread_are_of_joints_whose_bonds_fail(far: StaticSolution) -> None:
-    assert far.mode is Mode.BONDS
-    assert far.path[-1].state.bonded.sum() < far.path[0].state.bonded.sum()

@@ -74,29 +74,6 @@ def test_faults_in_a_load_are_reported(load: dict[str, Any], words: str) -> None
         study_with({"sample": "n3", **load})
 
 
-@pytest.mark.parametrize("number", [1, 2, 3])
-@pytest.mark.parametrize(
-    "fault",
-    [
-        {"eccentricity": 0, "shear": -1.0},
-        {"eccentricity": 0},
-        {"eccentricity": 0, "shear": 1.0, "sheer": 1.0},
-        {"eccentricity": 0.1, "shear": 1.0},
-        {"eccentricity": 0, "shear": 1.0, "sample": "n9"},
-    ],
-)
-def test_loads_are_counted_from_1_whatever_is_wrong(number: int, fault: dict[str, Any]) -> None:
-    loads = [LOAD] * 3
-    loads[number - 1] = {"sample": "n3", **fault}
-    with pytest.raises(ConfigError, match=rf"measured\.loads\.{number}\b"):
-        study_with(*loads)
-
-
-def test_a_campaign_without_a_source_is_refused() -> None:
-    with pytest.raises(ConfigError, match=r"measured\.source"):
-        read_study({"samples": {"n3": {"locks": 3}}, "measured": {"digitised": "x", "loads": []}})
-
-
 def test_every_model_stands_beside_a_measured_load_in_the_same_direction() -> None:
     study = study_with({"sample": "n3", "eccentricity": 0.5, "torque": 3.0, "specimen": "A1"})
     fine, coarse = min(study.meshes), max(study.meshes)

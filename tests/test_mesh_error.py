@@ -74,11 +74,6 @@ def test_one_mesh_or_close_ones_tell_nothing() -> None:
     assert set(estimates({3.0: 1.0, 5.0: 1.0})) == {3.0, 5.0}
 
 
-def test_loads_that_happen_to_be_the_same_still_have_the_error_that_two_meshes_cannot_see() -> None:
-    found = mesh_errors({3.0: 240.0, 12.0: 240.0}, NodeLayout.LOBATTO, LoadKind.LATE_PEAK)
-    assert found == {3.0: 0.01, 12.0: 0.01}
-
-
 def test_the_error_goes_by_the_cells_that_there_are_and_not_by_the_mesh_that_was_asked_for() -> (
     None
 ):
@@ -108,11 +103,6 @@ def test_the_second_mesh_is_the_coarser_one_where_the_finer_one_is_ten_times_as_
     assert second_mesh(replace(bends, elastic=None), [0.01], nodes) == 0.005
 
 
-def test_the_second_mesh_is_no_coarser_than_a_lock_allows() -> None:
-    bends = Joint(5, elastic=Elastic(1e10))
-    assert second_mesh(bends, [0.03], NodeLayout.LOBATTO) == 0.015  # 2 cells; none is coarser
-
-
 # --- of cases ------------------------------------------------------------------------------------
 def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nodes() -> None:
     records = [
@@ -125,28 +115,6 @@ def test_a_model_at_one_mesh_takes_the_error_of_the_static_model_on_the_same_nod
     expected = 0.01 + 0.01 / (cells / 3.0 - 1.0) + 0.02 / cells
     assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(expected))
     assert found["yade", "soft"] == found["limit", "n-mesh0.02"] == found["static", "n-mesh0.02"]
-
-
-def test_a_model_at_two_meshes_has_its_own_error() -> None:
-    loads = {("static", 0.02): 100.0, ("static", 0.01): 100.0, ("yade", 0.02): 102.0}
-    records = [made_up(mesh, model, load) for (model, mesh), load in loads.items()]
-    found = errors_of([*records, made_up(0.01, "yade", 100.0)])
-    least = 0.02 / math.sqrt(30.0)
-    assert found["static", "n-mesh0.02"] == ResultErrors(pytest.approx(least))
-    assert found["yade", "n-mesh0.02"].load == pytest.approx(
-        least + 0.02 + 0.02 / (math.sqrt(30.0) / 3.0 - 1.0)
-    )
-
-
-def test_the_error_of_another_joint_is_not_taken() -> None:
-    records = [made_up(0.02), made_up(0.01)]
-    other = replace(made_up(0.02, "yade"), series="other")
-    assert ("yade", "n-mesh0.02") not in errors_of([*records, other])
-
-
-def test_a_case_without_a_result_has_no_error_and_gives_none() -> None:
-    failed = replace(made_up(0.01), load_N=None, error="no")
-    assert errors_of([made_up(0.02), failed]) == {}
 
 
 def test_a_first_failure_has_an_error_of_its_own() -> None:

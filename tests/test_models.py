@@ -12,8 +12,7 @@ from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.model import Ability, Model, Requirement
-from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED, detailed
-from sidmacib.outcome import Outcome, State
+from sidmacib.models import CLOSED_FORM, LAWS, MODELS, RETURNED, SOLVED
 from sidmacib.problem import Problem
 
 DUCTILE = Requirement(Ability.DUCTILE, "assembly.failure", "ductile", "brittle")
@@ -33,11 +32,6 @@ def test_every_way_to_obtain_results_has_its_models() -> None:
     assert LAWS == ("law", "safe")
     assert (*LAWS, "sidmacib") == CLOSED_FORM
     assert set(MODELS) == {*ENGINES, *SOLVED, *RETURNED, *CLOSED_FORM}
-
-
-def test_sidmacib_is_held_against_models_that_follow_progressive_failure() -> None:
-    assert detailed(["limit", "static", "sidmacib", "yade"]) == ("static", "yade")
-    assert detailed([]) == ()
 
 
 def test_a_refusal_names_key_value_and_what_is_allowed_and_is_the_first_of_several() -> None:
@@ -93,9 +87,3 @@ def test_a_model_that_is_not_solved_here_says_so() -> None:
     for name in ("yade", "3dec", "sidmacib"):
         with pytest.raises(TypeError, match=f"^{name} is not solved in this process$"):
             MODELS[name].run(problem)
-
-
-def test_an_outcome_may_be_a_capacity_alone() -> None:
-    outcome = Outcome((State(240.0),), failed_load=240.0)
-    assert (outcome.path[-1].force, outcome.path[-1].displacement) == (None, None)
-    assert outcome.first_failure_load is None

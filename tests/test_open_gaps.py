@@ -35,13 +35,6 @@ def test_gaps_that_open_and_close_are_as_solved_anew() -> None:
         assert np.abs(gaps.opened(which) - anew(matrix, which)).max() < 1e-9
 
 
-def test_the_result_is_symmetric() -> None:
-    gaps = OpenGaps(influence(), np.zeros(SIZE))
-    for start in (0, 3, 6):
-        found = gaps.opened(np.arange(SIZE) % 9 >= start)
-        assert np.abs(found - found.T).max() < 1e-12
-
-
 def test_more_components_come_last_and_closed() -> None:
     matrix, old = influence(), SIZE - 6
     which = np.arange(SIZE) % 3 == 0

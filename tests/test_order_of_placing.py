@@ -4,7 +4,6 @@ import math
 from itertools import pairwise
 
 import numpy as np
-import pytest
 from structures import dry
 
 from sidmacib.design.blocking import conflict, order_of
@@ -97,19 +96,6 @@ def voussoirs(count: int) -> list[Block]:
     return found
 
 
-def test_an_arch_goes_up_without_locks_and_with_locks_along_its_depth() -> None:
-    arch = structure(voussoirs(5), dry(0.7))
-    every = {face.name: Y for face in arch.faces}
-    here = sites(arch, every)
-    for choice in ([None] * len(here), all_locked(here)):
-        order = order_of(arch, here, choice)
-        assert order.stuck == ()
-        assert {step.block for step in order.steps} == {0, 1, 2, 3, 4}
-    # With locks along y, each comes in along y; the last one between two others only so.
-    last = order_of(arch, here, all_locked(here)).steps[-1]
-    assert abs(last.along[1]) == pytest.approx(1.0)
-
-
 def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has_others() -> None:
     arch = structure(voussoirs(5), dry(0.7))
     radial: dict[str, Vector] = {
@@ -130,17 +116,3 @@ def test_voussoirs_with_radial_locks_come_from_outside_unless_the_next_joint_has
     found = conflict(arch, mixed, all_locked(mixed))
     assert found is not None
     assert len(found) == len(arch.faces) == 6
-
-
-def test_each_block_leaves_in_reverse_into_no_block_that_is_left() -> None:
-    arch = structure(voussoirs(7), dry(0.7))
-    here = sites(arch, {face.name: Y for face in arch.faces})
-    order = order_of(arch, here, all_locked(here))
-    there = {k for k, piece in enumerate(arch.pieces) if piece.fixed}
-    for step in order.steps:
-        for face in arch.faces:
-            if step.block in (face.below, face.above) and there & {face.below, face.above}:
-                towards = 1.0 if face.below == step.block else -1.0
-                into = towards * sum(a * b for a, b in zip(face.axes[0], step.along, strict=True))
-                assert into >= -1e-6  # moves towards the block that is there
-        there.add(step.block)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sidmacib.contact_points.options import OPTIONS, contact_points
+from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side
@@ -94,12 +94,6 @@ def test_every_locks_face_has_its_own_strength(joint: Joint) -> None:
     assert [found[lock] for lock in joint.numbers] == pytest.approx(joint.strengths)
 
 
-def test_the_strength_of_a_plain_lock_does_not_depend_on_those_that_differ() -> None:
-    joint = Joint(3, different={2: OwnLock(width=0.06, inner=replace(INNER, cohesion=1e5))})
-    assert pytest.approx(240.0) == joint.T0
-    assert joint.strengths == pytest.approx([240.0, 360.0, 240.0])
-
-
 @pytest.mark.parametrize("mesh", [0.04, 0.05])
 def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
     with pytest.raises(ValueError, match=r"mesh: must be more than 0 and less than 0.04 m"):
@@ -107,13 +101,6 @@ def test_a_mesh_must_fit_the_narrowest_lock(mesh: float) -> None:
 
 
 # --- the first lock ------------------------------------------------------------------------------
-def test_a_single_lock_between_two_shoulders_is_a_joint_of_three() -> None:
-    joint = Joint(3, first=Side.LOWER, dry=replace(DRY, friction=0.0))
-    found = solved(joint, Loading(Direction(0.0)))
-    assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
-    shoulder, lock, other = weights(joint, Loading(Direction(0.0)))
-    assert (shoulder.block, lock.block, other.block) == ("lower", "upper", "lower")
-    assert [shoulder.weight, lock.weight, other.weight] == pytest.approx([0, 1, 1], abs=0.02)
 
 
 @pytest.mark.parametrize("locks", range(2, 8))
@@ -131,7 +118,7 @@ def test_as_many_locks_count_as_pairs_bear_in_the_direction_of_the_push(
     assert found == pytest.approx(pairs * joint.T0, abs=1e-6)
 
 
-@settings(max_examples=15)
+@settings(max_examples=6)
 @given(different_joints, st.sampled_from([0.0, 0.3]), st.sampled_from(LoadShare))
 def test_a_joint_seen_from_behind_carries_the_same(
     joint: Joint, eccentricity: float, share: LoadShare
@@ -139,14 +126,6 @@ def test_a_joint_seen_from_behind_carries_the_same(
     one = solved(joint, Loading(Direction(eccentricity), share, Push.PLUS_Y))
     other = solved(mirrored(joint), Loading(Direction(eccentricity), share, Push.MINUS_Y))
     assert other.peak.load == pytest.approx(one.peak.load, rel=1e-3, abs=1e-3 * joint.T0)
-
-
-def test_from_the_lower_side_only_the_body_is_loaded() -> None:
-    joint = Joint(3, first=Side.LOWER)
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    force = lateral_load(joint, model, Loading(Direction(0.0))).variable[:, 1]
-    names = [piece.name for piece, size in zip(model.pieces, force, strict=True) if size]
-    assert names == ["column1"]
 
 
 # --- strength ------------------------------------------------------------------------------------
@@ -170,7 +149,7 @@ def test_weights_are_over_a_locks_own_strength() -> None:
 
 
 # --- SiDMACIB ------------------------------------------------------------------------------------
-@settings(max_examples=20)
+@settings(max_examples=10)
 @given(different_joints)
 def test_sidmacib_adds_up_the_locks_own_strengths(joint: Joint) -> None:
     joint = replace(joint, hold_down=HoldDown.force(1e5))
@@ -178,12 +157,6 @@ def test_sidmacib_adds_up_the_locks_own_strengths(joint: Joint) -> None:
     assert capacity(model, Direction(0.0)).load == pytest.approx(sum(joint.strengths), rel=1e-6)
     torsion = capacity(model, Direction(math.inf)).torque
     assert torsion == pytest.approx(sum(joint.strengths) * joint.a / 3, rel=1e-6)
-
-
-def test_contact_points_lie_on_the_centrelines_of_locks_that_differ() -> None:
-    joint = Joint(3, different={1: OwnLock(width=0.1)})
-    found = contact_points(joint, OPTIONS["option1"]).position[::2, 1]
-    assert found == pytest.approx([0.05, 0.125, 0.175])
 
 
 def test_sidmacib_refuses_a_lock_that_no_other_bears_against() -> None:

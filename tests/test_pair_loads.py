@@ -57,21 +57,6 @@ def test_the_friction_that_a_model_leaves_out_carries_nothing(joint: Joint) -> N
     assert torsion == pytest.approx(0.25 * joint.locks * joint.T0)
 
 
-def test_the_least_friction_that_a_number_can_have_carries_nothing(joint: Joint) -> None:
-    rough = replace(joint, dry=replace(DRY, friction=5e-324))
-    model = Sidmacib(rough, ContactOption.pair(0.0))
-    assert capacities(model, [Direction(math.inf)])[0].load == 0.0
-    assert pair_loads(model, [Direction(math.inf)]) == 0.0
-
-
-def test_points_nearer_to_the_middle_than_rounding_lie_in_it(joint: Joint) -> None:
-    assert ContactOption.pair(5e-324) == ContactOption.pair(0.0)
-    smooth = replace(joint, dry=replace(DRY, friction=0.0))
-    model = Sidmacib(smooth, ContactOption.pair(5e-324))
-    loads = [point.load for point in capacities(model, [Direction(0.0), Direction(0.3)])]
-    assert loads == pytest.approx([joint.locks * joint.T0, 0.0], abs=1e-6)
-
-
 def test_without_any_pressure_no_shear_is_carried(joint: Joint) -> None:
     model = Sidmacib(replace(joint, density=0.0), ContactOption.pair(0.25), overload=0.0)
     assert pair_loads(model, [Direction(0.0)]) == 0.0

@@ -1,6 +1,5 @@
 """Pieces, faces and nodes of the joint."""
 
-import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +8,6 @@ from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Joint, Side, UpperBody
 from sidmacib.joint.pieces import assemble, lock_faces, shared_face, upper_block
 from sidmacib.mechanics.assembly import (
-    GRAVITY,
     Cuboid,
     FaceMaterial,
     Kind,
@@ -28,13 +26,6 @@ joints = st.builds(
     H=st.floats(0.01, 0.2),
     upper_body=st.sampled_from(UpperBody),
 )
-
-
-@given(joints, st.floats(0.005, 0.019))
-def test_node_areas_add_up_to_the_area_of_their_face(joint: Joint, mesh: float) -> None:
-    model = assemble(joint, mesh, NodeLayout.CENTRES)
-    found = np.bincount(model.nodes.face, weights=model.nodes.area)
-    assert found == pytest.approx([face.area for face in model.faces])
 
 
 @given(joints)
@@ -78,27 +69,6 @@ def test_inner_faces_join_pieces_of_one_block_and_dry_faces_of_two(joint: Joint)
         ends = [model.pieces[face.below].name, model.pieces[face.above].name]
         assert len({name in upper for name in ends}) == (1 if face.kind is Kind.INNER else 2)
         assert ("plate" in ends) == (face.kind is Kind.PLATE)
-
-
-def test_no_cell_is_longer_than_the_mesh_and_all_are_equal(joint: Joint) -> None:
-    model = assemble(joint, 0.02, NodeLayout.CENTRES)
-    positions = model.nodes.position[model.nodes.face == 0]
-    assert len(positions) == 3 * 3  # 0.06 / 0.02 by 0.05 / 0.02, rounded up
-    assert np.diff(np.unique(positions[:, 1])).max() <= 0.02
-
-
-@pytest.mark.parametrize("mesh", [0.0, -0.01, 0.05, 0.051])
-def test_a_mesh_that_does_not_fit_an_inner_face_is_refused(joint: Joint, mesh: float) -> None:
-    with pytest.raises(ValueError, match=rf"mesh: must be .* 0.05 m.*got {mesh} m"):
-        assemble(joint, mesh, NodeLayout.CENTRES)
-
-
-@given(joints)
-def test_the_pieces_weigh_what_their_volume_weighs(joint: Joint) -> None:
-    for piece in assemble(joint, 0.99 * min(joint.a, joint.b), NodeLayout.CENTRES).pieces:
-        edges = [high - low for low, high in zip(piece.low, piece.high, strict=True)]
-        volume = edges[0] * edges[1] * edges[2]
-        assert piece.weight == pytest.approx(joint.density * volume * GRAVITY)
 
 
 SMOOTH = FaceMaterial(1e10, 1e10, 0.0, 0.0, 0.0)

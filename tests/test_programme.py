@@ -6,6 +6,7 @@ from dataclasses import replace
 import cvxpy as cp
 import numpy as np
 import pytest
+from conftest import scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -44,12 +45,6 @@ def test_without_friction_torque_falls_linearly_with_shear(
     point = capacity(model, Direction(eccentricity))
     expected = distance * joint.a * (locks * joint.T0 - point.shear)
     assert point.torque == pytest.approx(expected, abs=1e-6 * joint.T0 * joint.a)
-
-
-def test_option_1_has_the_highest_and_option_4_the_lowest_pure_torsion(joint: Joint) -> None:
-    found = [capacity(Sidmacib(joint, option), TORSION).torque for option in OPTIONS.values()]
-    assert found == sorted(found, reverse=True)
-    assert found[0] > found[-1]
 
 
 def raised_step_by_step(model: Sidmacib, direction: Direction, step: float) -> float:
@@ -91,7 +86,7 @@ def test_a_joint_asked_one_direction_at_a_time_is_made_into_a_programme_once(
 
 
 @pytest.mark.parametrize("friction", [False, True])
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
+@pytest.mark.parametrize("eccentricity", [0.0, 0.5])
 def test_raising_the_load_step_by_step_ends_at_the_same_load(
     joint: Joint, friction: bool, eccentricity: float
 ) -> None:
@@ -117,18 +112,7 @@ def test_forces_at_the_peak_balance_the_upper_block_and_keep_their_bounds(joint:
     assert (np.abs(across) <= joint.T0 / 2 + 1e-6).all()
 
 
-def scaled(joint: Joint, length: float, stress: float) -> Joint:
-    """The joint with lengths, and strengths and weights per area, times these."""
-    sizes = {name: length * getattr(joint, name) for name in ("a", "b", "h", "H")}
-    return replace(
-        joint,
-        **sizes,
-        density=stress / length * joint.density,
-        inner=replace(joint.inner, cohesion=stress * joint.inner.cohesion),
-    )
-
-
-@settings(max_examples=40)
+@settings(max_examples=15)
 @given(
     st.floats(-6, 6).map(lambda power: 10**power),
     st.floats(-6, 6).map(lambda power: 10**power),
@@ -140,15 +124,14 @@ def test_the_load_scales_with_lengths_and_stresses_over_twelve_orders_of_magnitu
 ) -> None:
     joint, direction, factor = Joint(locks), Direction(eccentricity), stress * length**2
     one = capacity(Sidmacib(joint, OPTIONS["option3"]), direction)
-    model = Sidmacib(
-        scaled(joint, length, stress), OPTIONS["option3"], overload=factor * Sidmacib.overload
-    )
+    larger, overload = scaled(joint, length, stress), factor * Sidmacib.overload
+    model = Sidmacib(larger, OPTIONS["option3"], overload=overload)
     other = capacity(model, direction)
     assert other.load == pytest.approx(factor * one.load, rel=1e-9)
     assert other.torque == pytest.approx(factor * length * one.torque, rel=1e-9)
 
 
-@pytest.mark.parametrize("power", range(-6, 7))
+@pytest.mark.parametrize("power", [-6, -1, 1, 6])
 @pytest.mark.parametrize("friction", [False, True])
 def test_strength_far_from_what_presses_the_joint_gives_the_load_by_hand(
     power: int, friction: bool
@@ -174,34 +157,6 @@ def upper_block_weight(joint: Joint) -> float:
     return joint.density * GRAVITY * volume
 
 
-@pytest.mark.parametrize("locks", [3, 5, 7])
-@pytest.mark.parametrize("overload", [0.0, 1000.0])
-def test_friction_alone_carries_the_torque_of_weight_and_overload(
-    locks: int, overload: float
-) -> None:
-    """All that presses rests on the outermost locks, half each, and slides there along them."""
-    joint = Joint(locks)
-    model = Sidmacib(joint, OPTIONS["option4"], strength=(0.0,) * locks, overload=overload)
-    pressure = upper_block_weight(joint) + overload
-    expected = 0.3 * pressure / 2 * (locks - 1) * joint.b
-    assert capacity(model, TORSION).torque == pytest.approx(expected, rel=1e-9)
-
-
-def test_the_mirrored_torque_is_carried_alike(joint: Joint) -> None:
-    model = Sidmacib(joint, OPTIONS["option1"])
-    one, other = capacities(model, [Direction(0.4), Direction(-0.4)])
-    assert one.load == pytest.approx(other.load)
-
-
-def test_more_strength_never_carries_less(joint: Joint) -> None:
-    direction = Direction(0.5)
-    loads = [
-        capacity(Sidmacib(joint, OPTIONS["option2"], (0.2, w, 0.4)), direction).load
-        for w in (0.0, 0.3, 0.6, 1.0)
-    ]
-    assert loads == sorted(loads)
-
-
 def test_three_points_with_unequal_portions_are_possible(joint: Joint) -> None:
     option = ContactOption((-0.4, 0.0, 0.4), (0.25, 0.5, 0.25))
     model = Sidmacib(joint, option, friction=False)
@@ -224,17 +179,3 @@ def test_three_points_give_a_curve_of_two_straight_parts(joint: Joint) -> None:
 def test_the_ready_options_are_the_papers_four_and_more() -> None:
     assert {name: READY_OPTIONS[name] for name in OPTIONS} == OPTIONS
     assert [*READY_OPTIONS] == [*OPTIONS, "bilinear"]
-
-
-@pytest.mark.parametrize("eccentricity", [0.0, 0.5, math.inf])
-def test_a_joint_without_strength_that_nothing_presses_carries_nothing(
-    eccentricity: float,
-) -> None:
-    model = Sidmacib(Joint(3, density=0.0), OPTIONS["option4"], strength=(0.0,) * 3, overload=0.0)
-    found = capacity(model, Direction(eccentricity))
-    assert (str(found.load), found.shear, found.torque) == ("0.0", 0.0, 0.0)
-
-
-def test_a_lock_that_does_not_count_keeps_its_normal_force(joint: Joint) -> None:
-    model = Sidmacib(joint, OPTIONS["option4"], strength=(0.0, 1.0, 0.0))
-    assert capacity(model, PURE_SHEAR).shear == pytest.approx(joint.T0)

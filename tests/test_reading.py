@@ -1,32 +1,25 @@
 """Reading a configuration: whatever is in the file, a study or one clear line for each fault."""
 
-import copy
 import math
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import yaml
 from conftest import ROOT
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from workflow.configuration import (
     ConfigError,
     load_configuration,
-    read_config_text,
     read_study,
     read_study_file,
 )
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
-CONFIG = (ROOT / "config.yaml").read_bytes()
-PUBLISHED = yaml.safe_load(CONFIG)
 STUDY = "samples: {n3: {locks: 3}}\n"
 LINES, LETTERS = 21, 400
 
@@ -186,18 +179,6 @@ def test_a_path_that_is_no_file_is_refused(tmp_path: Path) -> None:
         assert str(error.value).isprintable()
 
 
-def test_a_file_that_may_not_be_read_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(*_: object, **__: object) -> None:
-        raise PermissionError(13, "Permission denied")
-
-    path = written(tmp_path, STUDY)
-    monkeypatch.setattr(Path, "open", refuse)  # root may read everything
-    with pytest.raises(ConfigError, match=f"^{path}: Permission denied$"):
-        read_study_file(path)
-
-
 def test_a_results_folder_that_is_a_file_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -245,20 +226,6 @@ def test_torsion_is_an_infinite_eccentricity_and_zero_has_no_sign(tmp_path: Path
     assert Study.model_validate_json(study.model_dump_json()) == study
 
 
-def test_a_file_in_utf_8_may_begin_with_a_mark(tmp_path: Path) -> None:
-    assert read_study_file(written(tmp_path, STUDY.encode("utf-8-sig")))
-
-
-def test_thousands_of_meshes_are_welcome(tmp_path: Path) -> None:
-    meshes = [0.002 + 1e-6 * i for i in range(5000)]
-    study = read_study_file(written(tmp_path, f"{STUDY}meshes: {meshes}"))
-    assert len(study.meshes) == 5000
-
-
-def test_the_reader_agrees_with_pyyaml_on_the_published_study() -> None:
-    assert read_config_text(ROOT / "config.yaml") == PUBLISHED
-
-
 def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
     path = written(tmp_path, f"{STUDY}dem: {{engines: [yade], numerics: {{ranks: 2}}}}")
     changes = {"results": "out", "dem": {"engines": [], "numerics": {"damping": "0.3"}}}
@@ -271,18 +238,10 @@ def test_changes_are_made_section_by_section(tmp_path: Path) -> None:
     assert read_study(config).dem.numerics.damping == 0.3
 
 
-@pytest.mark.parametrize(
-    "what",
-    [
-        ["workflow", "study"],
-        ["workflow", "decks"],
-        ["analysis", "case", "--case", "n3-mesh0.02-e0a"],
-    ],
-)
-def test_commands_end_with_the_line_and_no_traceback(what: list[str], tmp_path: Path) -> None:
+def test_commands_end_with_the_line_and_no_traceback(tmp_path: Path) -> None:
     path = written(tmp_path, f"{STUDY}geometry: {{a: true}}")
     found = subprocess.run(
-        [sys.executable, "-m", *what[:2], str(path), *what[2:]],
+        [sys.executable, "-m", "workflow", "study", str(path)],
         check=False,
         cwd=ROOT,
         capture_output=True,
@@ -291,101 +250,3 @@ def test_commands_end_with_the_line_and_no_traceback(what: list[str], tmp_path: 
     assert found.returncode == 1
     assert found.stderr.startswith(f"{path}: geometry.a: true is not a number;")
     assert len(found.stderr.splitlines()) == 1
-
-
-# --- anything at all -----------------------------------------------------------------------------
-KEYS = [
-    *Study.model_fields,
-    *("n3", "v", "a", "b", "h", "H", "locks", "inner", "dry", "cohesion", "friction", "numerics"),
-    *("engines", "ranks", "tolerance", "options", "reductions", "positions", "portions", "mesh"),
-]
-SCALARS = st.one_of(
-    st.none(),
-    st.booleans(),
-    st.integers(),
-    st.sampled_from([10**400, -(10**4000), 2**64]),
-    st.floats(),
-    st.text(max_size=20),
-    st.sampled_from(["torsion", "static", "yade", "brittle", "1e-3", "-rf", "{x}", "..", "\ud800"]),
-    st.binary(max_size=4),
-    st.dates(),
-    st.sets(st.integers(), max_size=2),
-)
-ANYTHING = st.recursive(
-    SCALARS,
-    lambda inner: st.one_of(
-        st.lists(inner, max_size=3),
-        st.dictionaries(st.one_of(st.sampled_from(KEYS), st.text(max_size=5)), inner, max_size=4),
-        st.dictionaries(SCALARS.filter(lambda x: not isinstance(x, set)), inner, max_size=2),
-    ),
-    max_leaves=12,
-)
-
-
-def is_a_study_or_lines(config: Any) -> None:
-    try:
-        cases_of(read_study(config))
-    except ConfigError as error:
-        lines = str(error).splitlines()
-        assert 1 <= len(lines) <= LINES
-        assert all(len(line) < LETTERS and line.isprintable() for line in lines)
-
-
-@settings(max_examples=100)
-@given(st.dictionaries(st.sampled_from([*Study.model_fields]), ANYTHING, max_size=4))
-def test_any_values_are_a_study_or_lines(config: dict[str, Any]) -> None:
-    is_a_study_or_lines(config)
-    is_a_study_or_lines({"samples": {"n3": {"locks": 3}}, **config})
-
-
-@st.composite
-def one_value_replaced(draw: st.DrawFn) -> dict[str, Any]:
-    """The published study with one of its values replaced by anything."""
-    config = copy.deepcopy(PUBLISHED)
-    place: Any = config
-    while True:
-        keys = [*place] if isinstance(place, dict) else [*range(len(place))]
-        if not keys:
-            return config
-        key = draw(st.sampled_from(keys))
-        if not isinstance(place[key], dict | list) or draw(st.integers(0, 3)) == 0:
-            place[key] = draw(ANYTHING)
-            return config
-        place = place[key]
-
-
-@settings(max_examples=100)
-@given(one_value_replaced())
-def test_the_published_study_with_one_value_replaced_is_a_study_or_lines(
-    config: dict[str, Any],
-) -> None:
-    is_a_study_or_lines(config)
-
-
-@settings(max_examples=100)
-@given(st.data())
-def test_the_published_text_with_bytes_replaced_is_a_study_or_lines(data: st.DataObject) -> None:
-    start = data.draw(st.integers(0, len(CONFIG)))
-    length = data.draw(st.integers(0, 40))
-    piece = data.draw(st.one_of(st.binary(max_size=8), st.text(max_size=8).map(_encoded)))
-    text = CONFIG[:start] + piece + CONFIG[start + length :]
-    path = Path(os.environ["PYTEST_FUZZ_FILE"])
-    path.write_bytes(text)
-    lines = lines_of(path)
-    assert len(lines) <= LINES
-    assert all(len(line) < LETTERS and line.isprintable() for line in lines)
-
-
-def _encoded(text: str) -> bytes:
-    return text.encode(errors="surrogatepass")
-
-
-@pytest.fixture(autouse=True)
-def _file_of_the_fuzzer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTEST_FUZZ_FILE", str(tmp_path / "fuzzed.yaml"))
-
-
-@pytest.mark.parametrize("value", ["maybe", 3, None, "true"])
-def test_a_switch_is_true_or_false(value: object) -> None:
-    with pytest.raises(ConfigError, match=r"dem\.numerics\.guided: .* it must be true or false"):
-        read_study({**PUBLISHED, "dem": {"numerics": {"guided": value}}})

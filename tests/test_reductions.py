@@ -4,10 +4,8 @@ import math
 
 import pytest
 
-from sidmacib.contact_points.options import OPTIONS
-from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS, active, half_rule
-from sidmacib.joint.joint import Direction, Joint, OwnLock, Side
+from sidmacib.joint.joint import Joint, OwnLock, Side
 
 WEIGHTS = (0.6, 1.0, 0.67, 0.68, 0.01)
 
@@ -35,11 +33,6 @@ def test_half_of_an_even_number_is_refused() -> None:
         half_rule(Joint(4), ())
 
 
-def test_half_of_one_lock_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^locks: 1 is not allowed .*; it must be at least 3$"):
-        half_rule(Joint(1), ())
-
-
 @pytest.mark.parametrize("rule", ["half", "floor_of_sum"])
 def test_rules_that_count_locks_refuse_locks_that_differ_in_strength(rule: str) -> None:
     wide = Joint(3, different={2: OwnLock(width=0.06)})
@@ -54,15 +47,6 @@ def test_from_the_lower_block_on_lower_locks_count_first_too() -> None:
     joint = Joint(3, first=Side.LOWER)
     assert half_rule(joint, ()) == (1.0, 0.0, 0.0)
     assert REDUCTIONS["lower_sum"](joint, (0.1, 1.0, 0.9)) == (0.1, 0.0, 0.9)
-
-
-def test_which_locks_count_does_not_change_the_capacity() -> None:
-    joint, direction = Joint(5), Direction(0.5)
-    loads = [
-        capacity(Sidmacib(joint, OPTIONS["option4"], strength), direction).load
-        for strength in [(0, 1, 0, 1, 0), (1, 1, 0, 0, 0), (0, 0, 1, 0, 1)]
-    ]
-    assert loads == pytest.approx([loads[0]] * 3)
 
 
 @pytest.mark.parametrize("sum_", [0.0, 0.999, 1.0, 2.5, 5.0, 9.0])

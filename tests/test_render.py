@@ -1,8 +1,6 @@
 """Rendered scripts, and the data and modules beside them."""
 
 import ast
-import json
-import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -22,8 +20,6 @@ from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import (
     DATA_FILE,
     MODULES,
-    TEMPLATES,
-    assembly_data,
     script,
     write_script,
 )
@@ -55,23 +51,11 @@ def written(engine: Engine, case: tuple[Assembly, Loads], folder: Path) -> Path:
     return folder
 
 
-def test_every_engine_has_its_template(engine: Engine) -> None:
-    assert (TEMPLATES / engine.template).is_file()
-
-
 def test_the_script_is_python_without_traces_of_the_template(engine: Engine, case) -> None:
     text = script(engine, *case, Numerics(), "three locks")
     ast.parse(text)
     assert "{{" not in text and "{%" not in text
     assert "three locks" in text
-
-
-def test_a_script_holds_values_and_a_call_and_the_modules_hold_the_code(
-    engine: Engine, case
-) -> None:
-    tree = ast.parse(script(engine, *case, Numerics(), "three locks"))
-    logic = (ast.FunctionDef, ast.ClassDef, ast.For, ast.While, ast.If)
-    assert not [node for node in ast.walk(tree) if isinstance(node, logic)]
 
 
 def test_all_modules_that_a_script_needs_are_beside_it_and_no_others(
@@ -98,16 +82,6 @@ def test_the_modules_run_without_this_project(tmp_path: Path, case) -> None:
     assert found.stdout.strip() == "set()"
 
 
-def test_the_data_hold_every_piece_face_node_and_load(case) -> None:
-    data = assembly_data(*case)
-    assert [piece["name"] for piece in data["pieces"]] == [
-        *("lower", "plate", "lock1", "lock2", "lock3", "column1", "column2", "column3")
-    ]
-    assert len(data["faces"]) == 3 * 3 + 2 * 2
-    assert len(data["nodes"]["face"]) == len(data["nodes"]["area_m2"]) == 99
-    assert [load["piece"] for load in data["loads"]] == [2, 5]
-
-
 def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) -> None:
     assembly, loads = tilted_stack(2)
     faces = (
@@ -130,28 +104,6 @@ def test_a_script_reads_back_what_was_written(engine: Engine, tmp_path: Path) ->
     assert [[*p.force_N, *p.moment_Nm] for p in read.pieces] == loads.permanent.tolist()
     assert [[*part.force, *part.moment_m] for part in read.loads] == loads.variable[1:].tolist()
     assert read.permanent_N == pytest.approx(loads.scale)
-
-
-def test_nothing_that_a_script_is_made_of_knows_what_was_assembled() -> None:
-    modules = [path for path in MODULES.glob("*/*.py") if path.name != "engine.py"]
-    files = [*modules, *TEMPLATES.glob("*.py.j2")]
-    text = "".join(path.read_text() for path in files)
-    assert not re.findall(r"\b(locks?|lock\d|plate|column\d|T0|eccentricity)\b", text)
-
-
-def test_rendering_twice_gives_the_same_bytes(engine: Engine, case, tmp_path: Path) -> None:
-    def everything() -> dict[Path, bytes]:
-        return {p: p.read_bytes() for p in written(engine, case, tmp_path).rglob("*.*")}
-
-    assert everything() == everything()
-
-
-def test_the_time_step_is_a_share_of_the_largest_stable_one(case) -> None:
-    def time_step(ratio: float) -> float:
-        text = script(ENGINES["yade"], *case, replace(Numerics(), time_step_ratio=ratio), "t")
-        return float(text.split("time_step_s=")[1].split(",")[0])
-
-    assert time_step(0.8) == pytest.approx(2 * time_step(0.4))
 
 
 def problems_of(engine: Engine) -> Iterator[Problem]:
@@ -182,10 +134,6 @@ def test_an_engine_reads_the_numerics_that_change_its_script_and_no_others(
 
     one, two = scripts(Numerics()), scripts(replace(Numerics(), **{key: other}))
     assert (one != two) == (key in engine.reads)
-
-
-def test_data_are_plain_json(case) -> None:
-    assert json.loads(json.dumps(assembly_data(*case))) == assembly_data(*case)
 
 
 @pytest.mark.parametrize("name", [name for name in ENGINES if "guided" in ENGINES[name].reads])

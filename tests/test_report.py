@@ -9,16 +9,13 @@ from typing import Any
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, chromium, needs_browser
-from offline import WATCH, leaving_in_browser, leaving_in_html
+from chromium import Opened, needs_browser
 
 from analysis.report import paths
-from analysis.report.joints import law_of
 from analysis.report.json_values import json_table
 from analysis.report.page import page
 from analysis.report.paths import paths_of, shown_cases
 from analysis.report.provenance import as_yaml, provenance, versions_of
-from sidmacib.joint.joint import Joint
 from sidmacib.yaml_text import parsed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
@@ -29,7 +26,6 @@ pytestmark = pytest.mark.study
 
 ROOT = Path(__file__).parents[1]
 MOST_BYTES = 10_000_000
-LONGEST = 100  # times 100 ms, until charts have been drawn again
 
 
 @pytest.fixture(scope="module")
@@ -50,10 +46,6 @@ def test_the_report_is_one_small_file_that_asks_for_nothing(report: Path) -> Non
     assert "@import" not in rest
 
 
-def test_nothing_in_its_html_leaves_the_machine(report: Path) -> None:
-    assert leaving_in_html(report.read_text()) == []
-
-
 def test_data_cannot_end_their_script() -> None:
     evil = "</script><script>alert(1)</script>"
     source = provenance(None, {})
@@ -61,16 +53,6 @@ def test_data_cannot_end_their_script() -> None:
     text = page(content, "", "summary & <b>more</b>")
     assert "alert(1)</script>" not in text
     assert "summary &amp; &lt;b&gt;more&lt;/b&gt;" in text
-
-
-def test_the_law_is_reported_for_more_and_fewer_locks() -> None:
-    content = law_of(Joint(5))
-    assert content["locks"][0] == 3
-    law = dict(zip(content["locks"], content["law"], strict=True))
-    assert law[3] < law[5] < law[15] < 2.2
-    half = dict(zip(content["locks"], content["half"], strict=True))
-    assert half[15] == 7
-    assert half[4] is None
 
 
 def test_its_configuration_starts_the_same_study_again(study: Study) -> None:
@@ -91,14 +73,11 @@ def test_what_is_missing_or_infinite_is_plain() -> None:
 
 
 # --- in a browser --------------------------------------------------------------------------------
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
-
-
-@pytest.fixture
 def opened(browser: Any, report: Path) -> Iterator[Opened]:
+    """The page, once: each part of it is changed by one test alone."""
     page = browser.new_page(viewport={"width": 1200, "height": 800})
     found = Opened(page)
     page.goto(report.as_uri())
@@ -108,32 +87,9 @@ def opened(browser: Any, report: Path) -> Iterator[Opened]:
 
 
 @needs_browser
-def test_it_opens_without_an_error_or_a_request(opened: Opened) -> None:
+def test_it_opens_with_the_answer_and_without_an_error_or_a_request(opened: Opened) -> None:
     assert opened.errors == []
     assert [url for url in opened.requests if not url.startswith(("file:", "data:", "blob:"))] == []
-
-
-@needs_browser
-def test_no_button_leaves_the_machine(browser: Any, report: Path) -> None:
-    page = browser.new_page(viewport={"width": 1200, "height": 800})
-    page.add_init_script(WATCH)
-    page.goto(report.as_uri())
-    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
-    assert page.locator(".modebar-btn").count() > 6
-    assert leaving_in_browser(page) == []
-    page.close()
-
-
-@needs_browser
-def test_no_request_is_possible(opened: Opened) -> None:
-    """Whatever a later version of the plotting library tries."""
-    sent = "fetch('http://127.0.0.1:9/').then(() => 'sent', (error) => error.message)"
-    assert opened.page.evaluate(sent) == "Failed to fetch"
-    assert any("Content Security Policy" in error for error in opened.errors)
-
-
-@needs_browser
-def test_the_first_screen_answers_whether_half_of_the_locks_may_be_counted(opened: Opened) -> None:
     page = opened.page
     assert "May I count (n \N{MINUS SIGN} 1)/2 locks?" in (page.text_content("#h-verdict") or "")
     assert "No: unsafe by" in (page.text_content("#h-verdict strong") or "")
@@ -147,70 +103,10 @@ def test_the_first_screen_answers_whether_half_of_the_locks_may_be_counted(opene
         "(n \N{MINUS SIGN} 1)/2, Option 4",
         "static model",
     ]
-
-
-@needs_browser
-def test_the_first_screen_shows_the_sample_that_the_answer_names(opened: Opened) -> None:
-    shown = opened.page.input_value("#answer-sample")
-    assert f"({shown}, " in (opened.page.text_content("#h-verdict") or "")
-
-
-@needs_browser
-def test_an_empty_plot_says_why(opened: Opened) -> None:
-    page = opened.page
-    for box in page.locator("#curve-models input, #curve-options input").all():
-        box.uncheck()
-    annotation = page.evaluate("document.getElementById('curve-plot').layout.annotations[0].text")
-    assert annotation.replace("<br>", " ").startswith("Nothing is chosen")
-
-
-@needs_browser
-def test_the_joint_opens_undeformed_with_load_and_lock_numbers(opened: Opened) -> None:
-    page = opened.page
-    assert page.text_content("#joint-factor") == "undeformed"
-    texts = page.evaluate("document.getElementById('joint-plot').data.flatMap(t => t.text || [])")
-    assert {"1", "2", "3"} <= set(texts)
-    assert any(text.startswith("V = ") for text in texts)
-    page.select_option("#path-direction", "torsion")
-    texts = page.evaluate("document.getElementById('joint-plot').data.flatMap(t => t.text || [])")
-    assert any(text.startswith("M = ") for text in texts)
-    assert not any(text.startswith("V = ") for text in texts)
-
-
-def settles(page: Any, expression: str, value: str) -> bool:
-    """Whether ``expression`` comes to ``value``; the page's policy forbids scripts that wait."""
-    for _ in range(LONGEST):
-        if page.evaluate(expression) == value:
-            return True
-        page.wait_for_timeout(100)
-    return False
-
-
-@needs_browser
-def test_charts_follow_the_dark_and_are_light_and_whole_on_paper(opened: Opened) -> None:
-    page = opened.page
-    look = "document.getElementById('curve-plot')._fullLayout"
-    assert page.evaluate(f"{look}.paper_bgcolor") == "#ffffff"
-    page.emulate_media(color_scheme="dark")
-    assert settles(page, f"{look}.paper_bgcolor", "#14171c")
-    page.emulate_media(media="print")
-    assert settles(page, f"{look}.paper_bgcolor", "#ffffff")
-    assert page.evaluate(f"{look}.width") < 700  # of A4 within its margins
-    page.emulate_media(media="screen")  # where the picture of the joint is made
-    page.wait_for_selector("img.printed", state="attached")
-    page.emulate_media(media="print")
-    page.wait_for_selector("img.printed", state="visible")
-    assert page.locator("#joint-plot").is_hidden()
-
-
-@needs_browser
-def test_everyone_can_read_it_in_the_dark(browser: Any, report: Path) -> None:
-    page = browser.new_page(viewport={"width": 1200, "height": 800}, color_scheme="dark")
-    page.goto(report.as_uri())
-    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
-    found = Axe().run(page)
-    assert found.violations_count == 0, found.generate_report()
-    page.close()
+    # Nor is one possible, whatever a later version of the plotting library tries.
+    sent = "fetch('http://127.0.0.1:9/').then(() => 'sent', (error) => error.message)"
+    assert page.evaluate(sent) == "Failed to fetch"
+    assert any("Content Security Policy" in error for error in opened.errors)
 
 
 @needs_browser
@@ -234,8 +130,13 @@ def test_controls_change_what_is_shown(opened: Opened) -> None:
 
 
 @needs_browser
-def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
+def test_the_joint_opens_undeformed_and_the_slider_goes_along_its_load_path(opened: Opened) -> None:
     page = opened.page
+    assert page.text_content("#joint-factor") == "undeformed"
+    labels = "document.getElementById('joint-plot').data.flatMap(t => t.text || [])"
+    texts = page.evaluate(labels)
+    assert {"1", "2", "3"} <= set(texts)
+    assert any(text.startswith("V = ") for text in texts)
     peak = page.text_content("#path-load")
     page.focus("#path-step")
     page.keyboard.press("Home")
@@ -246,6 +147,9 @@ def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
     page.select_option("#path-direction", "torsion")
     turned = page.text_content("#path-load") or ""
     assert turned.endswith(" N m")
+    texts = page.evaluate(labels)
+    assert any(text.startswith("M = ") for text in texts)
+    assert not any(text.startswith("V = ") for text in texts)
     assert f"peak {turned} at" in (page.text_content("#move-text") or "")
     path = "chosenPath()"
     lever = page.evaluate(f"JOINTS.sizes.find((row) => row.sample === {path}.sample).a_m")
@@ -255,25 +159,17 @@ def test_the_slider_goes_along_the_load_path(opened: Opened) -> None:
     assert "Bonds fail first in lock" in (page.text_content("#order-text") or "")
 
 
-@needs_browser
-def test_stresses_are_shown_on_each_mesh(opened: Opened) -> None:
-    def nodes() -> int:
-        return sum(len(trace["x"]) - 1 for trace in opened.traces("stress-plot")[:-1])
-
-    finest = nodes()
-    opened.page.select_option("#path-mesh", "0.02")
-    assert nodes() < finest
-
-
 def test_paths_are_shown_while_there_is_room(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
-    cases = shown_cases(cases_of(study).values())
-    assert [case.mesh for case in cases] == sorted((case.mesh for case in cases), reverse=True)
+    every = shown_cases(cases_of(study).values())
+    assert [case.mesh for case in every] == sorted((case.mesh for case in every), reverse=True)
+    cases = every[:3]
     monkeypatch.setattr(paths, "NODE_STATES", 200)
     whole = paths_of(cases)
     assert len(whole) == len(cases)
     monkeypatch.setattr(paths, "MOST_NODE_STATES", 500)
-    assert paths_of(cases) == whole[: len(paths_of(cases))]
-    assert 0 < len(paths_of(cases)) < len(cases)
+    fewer = paths_of(cases)
+    assert fewer == whole[: len(fewer)]
+    assert 0 < len(fewer) < len(cases)
 
 
 @needs_browser
@@ -300,27 +196,6 @@ def test_tables_sort_filter_and_download(opened: Opened, tmp_path: Path) -> None
         rows = list(csv.DictReader(stream))
     assert rows
     assert {row["sample"] for row in rows} == {"n5"}
-
-
-@needs_browser
-def test_a_name_is_no_formula_in_a_download(opened: Opened, tmp_path: Path) -> None:
-    page = opened.page
-    page.evaluate("DATA.tables.cases.rows[0][0] = '=1+1'; DATA.tables.cases.rows[1][0] = -1.5")
-    page.select_option("#table-name", "cases")
-    with page.expect_download() as waiting:
-        page.click("#table-csv")
-    waiting.value.save_as(tmp_path / "table.csv")
-    first = [row[0] for row in csv.reader((tmp_path / "table.csv").open())]
-    assert first[1:3] == ["'=1+1", "-1.5"]
-
-
-@needs_browser
-def test_it_fits_a_narrow_window(browser: Any, report: Path) -> None:
-    page = browser.new_page(viewport={"width": 380, "height": 700})
-    page.goto(report.as_uri())
-    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
-    assert page.evaluate("document.documentElement.scrollWidth") <= 380
-    page.close()
 
 
 @needs_browser

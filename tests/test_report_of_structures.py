@@ -8,16 +8,15 @@ import numpy as np
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, chromium, needs_browser
+from chromium import Opened, needs_browser
 from offline import WATCH, leaving_in_browser, leaving_in_html
 from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
 
-from analysis.report import structures
 from analysis.report.content import content
 from analysis.report.page import page
 from analysis.report.solids import shape_of
-from analysis.report.structures import structures_content, structures_verdict, with_room
+from analysis.report.structures import structures_verdict
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.configuration import read_study
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
@@ -77,26 +76,6 @@ def shoelace(corners: Any) -> float:
     return float(np.linalg.norm(around)) / 2
 
 
-def test_equal_shapes_are_listed_once() -> None:
-    content = structures_content(shown_cases(), pd.DataFrame({"model": [], "case": []}))
-    shapes = {(each["structure"], each["variant"]): each["shape"] for each in content["cases"]}
-    assert shapes["trilith", "reference"] == shapes["trilith", "dry"]
-    assert len(content["shapes"]) == 3
-
-
-def test_what_the_page_has_no_room_for_is_left_out(
-    results: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    tables = tables_in(results)
-    assert len(with_room(tables)["blocks"]) == len(tables["blocks"])
-    monkeypatch.setattr(structures, "MOST_ROWS", 20)
-    fewer = with_room(tables)
-    assert 0 < len(fewer["blocks"]) + len(fewer["interfaces"]) <= 20
-    monkeypatch.setattr(structures, "MOST_POINTS", 60)
-    content = structures_content(shown_cases(), fewer["blocks"])
-    assert {each["shape"] for each in content["cases"]} >= {0, None}
-
-
 def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     table = tables_in(results)["structures"]
     found = {each["title"]: each["text"] for each in structures_verdict(table)}
@@ -140,21 +119,23 @@ def test_the_page_is_one_file_that_asks_for_nothing(results: Path, name: str) ->
 
 
 # --- in a browser --------------------------------------------------------------------------------
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with chromium() as opened:
-        yield opened
+def alone(browser: Any, results: Path) -> Opened:
+    """The report of the structures alone."""
+    found = Opened(browser.new_page(viewport=WIDE))
+    found.page.goto((results / "alone.html").as_uri())
+    found.page.wait_for_function(PLOTS)
+    return found
 
 
 @pytest.fixture
-def opened(browser: Any, results: Path) -> Iterator[Opened]:
-    """The report of the structures alone."""
-    page = browser.new_page(viewport=WIDE)
-    found = Opened(page)
-    page.goto((results / "alone.html").as_uri())
-    page.wait_for_function(PLOTS)
-    yield found
-    page.close()
+def opened(alone: Opened) -> Opened:
+    """The same as it opens."""
+    choose(alone, name="trilith", variant="reference", model="static")
+    alone.page.check("#structure-forces")
+    return alone
 
 
 def points(opened: Opened, trace: int) -> Any:
@@ -205,76 +186,6 @@ def test_it_opens_undeformed_and_moves_with_the_keyboard(opened: Opened) -> None
 
 
 @needs_browser
-def test_the_factor_is_what_displacements_are_multiplied_by(opened: Opened, results: Path) -> None:
-    choose(opened, model="limit", variant="dry")
-    at_rest = points(opened, OF_FREE)
-    opened.page.focus("#structure-motion")
-    opened.page.keyboard.press("End")
-    text = opened.page.text_content("#structure-factor") or ""
-    assert text.endswith("(mechanism)")
-    rows = tables_in(results)["blocks"]
-    blocks = rows[
-        (rows["case"] == "trilith-load-dry") & (rows["model"] == "limit") & ~rows["fixed"]
-    ]
-    turn = blocks[["turn_x", "turn_y", "turn_z"]].to_numpy().repeat(8, axis=0)
-    centre = blocks[["x_m", "y_m", "z_m"]].to_numpy().repeat(8, axis=0)
-    move = blocks[["move_x_m", "move_y_m", "move_z_m"]].to_numpy().repeat(8, axis=0)
-    whole = move + np.cross(turn, at_rest - centre)
-    factor = float(text.split()[1])
-    assert points(opened, OF_FREE) - at_rest == pytest.approx(factor * whole, rel=0.06, abs=2e-3)
-
-
-@needs_browser
-def test_the_mechanism_plays_until_it_is_stopped(opened: Opened) -> None:
-    page = opened.page
-    page.focus("#structure-play")
-    page.keyboard.press("Enter")
-    for _ in range(200):  # the page forbids what Playwright would wait with
-        page.wait_for_timeout(50)
-        if float(page.input_value("#structure-motion")) > 20:
-            break
-    assert float(page.input_value("#structure-motion")) > 20
-    assert page.get_attribute("#structure-play", "aria-pressed") == "true"
-    page.keyboard.press("Enter")
-    assert page.text_content("#structure-play") == "Play"
-    page.wait_for_timeout(300)
-    value = page.input_value("#structure-motion")
-    page.wait_for_timeout(300)
-    assert page.input_value("#structure-motion") == value
-    choose(opened, model="limit")
-    assert page.input_value("#structure-motion") == "0"
-
-
-@needs_browser
-def test_lines_of_forces_go_through_their_points_and_are_as_long(
-    opened: Opened, results: Path
-) -> None:
-    choose(opened, variant="dry")
-    rows = tables_in(results)["interfaces"]
-    interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == "static")]
-    ends = points(opened, OF_LINES).reshape(-1, 2, 3)
-    acting = interfaces[["at_x_m", "at_y_m", "at_z_m"]].to_numpy()
-    assert ends.mean(axis=1) == pytest.approx(acting, abs=1e-4)
-    dots = np.vstack([points(opened, OF_DOTS), points(opened, OF_HINGES)])
-    assert np.sort(dots, axis=0) == pytest.approx(np.sort(acting, axis=0), abs=1e-4)
-    along = ends[:, 1] - ends[:, 0]
-    force = interfaces[["force_x_N", "force_y_N", "force_z_N"]].to_numpy()
-    scale = np.linalg.norm(along, axis=1).max() / np.linalg.norm(force, axis=1).max()
-    assert along == pytest.approx(scale * force, abs=1e-4)
-    opened.page.uncheck("#structure-forces")
-    assert len(points(opened, OF_LINES)) == 0
-
-
-@needs_browser
-def test_interfaces_have_the_colour_of_their_utilisation(opened: Opened, results: Path) -> None:
-    rows = tables_in(results)["interfaces"]
-    interfaces = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")]
-    read = "[...document.getElementById('structure-plot').data[3].intensity]"
-    shown = opened.page.evaluate(read)  # two triangles for each
-    assert shown[::2] == pytest.approx(interfaces["utilisation"].tolist(), rel=1e-5)
-
-
-@needs_browser
 def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
     text = opened.page.text_content("#structure-order") or ""
     assert text.startswith(
@@ -306,15 +217,6 @@ def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> Non
     assert len(points(opened, OF_FREE)) == 8
     choose(opened, name="stack")
     assert "tilt (°)" in page.locator("#structure-models th").all_text_contents()
-
-
-@needs_browser
-def test_it_fits_a_narrow_window(browser: Any, results: Path) -> None:
-    page = browser.new_page(viewport=NARROW)
-    page.goto((results / "alone.html").as_uri())
-    page.wait_for_function(PLOTS)
-    assert page.evaluate("document.documentElement.scrollWidth") <= NARROW["width"]
-    page.close()
 
 
 @needs_browser

@@ -106,10 +106,3 @@ def test_the_library_needs_no_more_than_it_imports() -> None:
     asked = {canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]}
     used |= asked & imported  # a package of one module is not in `packages_distributions`
     assert asked - NOT_IMPORTED == used - {"multilock", "pydantic-core"}  # pydantic itself
-
-
-def test_the_project_is_built_by_what_is_pinned() -> None:
-    """Of the study's environment, which the build is not isolated from."""
-    (needed,) = tomllib.loads((ROOT / "pyproject.toml").read_text())["build-system"]["requires"]
-    assert needed in STUDY
-    assert "--no-build-isolation" in (ROOT / "workflow/environment.sh").read_text()

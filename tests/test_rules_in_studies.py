@@ -8,7 +8,7 @@ import pytest
 from made_up_results import capacity_of, record_with
 
 from analysis.__main__ import run_case
-from analysis.summary.one_case import describe_record, describe_rule
+from analysis.summary.one_case import describe_rule
 from analysis.tables.capacity import law_rows
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import law, safe
@@ -31,25 +31,6 @@ def test_law_and_safe_rule_are_models_of_a_study_that_names_none() -> None:
             found = rule(study.joint("n3"), Direction(ratio))
             row = rows.loc[(name, ratio * 0.06)]
             assert (row["shear_N"], row["torque_Nm"]) == (found.shear, found.torque)
-
-
-@pytest.mark.parametrize(
-    ("direction", "shown"),
-    [("0", "  not carried any more: V = "), ("inf", "  not carried any more: M = ")],
-)
-def test_loads_of_one_case_are_in_newtons_or_in_torsion_in_newton_metres(
-    direction: str, shown: str
-) -> None:
-    study = study_of(eccentricities=[0, "torsion"])
-    cases = cases_of(study).values()
-    (case, *_) = (each for each in cases if each.direction == Direction(float(direction)))
-    record = record_with(case, 0.5)
-    (line,) = (line for line in describe_record(record).splitlines() if line.startswith(shown))
-    assert record.failed_load_N and record.load_N and record.shear_N is not None
-    carried = record.shear_N or record.torque_Nm or 0.0
-    value, unit = line.removeprefix(shown).split(" ", 1)
-    assert float(value) == pytest.approx(carried * record.failed_load_N / record.load_N, rel=1e-3)
-    assert unit == ("N m" if direction == "inf" else "N")
 
 
 @pytest.mark.parametrize(

@@ -15,17 +15,13 @@ from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import active
-from sidmacib.joint.joint import Direction, Joint, UpperBody
+from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.yaml_text import read_yaml
 from studies.locks import law
-from studies.locks.bonds import bonds_table
-from studies.locks.errors import law_table, rules_table, unit_loads
-from studies.locks.figures import DRAWN
-from studies.locks.freedoms import freedoms_table, minimax
-from studies.locks.interaction import curve, interaction_table
-from studies.locks.paper_joint import assumed_sizes_table, characteristic_table
+from studies.locks.errors import law_table, unit_loads
+from studies.locks.freedoms import freedoms_table
 from studies.locks.points import points_of
 from studies.locks.sensitivity import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
@@ -44,10 +40,6 @@ def joints_of(count: int, **others: Any) -> list[SampledJoint]:
 def test_any_part_of_a_sampling_can_be_made_alone() -> None:
     sampling = SamplingSection(joints=100).sampling()
     assert list(sampled_joints(sampling, Joint(3), 37, 45)) == joints_of(100)[37:45]
-
-
-def test_another_seed_gives_other_joints() -> None:
-    assert joints_of(4, seed=1)[2].joint != joints_of(4, seed=2)[2].joint
 
 
 def test_joints_lie_within_the_spans_and_fill_them() -> None:
@@ -142,11 +134,6 @@ def test_the_law_is_near_the_static_model_and_the_safe_rule_below_its_peak(
     assert safe["mean_error"] > -0.12
 
 
-def test_limit_analysis_is_above_the_brittle_peak_of_smooth_joints(points: pd.DataFrame) -> None:
-    smooth = points[points["limit"].notna() & points["friction"].eq(0.0)]
-    assert (smooth["limit"] >= smooth["peak"] * (1 - 1e-6)).all()
-
-
 @pytest.mark.parametrize("option", list(OPTIONS))
 def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) -> None:
     joint = Joint(9)
@@ -155,23 +142,6 @@ def test_sidmacib_without_friction_grows_with_the_locks_that_count(option: str) 
     for ratio, load in zip(RATIOS, loads, strict=True):
         expected = capacity(model, Direction(ratio)).load
         assert 4 * joint.T0 * load == pytest.approx(expected, rel=1e-6)
-
-
-def test_rules_are_tabulated_for_each_body_and_number_of_locks(points: pd.DataFrame) -> None:
-    table = rules_table(points)
-    assert set(table["rule"]) == {"none", "half", "floor_of_sum", "lower_sum"}
-    every = table[table["rule"] == "none"]
-    assert (every["unsafe_share"] > 0.9).all()
-
-
-def test_the_number_of_locks_that_fits_best_makes_both_ends_of_the_misfit_alike() -> None:
-    loads, peaks = np.array([1.0, 0.5, 0.25]), np.array([[2.0, 0.8, 0.6], [4.0, 2.0, 1.0]])
-    locks, misfit = minimax(loads, peaks)
-    errors = locks[:, None] * loads / peaks - 1.0
-    assert errors.max(axis=1) == pytest.approx(misfit)
-    assert errors.min(axis=1) == pytest.approx(-misfit)
-    assert locks[1] == pytest.approx(4.0)
-    assert misfit[1] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
@@ -183,74 +153,6 @@ def test_more_freedom_never_fits_worse(points: pd.DataFrame) -> None:
     assert (misfit["own pair"] <= misfit["one pair for all"] + 1e-12).all()
     assert (misfit["own pair"] <= misfit["option4"] + 0.02).all()  # positions are a grid
     assert (misfit["option4"] <= misfit["half with option4"] + 1e-12).all()
-
-
-def test_shares_of_strength_among_locks_are_no_freedom_without_friction() -> None:
-    joint, option = Joint(5), OPTIONS["option4"]
-    shared, even = (1.0, 0.2, 0.6, 0.2, 0.5), (0.5,) * 5
-    for ratio in RATIOS:
-        loads = [
-            capacity(Sidmacib(joint, option, weights, friction=False), Direction(ratio)).load
-            for weights in (shared, even)
-        ]
-        assert loads[0] == pytest.approx(loads[1], rel=1e-6)
-
-
-def test_a_curve_between_both_ends_goes_through_them() -> None:
-    for exponent in (1.0, 2.0):
-        assert curve(2.0, 0.5, 1e-9, exponent) == pytest.approx(2.0, rel=1e-6)
-        assert curve(2.0, 0.5, 1e9, exponent) == pytest.approx(0.5, rel=1e-6)
-    load = curve(2.0, 0.5, 1.0, 1.0)
-    assert load / math.sqrt(2) * (1 / 2.0 + 1 / 0.5) == pytest.approx(1.0)
-    with pytest.raises(ValueError, match="more than 0 and finite"):
-        curve(2.0, 0.5, math.inf, 1.0)
-
-
-def test_curves_are_held_against_what_lies_between_the_ends(points: pd.DataFrame) -> None:
-    table = interaction_table(points)
-    whole = table[table["eccentricity_over_a"] == "all"]
-    between = len(RATIOS) - 2
-    assert whole[whole["exponent"] == 1.0]["points"].sum() == 12 * between
-    assert (whole.groupby("exponent")["mean_error"].mean().diff().dropna() > 0.0).all()
-
-
-def test_brittle_bonds_add_little_in_pure_shear(points: pd.DataFrame) -> None:
-    table = bonds_table(points).set_index("eccentricity_over_a")
-    assert set(table["bonds"]) == {"brittle"}
-    assert table.loc[0.0, "mean_peak_over_first_failure"].max() < 1.05
-    assert (table["mean_peak_over_first_failure"] >= 1.0 - 1e-9).all()
-
-
-def test_joints_without_a_pair_that_bears_are_left_out(points: pd.DataFrame) -> None:
-    lame = points.assign(pairs=0)
-    both = pd.concat([points, lame], ignore_index=True)
-    assert bonds_table(both).equals(bonds_table(points))
-
-
-def test_scatter_costs_more_the_more_there_is() -> None:
-    table = characteristic_table(Joint(3))
-    left = table.pivot_table(
-        index=["locks", "upper_body", "eccentricity_over_a"],
-        columns="variation",
-        values="characteristic_over_law",
-    )
-    assert (left.diff(axis=1).iloc[:, 1:] < 0.0).all(axis=None)
-    assert left.max(axis=None) < 1.0
-
-
-@pytest.mark.study
-def test_sizes_that_the_paper_does_not_print_leave_three_locks_one_that_works() -> None:
-    table = assumed_sizes_table(Joint(3)).set_index(["locks", "friction"])
-    assert table.loc[(3, 0.005), "least_working"] == pytest.approx(1.0, abs=0.01)
-    assert table.loc[(3, 0.005), "most_working"] == pytest.approx(1.0, abs=0.01)
-    assert (table["least_working"] <= table["working_at_assumed_sizes"]).all()
-    assert (table["working_at_assumed_sizes"] <= table["most_working"]).all()
-    assert table.loc[15, "most_working"].max() < 7.0
-
-
-def test_figures_are_drawn(points: pd.DataFrame) -> None:
-    for draw in DRAWN.values():
-        assert draw(points).axes
 
 
 @pytest.mark.study
@@ -277,11 +179,6 @@ def test_a_study_of_no_campaign_has_the_table_of_its_samplings_only(tmp_path: Pa
 def test_a_campaign_that_there_is_not_is_refused() -> None:
     with pytest.raises(ConfigError, match="campaign: 'keys' is not allowed; it must be"):
         read_study({"samples": {"n3": {"locks": 3}}, "campaign": "keys"})
-
-
-def test_bodies_are_columns_and_one_piece_alike() -> None:
-    bodies = [one.joint.upper_body for one in joints_of(64)]
-    assert bodies.count(UpperBody.COLUMNS) == bodies.count(UpperBody.MONOLITHIC) == 32
 
 
 def test_the_first_failure_hangs_on_friction_not_where_there_is_none() -> None:

@@ -99,12 +99,6 @@ def test_a_rule_that_is_none_is_refused_in_one_line(between: Any, words: str) ->
     assert "\n" not in str(caught.value)
 
 
-def test_a_material_that_is_no_text_is_refused() -> None:
-    blocks = {**WALL["blocks"], "base": {**WALL["blocks"]["base"], "material": 3}}
-    with pytest.raises(ValueError, match=r"blocks\.base\.material: 3 is not allowed"):
-        structure_of({**WALL, "blocks": blocks})
-
-
 @pytest.mark.parametrize("name", ["=1+1", "+a", "-a", "@a", " =1"])
 def test_a_name_that_a_spreadsheet_takes_for_a_formula_is_refused(name: str) -> None:
     """It would stand in CSV tables of interfaces and blocks."""

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from sidmacib.errors import CapacityError
-from sidmacib.joint.effects import FIELDS, Effect, Sensitivity, sensitivity
+from sidmacib.joint.effects import Effect, Sensitivity, sensitivity
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, INNER, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, Push, posed
@@ -28,11 +28,7 @@ ODD = {  # stiffnesses and sizes of which no two are the same
 }
 JOINTS = {
     "as published": (Joint(3), Direction(0.3)),
-    "smooth": (Joint(5, **ODD | {"dry": SMOOTH}), Direction(0.3)),
-    "rough, in shear": (Joint(5, **ODD), Direction(0.0)),
     "rough": (Joint(4, **ODD), Direction(0.2)),
-    "rough, in torsion": (Joint(3, **ODD), Direction(math.inf)),
-    "one piece": (Joint(5, **ODD, upper_body=UpperBody.MONOLITHIC), Direction(0.4)),
     "smooth, in one piece": (
         Joint(
             7,
@@ -42,14 +38,11 @@ JOINTS = {
         ),
         Direction(1.65),
     ),
-    "joined": (Joint(3, **ODD, upper_body=UpperBody.JOINED), Direction(0.1)),
     "pressed": (Joint(5, **ODD, hold_down=HoldDown.pressure(4e4)), Direction(0.5)),
-    "under a force": (Joint(4, **ODD, hold_down=HoldDown.force(90.0)), Direction(0.1)),
     "heavy": (
         Joint(3, **ODD, density=4e4, hold_down=HoldDown.weight(), first=Side.LOWER),
         Direction(0.2),
     ),
-    "weightless": (Joint(5, **ODD, density=0.0), Direction(0.3)),
     "rough bonds": (
         Joint(4, **ODD | {"inner": replace(INNER, bond_friction=0.4, shear_stiffness=6e9)}),
         Direction(0.3),
@@ -142,13 +135,6 @@ def test_in_torsion_effects_are_of_the_torque() -> None:
     assert slope == pytest.approx(found.torque / joint.inner.cohesion, rel=1e-2)
 
 
-def test_progress_names_each_parameter() -> None:
-    lines: list[str] = []
-    sensitivity(Joint(3), Loading(Direction(0.3)), 0.05, progress=lines.append)
-    assert lines[0] == f"1 of {len(FIELDS)}: a"
-    assert len(lines) == len(FIELDS)
-
-
 # --- by scaling, to second order -----------------------------------------------------------------
 STRENGTHS = ("cohesion", "tensile_strength")
 STIFFNESSES = (
@@ -209,22 +195,6 @@ def test_at_a_value_of_0_the_derivative_is_that_of_more(name: str) -> None:
 def test_what_has_no_first_failure_of_a_bond_is_refused(joint: Joint, words: str) -> None:
     with pytest.raises(CapacityError, match=words):
         sensitivity(joint, Loading(Direction(0.3)), joint.least_side)
-
-
-def test_a_changed_joint_without_equilibrium_has_no_effect(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As where what holds a joint down is just enough."""
-    joint, calls = Joint(3), []
-
-    def first_failure(*problem: object) -> object:
-        calls.append(problem)
-        if len(calls) == 2:
-            raise CapacityError("no equilibrium at 0 N")
-        return static_first_failure(*problem)  # type: ignore[arg-type]
-
-    monkeypatch.setattr("sidmacib.joint.effects.static_first_failure", first_failure)
-    found = sensitivity(joint, Loading(Direction(0.0)), 0.05, fields=FIELDS[:1])
-    assert found.effects[0].note == "unknown: the changed joint has no equilibrium"
-    assert found.effects[0].more is None and found.effects[0].derivative is None
 
 
 def test_a_joint_with_the_nodes_of_another_has_each_at_the_same_part_of_its_face() -> None:

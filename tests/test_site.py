@@ -88,13 +88,6 @@ def test_a_parameter_has_its_type_range_unit_and_choices() -> None:
     assert found["inner"] == ("", "material of the inner faces")
 
 
-def test_words_of_a_parameter_come_from_the_docstring_or_its_class() -> None:
-    found = {name: words for name, _, words in described(sidmacib.Demand)}
-    assert found["torque"] == "M, in N m"
-    found = {name: words for name, _, words in described(sidmacib.law)}
-    assert found["push"].startswith("The direction in which the lateral load acts; ``+y``")
-
-
 @pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.stem)
 def test_equations_can_be_drawn_here_and_on_github(page: Path) -> None:
     text = re.sub(r"^```(?!math).*?^```$|`[^`\n]+`", "", page.read_text(), flags=re.M | re.S)

@@ -166,23 +166,3 @@ def test_a_cluster_makes_the_same_tables_though_its_node_goes_down(
     assert remote.returncode == 0, output
     assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
     assert cluster.jobs() == []
-
-
-def test_a_case_that_fails_among_others_in_a_job_leaves_a_hole_that_is_named(
-    cluster: Cluster, tmp_path: Path, broken_python: Path
-) -> None:
-    local = study(tmp_path, "local", YADE_PYTHON=str(broken_python))
-    remote = study(tmp_path, "remote", "--profile=slurm", YADE_PYTHON=str(broken_python))
-    outputs = [each.communicate(timeout=540)[0] for each in (local, remote)]
-    reason = "n3-mesh0.03-torsion (yade): yade: ended with exit code 7: engine broke down"
-    assert all(reason in each for each in outputs)
-    assert local.returncode != 0
-    assert remote.returncode != 0
-    assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
-    for name, options in (("local", ()), ("remote", ("--profile=slurm",))):
-        again = study(tmp_path, name, *options)
-        last, _ = again.communicate(timeout=540)
-        assert again.returncode == 0, last
-    assert tables_of(tmp_path / "remote") == tables_of(tmp_path / "local")
-    assert b"broke down" not in tables_of(tmp_path / "local")["cases.csv"]
-    assert cluster.jobs() == []

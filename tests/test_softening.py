@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from conftest import block_on_ground, load_on_block
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sidmacib.joint.joint import INNER, Direction, Joint
@@ -41,6 +41,7 @@ def one_lock(material: FaceMaterial, failure: Failure, mesh: float = 0.01) -> As
 
 
 # --- how a bond softens --------------------------------------------------------------------------
+@settings(max_examples=15)
 @given(st.floats(0.5, 200.0), st.floats(0.0, 1.0))
 def test_the_work_of_a_node_is_the_fracture_energy(energy: float, residual: float) -> None:
     model = one_lock(fading(energy, residual), Failure.SOFTENING, 0.03)
@@ -133,26 +134,9 @@ def test_more_energy_and_more_residual_strength_never_carry_less(
         assert loads[-1] > 1.15 * loads[0]
 
 
-def test_ductile_locks_carry_half_their_number_and_friction() -> None:
-    joint = Joint(5, failure=Failure.DUCTILE)
-    found = peak(joint, 0.0).peak.load
-    assert 2 * joint.T0 < found < 1.04 * 2 * joint.T0
-
-
 @pytest.mark.parametrize("moment", [0.0, 1.0])
 def test_a_ductile_lock_alone_reaches_its_plastic_limit(moment: float) -> None:
     model = one_lock(replace(INNER, residual=1.0), Failure.SOFTENING)
     loads = load_on_block(model, (0.0, 1.0 - moment, 0.0), 0.06 * moment)
     limit = limit_load(model, loads).load
     assert static_peak(model, loads).peak.load == pytest.approx(limit, rel=5e-3)
-
-
-def test_a_lock_alone_in_torsion_lies_between_its_elastic_and_its_plastic_limit() -> None:
-    found = []
-    for energy in (STORED, 1.0, 3.0, 10.0, 1000.0):
-        model = one_lock(fading(energy), Failure.SOFTENING)
-        found.append(static_peak(model, load_on_block(model, (0.0, 0.0, 0.0), 0.06)).peak.load)
-    plastic = limit_load(model, load_on_block(model, (0.0, 0.0, 0.0), 0.06)).load
-    assert found == sorted(found)
-    assert found[-1] == pytest.approx(plastic, rel=0.01)
-    assert found[0] < 0.75 * plastic

@@ -5,8 +5,7 @@ import pytest
 from conftest import point_at
 from stack import tilted_stack
 
-from sidmacib.joint.joint import Direction, Joint, UpperBody
-from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.joint import Joint, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Assembly, Loads, NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw, NodeState, components
@@ -91,22 +90,6 @@ def test_unbalanced_forces_are_those_of_the_equilibrium_matrix(model: Assembly) 
     assert -here.residual[rigid_solver.place] == pytest.approx(expected, rel=1e-9, abs=1e-9)
 
 
-def test_nodes_move_with_their_pieces(model: Assembly) -> None:
-    rigid_solver = solver(model)
-    unknowns, state = some_state(model)
-    bonded = np.ones_like(state.whole)
-    none = np.zeros((2, len(bonded)))
-    force = point_at(rigid_solver.contacts, none, bonded, unknowns).force.T
-    displacement = unknowns[rigid_solver.place] / rigid_solver.units
-    delta = (equilibrium_matrix(model)[free_rows(model)].T @ displacement).reshape(-1, 3)
-    contact_law = ContactLaw.of(model)
-    assert force[:, 0] == pytest.approx(
-        contact_law.normal_stiffness * delta[:, 0], rel=1e-9, abs=1e-9
-    )
-    expected = contact_law.shear_stiffness[:, None] * delta[:, 1:]
-    assert force[:, 1:] == pytest.approx(expected, rel=1e-9, abs=1e-9)
-
-
 def test_the_stiffness_is_the_derivative_of_the_unbalanced_forces(model: Assembly) -> None:
     rigid_solver = solver(model)
     unknowns, state = some_state(model)
@@ -136,7 +119,7 @@ def test_slip_is_what_the_springs_do_not_take(model: Assembly) -> None:
     assert (slip[:, state.bonded] == before[:, state.bonded]).all()
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 def test_linear_equations_are_solved_with_row_exchanges(model: Assembly, seed: int) -> None:
     rigid_solver, random = solver(model), np.random.default_rng(seed)
     rigid_solver.matrix.band[:] = random.normal(size=rigid_solver.matrix.band.shape)
@@ -179,11 +162,3 @@ def test_columns_make_a_band_that_does_not_grow_with_the_locks() -> None:
     )
     assert few.band == many.band
     assert many.outer == 0
-
-
-def test_the_direction_of_forces_is_that_of_the_loads(joint: Joint) -> None:
-    model = assemble(joint, 0.03, NodeLayout.CENTRES)
-    rigid_solver = RigidSolver(model, lateral_load(joint, model, Loading(Direction(0.0))))
-    assert rigid_solver.load[rigid_solver.place].reshape(-1, 6).sum(axis=0) == pytest.approx(
-        [0, 1, 0, 0, 0, 0]
-    )

@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 from conftest import INSTALLED, ROOT
 
-from workflow.configuration import ConfigError
-
 SMALL = (
     "samples: {n3: {locks: 3}}\nmeshes: [0.02]\neccentricities: [0]\nmodels: [static]\n"
     "dem: {engines: []}\nsidmacib: {reductions: [none]}\n"
@@ -78,11 +76,6 @@ def test_make_installs_nothing_for_a_study_that_is_not_there() -> None:
         ["sh", "-c", first], env={"CONFIG": "my.yaml"}, check=False, capture_output=True, text=True
     )
     assert (early.returncode, early.stderr) == (1, "my.yaml: not a file\n")
-
-
-def test_a_fault_is_reported_with_the_files_name_once() -> None:
-    error = ConfigError("overrides: no case", "my.yaml: line 1: not YAML").of(Path("my.yaml"))
-    assert str(error) == "my.yaml: overrides: no case\nmy.yaml: line 1: not YAML"
 
 
 def test_a_fault_that_only_the_cases_show_names_the_file(tmp_path: Path) -> None:

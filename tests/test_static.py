@@ -8,14 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import block_on_ground, load_on_block, renumbered
+from conftest import block_on_ground, load_on_block, renumbered, scaled
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from stack import tilted_stack
 
 from sidmacib.errors import NoEquilibriumError, UnboundedError
 from sidmacib.joint.hold_down import HoldDown
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint
+from sidmacib.joint.joint import INNER, Direction, Joint
 from sidmacib.joint.loading import Loading, Push, lateral_load
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import (
@@ -24,9 +24,7 @@ from sidmacib.mechanics.assembly import (
     FaceMaterial,
     Failure,
     Kind,
-    Loads,
     NodeLayout,
-    self_weight,
 )
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.contact_law.kernels import utilisation
@@ -55,6 +53,7 @@ def test_one_inner_face_alone_fails_at_T0_in_pure_shear(joint: Joint) -> None:
     model = block_on_ground(joint, Kind.INNER, 0.02)
     found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
     assert found.peak.load == pytest.approx(joint.T0, rel=1e-5)
+    assert found.mode is Mode.BONDS
 
 
 def test_a_face_in_pure_torsion_fails_at_the_elastic_torque_of_its_nodes(joint: Joint) -> None:
@@ -69,13 +68,7 @@ def test_a_dry_block_slides_at_friction_times_its_weight(joint: Joint) -> None:
     model = block_on_ground(replace(joint, density=1e6), Kind.DRY, 0.02)
     found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
     assert found.peak.load == pytest.approx(0.3 * model.pieces[1].weight, rel=1e-4)
-
-
-def test_one_lower_lock_without_friction_carries_T0() -> None:
-    joint = Joint(2, dry=replace(DRY, friction=0.0))
-    model, found = solved(joint, 0.0)
-    assert found.peak.load == pytest.approx(240.0, rel=1e-5)
-    assert lock_shear(joint, model, found)[1] == pytest.approx(1.0, abs=1e-5)
+    assert found.mode is Mode.MECHANISM
 
 
 def test_a_block_that_floats_away_does_not_stand(joint: Joint) -> None:
@@ -100,13 +93,6 @@ def test_without_tensile_strength_a_bond_carries_the_weight_only(joint: Joint) -
     assert found.peak.load == pytest.approx(model.pieces[1].weight, rel=1e-5)
 
 
-def test_without_tensile_strength_and_weight_a_bond_carries_no_pull(joint: Joint) -> None:
-    joint = replace(joint, density=0.0, inner=replace(INNER, tensile_strength=0.0))
-    model = block_on_ground(joint, Kind.INNER, 0.02)
-    found = static_peak(model, load_on_block(model, (0.0, 0.0, 1.0), 0.0))
-    assert found.peak.load <= 1e-7 * joint.T0
-
-
 @pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
 def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> None:
     _, found = solved(Joint(3, inner=replace(INNER, tensile_strength=0.0)), e_over_a)
@@ -118,34 +104,12 @@ def test_without_tensile_strength_no_bond_of_a_joint_pulls(e_over_a: float) -> N
 
 
 # --- how it ends ----------------------------------------------------------------------------------
-def test_a_bond_ends_in_failure_and_a_dry_block_as_a_mechanism(joint: Joint) -> None:
-    for kind, mode in ((Kind.INNER, Mode.BONDS), (Kind.DRY, Mode.MECHANISM)):
-        model = block_on_ground(joint, kind, 0.02)
-        found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-        assert found.mode is mode
-
-
-def test_a_block_without_friction_carries_nothing(joint: Joint) -> None:
-    joint = replace(joint, dry=replace(DRY, friction=0.0))
-    model = block_on_ground(joint, Kind.DRY, 0.02)
-    found = static_peak(model, load_on_block(model, (0.0, 1.0, 0.0), 0.0))
-    assert found.peak.load <= 1e-7 * joint.T0
-    assert found.mode is Mode.MECHANISM
 
 
 def test_a_stack_carries_any_weight() -> None:
     model, loads = tilted_stack(2)
     with pytest.raises(UnboundedError, match=r"no failure up to [1-9].* N: the load can grow"):
         static_peak(model, replace(loads, variable=loads.permanent))
-
-
-def test_a_joint_without_cohesion_resists_by_friction_alone(joint: Joint) -> None:
-    weak = replace(joint, density=1e5, inner=replace(INNER, cohesion=0.0))
-    model = block_on_ground(weak, Kind.INNER, 0.02)
-    variable = np.zeros((2, 6))
-    variable[1, 1] = 1.0
-    found = static_peak(model, Loads(self_weight(model.pieces), variable, model.pieces[1].weight))
-    assert found.peak.load == pytest.approx(0.0, abs=1e-6)  # inner faces have no friction
 
 
 def test_a_piece_that_touches_nothing_does_not_stand(joint: Joint) -> None:
@@ -171,24 +135,20 @@ def test_a_joint_of_which_a_piece_is_loose_for_a_moment_stands() -> None:
 
 
 # --- properties ----------------------------------------------------------------------------------
-@pytest.mark.parametrize("locks", [3, 4, 5])
+@pytest.mark.parametrize("locks", [3, 4])
 @pytest.mark.parametrize("e_over_a", [0.0, 0.5, math.inf])
-def test_every_equilibrium_on_the_path_balances_the_loads(locks: int, e_over_a: float) -> None:
+def test_every_equilibrium_on_the_path_balances_the_loads_within_the_strengths(
+    locks: int, e_over_a: float
+) -> None:
     joint = Joint(locks)
     model, found = solved(joint, e_over_a)
     loads = lateral_load(joint, model, Loading(Direction(e_over_a)))
-    rows = free_rows(model)
+    rows, contact_law = free_rows(model), ContactLaw.of(model)
     for point in found.path:
+        assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
         target = (loads.permanent + point.load * loads.variable).ravel()
         residual = (equilibrium_matrix(model) @ point.force.ravel() - target)[rows]
         assert np.abs(residual).max() <= 1e-9 * np.abs(target).max()
-
-
-def test_no_bond_is_overstressed_on_the_path(joint: Joint) -> None:
-    model, found = solved(joint, 0.5, mesh=0.01)
-    contact_law = ContactLaw.of(model)
-    for point in found.path:
-        assert utilisation(contact_law, point.state, point.force).max() <= 1.0 + 1e-9
 
 
 def test_the_path_ends_beyond_the_first_failure_or_at_it(joint: Joint) -> None:
@@ -247,60 +207,23 @@ def test_a_smaller_increment_follows_the_history_of_friction_more_closely() -> N
         static_first_failure(model, loads, increment=0.0)
 
 
-SIZES = "a", "b", "h", "H"
-
-
-def lengths_times(joint: Joint, factor: float) -> Joint:
-    """Weight grows with the areas, as strength does, and so do forces between the pieces."""
-    stiff = {"normal_stiffness": 1e10 / factor, "shear_stiffness": 1e10 / factor}
-    sizes = {name: factor * getattr(joint, name) for name in SIZES}
-    return replace(
-        joint,
-        **sizes,
-        density=joint.density / factor,
-        inner=replace(joint.inner, **stiff),
-        dry=replace(joint.dry, **stiff),
-    )
-
-
-def stresses_times(joint: Joint, factor: float) -> Joint:
-    stiff = {"normal_stiffness": 1e10 * factor, "shear_stiffness": 1e10 * factor}
-    strong = {
-        name: factor * getattr(joint.inner, name) for name in ("cohesion", "tensile_strength")
-    }
-    return replace(
-        joint,
-        density=joint.density * factor,
-        inner=replace(joint.inner, **stiff, **strong),
-        dry=replace(joint.dry, **stiff),
-    )
-
-
-@settings(max_examples=20)
-@given(st.floats(-6, 6), st.sampled_from([0.0, 0.35, math.inf]))
-def test_peaks_scale_with_all_lengths_squared(exponent: float, e_over_a: float) -> None:
-    factor, joint = 10.0**exponent, Joint(4)
+@settings(max_examples=15)
+@given(st.floats(-6, 6), st.floats(-6, 6), st.sampled_from([0.0, 0.35, math.inf]))
+def test_peaks_scale_with_stresses_and_with_lengths_squared(
+    size: float, strength: float, e_over_a: float
+) -> None:
+    length, stress, joint = 10.0**size, 10.0**strength, Joint(4)
+    factor = stress * length**2
     _, one = solved(joint, e_over_a)
-    _, other = solved(lengths_times(joint, factor), e_over_a, 0.03 * factor)
-    assert len(other.path) == len(one.path)
-    assert other.peak.load == pytest.approx(factor**2 * one.peak.load, rel=1e-6)
-    assert other.first_failure_load == pytest.approx(factor**2 * one.first_failure_load, rel=1e-6)
-    assert other.peak.force == pytest.approx(
-        factor**2 * one.peak.force, abs=1e-6 * factor**2 * one.peak.load
-    )
-
-
-@settings(max_examples=20)
-@given(st.floats(-6, 6), st.sampled_from([0.0, 0.35, math.inf]))
-def test_peaks_scale_with_all_stresses(exponent: float, e_over_a: float) -> None:
-    factor, joint = 10.0**exponent, Joint(4)
-    _, one = solved(joint, e_over_a)
-    _, other = solved(stresses_times(joint, factor), e_over_a)
+    _, other = solved(scaled(joint, length, stress), e_over_a, 0.03 * length)
     assert other.peak.load == pytest.approx(factor * one.peak.load, rel=1e-6)
     assert other.first_failure_load == pytest.approx(factor * one.first_failure_load, rel=1e-6)
+    assert other.peak.force == pytest.approx(
+        factor * one.peak.force, abs=1e-6 * factor * one.peak.load
+    )
 
 
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(st.floats(-6, 6))
 def test_the_length_that_measures_rotations_is_a_matter_of_taste(exponent: float) -> None:
     joint = Joint(4)

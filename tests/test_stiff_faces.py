@@ -34,15 +34,14 @@ def problem(
     return posed(joint, Loading(Direction(e_over_a)), 0.025)
 
 
-@pytest.mark.parametrize("ratio", [1e5, 1e6, 1e7, 1e8])
+@pytest.mark.parametrize("ratio", [1e5, 1e8])
 def test_beyond_some_stiffness_dry_faces_are_rigid(ratio: float) -> None:
     found = static_peak(*problem(ratio, 0.0))
     assert found.mode is Mode.BONDS
     assert found.peak.load == pytest.approx(394.24, rel=1e-4)
 
 
-@pytest.mark.parametrize("e_over_a", [0.3, math.inf])
-@pytest.mark.parametrize("locks", [3, 9])
+@pytest.mark.parametrize(("locks", "e_over_a"), [(3, math.inf), (9, 0.3)])
 def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over_a: float) -> None:
     loads = [
         static_first_failure(*problem(ratio, e_over_a, locks)).point.load for ratio in (1e6, 3e7)
@@ -50,8 +49,9 @@ def test_the_first_failure_no_longer_depends_on_the_stiffness(locks: int, e_over
     assert loads[1] == pytest.approx(loads[0], rel=1e-3)
 
 
-@pytest.mark.parametrize("hold_down", [HoldDown.weight(), HoldDown.force(300.0)])
-@pytest.mark.parametrize("friction", [0.0, 0.6])
+@pytest.mark.parametrize(
+    ("hold_down", "friction"), [(HoldDown.weight(), 0.6), (HoldDown.force(300.0), 0.0)]
+)
 def test_stiff_dry_faces_move_no_further_than_rigid_ones(
     hold_down: HoldDown, friction: float
 ) -> None:
@@ -70,10 +70,6 @@ def test_a_stiffness_that_rounding_would_decide_on_is_refused() -> None:
 @pytest.mark.parametrize("ratio", [1e2, 1e5])
 def test_the_reference_displacement_does_not_shrink_with_stiff_dry_faces(ratio: float) -> None:
     assert compliance(*problem(ratio, math.inf)) == compliance(*problem(1.0, math.inf))
-
-
-def test_soft_dry_faces_count_in_the_reference_displacement() -> None:
-    assert compliance(*problem(0.1, 0.0)) > 1.5 * compliance(*problem(1.0, 0.0))
 
 
 @pytest.mark.engine

@@ -7,22 +7,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.optimize import linprog
 from scipy.spatial.transform import Rotation
-from structures import dry, moved, tilt
+from structures import dry, moved
 
 from sidmacib.errors import InfeasibleError
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
-from sidmacib.mechanics.contact_law import ContactLaw, NodeState
-from sidmacib.mechanics.contact_law.kernels import utilisation
 from sidmacib.mechanics.limit import limit_load
 from sidmacib.mechanics.static.model import static_peak
-from sidmacib.structure.blocks import Block, box, normal_of, prism
+from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.loads import acceleration, force_at, free_weight
-from sidmacib.structure.overlaps import overlap, shared_volume
+from sidmacib.structure.overlaps import shared_volume
 from sidmacib.structure.structure import refined, structure
 from sidmacib.structure.warnings import structure_warnings
 from studies.structures.shapes import arch
@@ -48,13 +45,6 @@ def test_a_block_slides_at_its_friction_or_overturns_at_width_over_height(
     assert peak == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_bonded_block_is_held_by_its_cohesion() -> None:
-    glue = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6)
-    model = structure([GROUND, BLOCK], glue)
-    loads = acceleration(model, (1.0, 0.0, 0.0))
-    assert limit_load(model, loads).load == pytest.approx(5e3 * 0.4 * 0.6, rel=1e-6)
-
-
 def test_friction_of_the_bond_adds_its_share_of_the_weight_to_the_cohesion() -> None:
     slab = box("slab", (0.0, 0.0, 0.0), (0.4, 0.6, 0.01), 2e3)
     glue = FaceMaterial(1e10, 1e10, 0.0, 5e3, 1e6, bond_friction=0.5)
@@ -63,14 +53,6 @@ def test_friction_of_the_bond_adds_its_share_of_the_weight_to_the_cohesion() -> 
     expected = 5e3 * 0.4 * 0.6 + 0.5 * slab.weight
     assert limit_load(model, at_foot).load == pytest.approx(expected, rel=1e-6)
     assert static_peak(model, at_foot).peak.load == pytest.approx(expected, rel=1e-4)
-
-
-def test_a_bond_in_tension_loses_shear_strength_by_its_friction() -> None:
-    model = structure([GROUND, BLOCK], FaceMaterial(1, 1, 0, 10.0, 5.0, bond_friction=0.8))
-    law = ContactLaw.of(model)
-    state = NodeState.initial(law)
-    force = np.outer(model.nodes.area, [-4.0, 6.8, 0.0])  # c - 0.8 * 4 Pa = 6.8 Pa
-    assert utilisation(law, state, force) == pytest.approx(1.0)
 
 
 def test_a_bonded_block_tears_off_where_the_stress_of_a_beam_reaches_its_strength() -> None:
@@ -104,10 +86,6 @@ def test_a_semicircular_arch_stands_above_the_thickness_of_milankovitch(
     else:
         with pytest.raises(InfeasibleError):
             factor(model)
-
-
-def test_an_arch_tips_at_the_tilt_of_whiting() -> None:
-    assert tilt(structure(arch(100, 0.2), dry(3.0))) == pytest.approx(15.84, abs=0.01)
 
 
 def test_the_static_model_of_an_arch_reaches_the_limit_load_where_friction_is_high() -> None:
@@ -148,18 +126,12 @@ def test_a_bonded_pair_carries_the_same_wherever_it_is(
     assert found[1] == pytest.approx(found[0], rel=1e-6)
 
 
-@pytest.mark.parametrize("size", [1e-3, 1.0, 1e3])
-@pytest.mark.parametrize("density", [1e-6, 2e3, 1e6])
+@pytest.mark.parametrize(("size", "density"), [(1e-3, 1e6), (1e3, 1e-6)])
 def test_the_tilt_of_a_dry_arch_depends_neither_on_its_size_nor_on_its_density(
     size: float, density: float
 ) -> None:
     model = structure(arch(9, 0.25, size, 0.3 * size, density), dry(0.7))
     assert factor(model) == pytest.approx(factor(structure(arch(9, 0.25), dry(0.7))), rel=1e-5)
-
-
-def test_an_arch_carries_the_same_from_either_side() -> None:
-    model = structure(arch(9, 0.25), dry(0.6))
-    assert factor(model, (-1.0, 0.0, 0.0)) == pytest.approx(factor(model), rel=1e-6)
 
 
 def test_a_strong_bonded_cut_changes_nothing() -> None:
@@ -281,33 +253,6 @@ def test_faces_that_nearly_touch_get_a_note_unless_the_tolerance_joins_them() ->
     assert structure_warnings(joined) == []
 
 
-def test_blocks_whose_boxes_overlap_may_touch() -> None:
-    turn = Rotation.from_euler("xyz", (20, 30, 40), degrees=True)
-    blocks = [moved(each, turn, (0.0, 0.0, 0.0)) for each in arch(9, 0.2)]
-    assert len(structure(blocks, dry(0.5)).faces) == 10
-
-
-@given(
-    st.tuples(*[st.floats(-1.0, 1.0)] * 3),
-    st.tuples(*[st.floats(-180.0, 180.0)] * 3),
-)
-def test_the_overlap_is_that_of_a_shared_point(
-    shift: tuple[float, float, float], angles: tuple[float, float, float]
-) -> None:
-    """Two cuboids share points where a linear programme finds one."""
-    turn = Rotation.from_euler("xyz", angles, degrees=True)
-    other = moved(replace(BLOCK, name="other"), turn, shift)
-    planes = [
-        (normal_of(c), float(normal_of(c) @ c[0]))
-        for block in (BLOCK, other)
-        for c in block.outlines
-    ]
-    rows = np.array([[*normal, 1.0] for normal, _ in planes])
-    inner = linprog([0, 0, 0, -1], rows, [d for _, d in planes], bounds=[(None, None)] * 4)
-    radius = -inner.fun  # of the largest ball in both; negative: how far planes must move
-    assert (overlap(BLOCK, other) > 0.0) == (radius > 0.0) or abs(radius) < 1e-9
-
-
 def test_blocks_that_float_are_named() -> None:
     pair = [
         box("one", (5.0, 0.0, 3.0), (6.0, 1.0, 4.0), 2e3),
@@ -320,15 +265,3 @@ def test_blocks_that_float_are_named() -> None:
 def test_a_mesh_of_too_many_cells_is_refused_before_it_is_made() -> None:
     with pytest.raises(ValueError, match=r"mesh: 0.0001 .* at least 0.0011 m: more than 200,000"):
         structure([GROUND, BLOCK], dry(0.5), mesh=1e-4)
-
-
-def test_an_outline_that_crosses_itself_is_refused() -> None:
-    crossing = [(0, 0, 0), (1, 0, 0), (1, 0, 1), (0.5, 0, -0.2), (0, 0, 1)]
-    with pytest.raises(ValueError, match="b, face 0: its outline must not cross itself"):
-        prism("b", crossing, (0.0, 1.0, 0.0), 2e3)
-
-
-def test_a_load_on_a_fixed_block_is_refused() -> None:
-    model = structure([GROUND, BLOCK], dry(0.5))
-    with pytest.raises(ValueError, match=r"block: 'ground' .* a block that is not fixed"):
-        force_at(model, "ground", (0.0, 0.0, 0.0), (1.0, 0.0, 0.0))

@@ -1,6 +1,5 @@
 """Studies of structures: their keys, their cases, and what a whole study writes."""
 
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,7 @@ import yaml
 from conftest import ROOT
 
 from analysis.summary.structures import summary
-from analysis.tables.structures import most_used, structures_table
+from analysis.tables.structures import structures_table
 from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
 from workflow.configuration import ConfigError, read_study, read_study_file
@@ -20,7 +19,7 @@ from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.steps import structure_engine, structure_solve
 from workflow.structures.case import StructureCase, changed
 from workflow.structures.cases import structure_cases, structure_jobs
-from workflow.structures.record import InterfaceRow, read_structure_records
+from workflow.structures.record import read_structure_records
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -175,16 +174,6 @@ def test_the_table_has_each_load_beside_the_weight(results: Path) -> None:
 
 
 @pytest.mark.study
-def test_a_peak_that_depends_on_the_mesh_is_said_not_to_count(results: Path) -> None:
-    table = read_table(STRUCTURES, results / "tables/structures.csv")
-    bonded = table[table["case"].eq("trilith-load") & table["model"].eq("static")]
-    text = summary("results", bonded)
-    assert "the peak counts: three meshes agree on the peak" in text
-    first = bonded.assign(counts="first failure", because="it moves", peak_N=9876.5)
-    assert "the first failure counts: it moves; peak: 9876.5 N" in summary("results", first)
-
-
-@pytest.mark.study
 def test_the_table_has_angles_in_place_of_loads_where_gravity_turns(tmp_path: Path) -> None:
     loads = {"load": TRILITH["load"], "tilt": {"tilt": {"axis": [0, 1, 0]}}}
     dry = changed(TRILITH, {"special": None})
@@ -229,21 +218,6 @@ def test_interfaces_carry_the_weight_and_the_load(results: Path) -> None:
 
 
 @pytest.mark.study
-def test_interfaces_tell_the_order_in_which_their_bonds_fail(results: Path) -> None:
-    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
-    whole = table.loc[("trilith-load", "static")]
-    interfaces = rows[(rows["case"] == "trilith-load") & (rows["model"] == "static")].dropna(
-        subset="fails_at"
-    )
-    order = interfaces.sort_values("fails_at", kind="stable")
-    assert order["interface"].iloc[0] == whole["first_interface"]
-    first = whole["first_failure_load_N"] / whole["load_N"]
-    assert order["fails_at"].iloc[0] == pytest.approx(first, rel=2e-3)
-    assert order["fails_at"].between(0.0, 1.0).all()
-
-
-@pytest.mark.study
 def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) -> None:
     rows = read_table(BLOCKS, results / "tables/blocks.csv")
     blocks = rows[(rows["case"] == "trilith-load") & (rows["model"] == "limit")].set_index("block")
@@ -255,56 +229,12 @@ def test_blocks_have_weights_that_add_up_and_move_along_the_load(results: Path) 
 
 
 @pytest.mark.study
-@pytest.mark.parametrize("model", ["static", "limit"])
-def test_resultants_through_their_points_hold_each_block(results: Path, model: str) -> None:
-    rows = read_table(INTERFACES, results / "tables/interfaces.csv")
-    interfaces = rows[(rows["case"] == "trilith-load-dry") & (rows["model"] == model)]
-    blocks = read_table(BLOCKS, results / "tables/blocks.csv")
-    blocks = blocks[(blocks["case"] == "trilith-load-dry") & (blocks["model"] == model)]
-    table = read_table(STRUCTURES, results / "tables/structures.csv").set_index(["case", "model"])
-    load, weight = table.loc[("trilith-load-dry", model), ["load_N", "weight_N"]]
-    for block in blocks[~blocks["fixed"]].itertuples():
-        push = load * block.weight_N / weight  # along x, in proportion to the mass
-        left = np.array([push, 0.0, -block.weight_N, 0.0, 0.0, 0.0])
-        for row in interfaces.itertuples():
-            below, above = row.interface.split("-")
-            sign = (block.block == above) - (block.block == below)
-            force = np.array([row.force_x_N, row.force_y_N, row.force_z_N])
-            arm = np.array([row.at_x_m - block.x_m, row.at_y_m - block.y_m, row.at_z_m - block.z_m])
-            left += sign * np.concatenate([force, np.cross(arm, force)])
-        left[5] = 0.0  # torsion, which no force in the plane's normal has
-        assert np.abs(left).max() < 1e-4 * weight
-    size = np.hypot(interfaces["normal_N"], interfaces["shear_N"])
-    total = np.sqrt(np.square(interfaces[["force_x_N", "force_y_N", "force_z_N"]]).sum(axis=1))
-    assert total.to_numpy() == pytest.approx(size.to_numpy(), rel=1e-6)
-
-
-@pytest.mark.study
 def test_paraview_files_have_the_shape_and_the_motion(results: Path) -> None:
     mesh = meshio.read(results / "structures/vtk/trilith-load-static-blocks.vtu")
     assert np.ptp(mesh.points, axis=0) == pytest.approx([4.0, 0.5, 3.0])
     assert np.abs(mesh.point_data["displacement_m"]).max() > 0.0
     faces = meshio.read(results / "structures/vtk/trilith-load-static-interfaces.vtu")
     assert sum(len(cells.data) for cells in faces.cells) == 4
-
-
-def test_an_interface_that_carries_next_to_nothing_is_not_the_most_used() -> None:
-    law = {"kind": "dry", "area_m2": 1.0, "friction": 0.5, "cohesion_Pa": 0.0}
-    zero = dict.fromkeys(
-        field.name for field in fields(InterfaceRow) if field.name.endswith(("_N", "_Nm", "_m"))
-    )
-    rows = [
-        InterfaceRow(
-            **dict.fromkeys(zero, 0.0)
-            | law
-            | {"interface": name, "tensile_strength_Pa": 0.0, "bonded_share": 1.0, "fails_at": None}
-            | {"normal_N": normal, "utilisation": used, "eccentricity": None}
-        )
-        for name, normal, used in (("pressed", 100.0, 0.4), ("idle", 1e-3, 0.99))
-    ]
-    assert most_used(rows) == "pressed"
-    assert most_used([]) is None
-    assert most_used([replace(row, bonded_share=0.0) for row in rows]) is None  # all are dry
 
 
 @pytest.mark.engine

@@ -1,10 +1,7 @@
 """The study of structures: its programmes against theory, its samples, and its page."""
 
 import math
-import zipfile
-from pathlib import Path
 
-import pandas as pd
 import pytest
 import yaml
 from structures import dry
@@ -13,11 +10,10 @@ from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.structure import structure
-from studies.structures import page, samples
 from studies.structures.compare import PUBLISHED, TYPES
 from studies.structures.finite_rotation import relaxed_tilt
 from studies.structures.pyramid import pyramid_tilt
-from studies.structures.samples import AXES, REQUIREMENT, REQUIREMENTS, SAMPLES, fetched
+from studies.structures.samples import AXES
 from studies.structures.shapes import answers
 
 GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
@@ -112,60 +108,3 @@ def test_published_values_are_of_samples_and_axes_that_there_are() -> None:
     assert len(set(keys)) == len(keys) == 12
     assert {sample for sample, _, _ in keys} <= set(TYPES)
     assert {axis for _, _, axis in keys} == set(AXES)
-
-
-def test_the_wheel_of_the_samples_is_pinned_by_digests() -> None:
-    found = REQUIREMENT.search(REQUIREMENTS.read_text())
-    assert found is not None
-    assert found.group(0).startswith("compas-cra==0.8.0")
-    assert found.group(0).count("--hash=sha256:") > 3
-    assert "compas-dem" not in found.group(0)
-
-
-def test_samples_are_taken_out_of_the_wheel_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    calls = []
-
-    def download(command: list[str], *, check: bool) -> None:
-        calls.append(command)
-        with zipfile.ZipFile(Path(command[-1], "compas_cra-0.8.0.whl"), "w") as wheel:
-            wheel.writestr("compas_cra/data/samples/H.json", "{}")
-            wheel.writestr("compas_cra/other.json", "{}")
-
-    monkeypatch.setattr(samples.subprocess, "run", download)
-    for _ in range(2):
-        assert [file.name for file in fetched(tmp_path).iterdir()] == ["H.json"]
-    assert len(calls) == 1
-    assert "--require-hashes" in calls[0]
-
-
-def test_the_page_counts_what_agrees(tmp_path: Path) -> None:
-    (tmp_path / "tables").mkdir()
-    row = {
-        "sample": "type-a",
-        "friction": 0.2,
-        "axis": "xy30",
-        "threedec_degrees": 20.0,
-        "static_degrees": 21.6,
-        "motion": "sliding",
-        "yade_degrees": 21.9,
-        "relaxed_degrees": 21.5,
-        "finite_rotation_degrees": 20.25,
-        "rbe_degrees": math.nan,
-        "pyramid_degrees": 25.0,
-        "limit_degrees": 23.0,
-    }
-    pd.DataFrame([row]).to_csv(tmp_path / "tables/tilts.csv", index=False)
-    lines = page.within(tmp_path).splitlines()
-    assert lines[2] == "| static model, 3DEC | 0 of 1 within 1.5° | 1.60° |"
-    assert lines[3] == "| YADE, 3DEC | 1 of 1 within 2° | 1.90° |"
-    assert lines[4] == "| YADE, static model | 1 of 1 within 0.5° | 0.30° |"
-    assert lines[5].endswith("| 1 of 1 within 1.5° | 0.25° |")
-    assert "type-a, μ = 0.2, (√3, 1, 0) | 20.0 | 21.60 | +1.6" in page.by_threedec(tmp_path)
-    assert f"| {page.NONE} | 25.00 | {page.NONE} | 23.00 |" in page.by_rbe(tmp_path)
-
-
-def test_every_sample_is_there_once() -> None:
-    names = [sample.name for sample in SAMPLES]
-    assert len(set(names)) == len(names)

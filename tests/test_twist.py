@@ -10,16 +10,14 @@ from structures import dry
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.contact_law import ContactLaw
 from sidmacib.mechanics.limit import limit_load, solved
-from sidmacib.mechanics.limit_sensitivity import Change, limit_derivatives
 from sidmacib.mechanics.polygons import outline_nodes
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mechanics.twist import Pressure, linear_pressure
 from sidmacib.problem import Problem
 from sidmacib.structure.blocks import box
-from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.loads import force_at
 from sidmacib.structure.structure import structure
-from studies.structures.shapes import arch, wall
 
 SIDE = 0.3  # m
 # Mean distance of the points of a square of side 1 from its centre.
@@ -148,22 +146,3 @@ def test_forces_obey_coulomb_and_carry_the_load_of_a_face_that_is_twisted() -> N
     assert found.force[:, 1:].sum(axis=0) @ problem.assembly.faces[0].axes[1:] == pytest.approx(
         [0.0, -found.load, 0.0], abs=1e-4 * found.load
     )
-
-
-@pytest.mark.parametrize("along", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
-def test_arches_and_walls_that_are_not_twisted_carry_as_much_as_before(
-    along: tuple[float, float, float],
-) -> None:
-    for blocks in (arch(9, 0.2), wall(3, 0.3)):
-        model = structure(blocks, dry(0.6))
-        loads = acceleration(model, along)
-        free = solved(model, loads, ContactLaw.of(model).cone()).load
-        assert limit_load(model, loads, friction=True).load == pytest.approx(free, rel=1e-6)
-
-
-def test_derivatives_of_a_twisted_face_are_those_of_its_limit() -> None:
-    problem = lintel((0.85, 0.15, 0.0))
-    sides = [lintel((0.85, 0.15, 0.0), friction=0.6 + step) for step in (-0.006, 0.006)]
-    change = Change(sides[0], sides[1], 0.012)
-    found = limit_derivatives(*problem, {"friction": change}, friction=True)
-    assert found.by["friction"] == pytest.approx(found.load / 0.6, rel=0.01)

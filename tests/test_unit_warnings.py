@@ -49,13 +49,6 @@ def test_another_unit_is_doubted(joint: Joint, words: str) -> None:
     assert list(unit_warnings(joint)) == [words]
 
 
-@given(st.floats(0.01, 1.0), st.floats(0.01, 1.0), st.floats(1e4, 1e7))
-def test_joints_of_any_usual_size_and_strength_are_not(a: float, b: float, cohesion: float) -> None:
-    joint = Joint(3, a=a, b=b)
-    inner = replace(joint.inner, cohesion=cohesion, tensile_strength=5 * cohesion)
-    assert list(unit_warnings(replace(joint, inner=inner))) == []
-
-
 @given(st.floats(0.0, 1.2))
 def test_a_friction_that_masonry_may_have_is_not_doubted(friction: float) -> None:
     assert list(unit_warnings(Joint(5, dry=replace(Joint(5).dry, friction=friction)))) == []

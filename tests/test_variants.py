@@ -17,7 +17,6 @@ from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
 from workflow.configuration import read_study
-from workflow.consistency import notes
 from workflow.joints.case import Case
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
@@ -74,14 +73,6 @@ def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     assert cases["static", "n3-mesh0.02-e0a"].joint.inner.fracture_energy == 0.0
 
 
-def test_a_fracture_energy_without_softening_is_noted() -> None:
-    study = study_of({"brittle": {"fracture_energy": 3}})
-    assert list(notes(study)) == [
-        "variants.brittle.fracture_energy: no effect while its failure is not softening"
-    ]
-    assert not notes(study_of(FADES))
-
-
 def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> None:
     study = elastic_study()
     _, table = tables_of(study, lambda case: 100.0 if case.variant == "soft" else 200.0)
@@ -107,13 +98,6 @@ def test_the_option_that_a_variant_follows_is_its_best(option: str) -> None:
     soft = table[table["variant"] == "soft"]
     assert set(soft["option"]) == {option}
     assert soft["misfit"].to_numpy() == pytest.approx(0.0, abs=1e-9)
-
-
-def test_no_option_is_the_best_of_fewer_than_three_directions() -> None:
-    _, table = tables_of(study_of(FADES), lambda case: 200.0)
-    counts = table.groupby("variant")["option"].count()
-    assert counts["tougher"] == 0
-    assert counts["tough"] == 6
 
 
 @pytest.mark.parametrize(

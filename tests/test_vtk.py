@@ -35,13 +35,6 @@ def _read(path: Path) -> meshio.Mesh:
     return meshio.read(path)
 
 
-def test_the_path_goes_up_from_no_load(written: list[Path]) -> None:
-    loads = [load for load, _ in steps(written[0])]
-    assert loads[0] == 0.0
-    assert loads == sorted(loads)
-    assert loads == [load for load, _ in steps(written[1])]
-
-
 def test_pieces_are_boxes_that_move(written: list[Path]) -> None:
     (_, first), *_, (_, last) = steps(written[0])
     assert len(first.cells_dict["hexahedron"]) == 1 + 1 + 3 + 3

@@ -154,15 +154,6 @@ def test_a_typo_is_rejected_before_anything_runs(
     assert not workspace.results.exists()
 
 
-def test_a_key_that_stands_twice_is_rejected_by_snakemake_too(workspace: Workspace) -> None:
-    text = (workspace.folder / "study.yaml").read_text()
-    (workspace.folder / "study.yaml").write_text(text + "meshes: [0.02]\n")
-    found = workspace.snakemake()
-    assert found.returncode != 0
-    assert "meshes" in found.stdout + found.stderr
-    assert not workspace.results.exists()
-
-
 # --- a study without engines ---------------------------------------------------------------------
 def test_a_study_without_engines_has_the_static_model_in_their_place(solved: Workspace) -> None:
     assert {path.name for path in (solved.results / "cases").iterdir()} == {"static"}
@@ -180,15 +171,6 @@ def test_results_that_are_deleted_are_made_again(solved: Workspace) -> None:
     assert solved.planned() >= {"batch", "fit", "figures"}
     assert solved.snakemake().returncode == 0
     assert {name: (solved.results / name).read_bytes() for name in paths} == before
-    assert solved.planned() == set()
-
-
-def test_another_case_runs_its_batch_and_what_follows(
-    solved: Workspace,
-) -> None:
-    solved.configure({**SOLVED, "eccentricities": [0, 0.7]})
-    assert solved.planned() == {"batch"} | TABLES
-    solved.configure(SOLVED)
     assert solved.planned() == set()
 
 
@@ -214,13 +196,6 @@ def test_the_linter_finds_only_that_rules_share_one_environment(config: str) -> 
     }
 
 
-def test_a_change_to_what_figures_show_draws_them_and_reports_it_and_no_more(
-    solved: Workspace,
-) -> None:
-    solved.configure({**SOLVED, "figures": {"eccentricity": 0.4}})
-    assert solved.planned() == {"figures", "report"}  # which has the configuration
-
-
 def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
     solved: Workspace,
 ) -> None:
@@ -234,37 +209,6 @@ def test_a_case_that_was_solved_in_a_batch_has_files_of_its_own_on_request(
     assert result["peak_load_N"] == pytest.approx(row["load_N"], rel=1e-9)
     assert len(pd.read_csv(folder / "nodes.csv")) > 20
     assert pd.read_csv(folder / "history.csv")["load_N"].is_monotonic_increasing
-
-
-def test_a_study_of_one_case_has_its_files_on_request(workspace: Workspace) -> None:
-    workspace.configure({**SOLVED, "eccentricities": [0]})
-    target = "results/cases/static/n3-mesh0.03-e0a/result.json"
-    found = workspace.snakemake(target)
-    assert found.returncode == 0, found.stderr
-    assert json.loads((workspace.folder / target).read_text())["mode"] == "bonds"
-
-
-def test_the_code_that_runs_is_the_checkouts(tmp_path: Path) -> None:
-    checkout = tmp_path / "checkout"
-    for name in ("sidmacib", "workflow", "analysis", "templates", "profiles"):
-        shutil.copytree(ROOT / name, checkout / name)
-    for name in ("Snakefile", "config.yaml"):
-        shutil.copy(ROOT / name, checkout)
-    edited = checkout / "analysis/summary/summary.py"
-    edited.write_text(edited.read_text().replace("Published against computed", "MINE"))
-    workspace = Workspace(tmp_path / "work", checkout)
-    workspace.configure(SOLVED)
-    found = workspace.snakemake("results/summary.txt")
-    assert found.returncode == 0, found.stderr
-    assert "MINE" in (workspace.results / "summary.txt").read_text()
-    # An edit runs what executes it, and what depends on that, again.
-    unmade = {"variants", "figures", "report", "complete"}  # nothing else is to be made
-    assert workspace.planned() == unmade
-    law = checkout / "sidmacib/contact_points/reductions.py"
-    law.write_text(law.read_text() + "\n# a comment\n")
-    assert workspace.planned() == unmade
-    law.write_text(law.read_text() + "\nADDED = 1\n")
-    assert workspace.planned() == TABLES - {"collect"}
 
 
 def test_what_came_back_from_3dec_stands_beside_the_other_models(workspace: Workspace) -> None:

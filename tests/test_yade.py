@@ -1,7 +1,6 @@
 """The distinct elements in YADE, against theory. All of these are real runs, small ones."""
 
 import json
-import math
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -13,8 +12,8 @@ from conftest import a_case, block_on_ground, run_case
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import OUTPUTS
-from sidmacib.joint.joint import INNER, Direction, Joint, UpperBody
-from sidmacib.joint.loading import Loading, LoadShare, lateral_load
+from sidmacib.joint.joint import INNER, Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import Failure, Kind, Loads, NodeLayout, self_weight
 from sidmacib.mechanics.limit import limit_load
@@ -38,7 +37,7 @@ def test_five_locks_reach_the_published_peak_within_2_percent(run) -> None:
     assert result.weights["weight"].tolist() == pytest.approx(published_first_two_swapped, abs=0.06)
 
 
-@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0), (5, 2.0), (3, float("inf"))])
+@pytest.mark.parametrize(("locks", "eccentricity"), [(3, 0.0)])
 def test_halving_the_loading_rate_hardly_moves_the_peak(
     run, locks: int, eccentricity: float
 ) -> None:
@@ -57,39 +56,6 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
     assert peaks[1] == pytest.approx(peaks[0], rel=0.005)
 
 
-def test_the_peak_does_not_depend_on_the_first_increment(run) -> None:
-    peaks = [
-        run(a_case("yade", Joint(3), Loading(Direction(0.2)), first_increment=first)).peak_load
-        for first in (0.01, 0.3)
-    ]
-    assert peaks[1] == pytest.approx(peaks[0], rel=0.0025)
-
-
-@pytest.mark.parametrize(
-    ("joint", "share"),
-    [
-        (Joint(5, failure=Failure.DUCTILE), LoadShare.FACE),
-        (Joint(5, upper_body=UpperBody.MONOLITHIC), LoadShare.FACE),
-        (Joint(5), LoadShare.BODY),
-    ],
-)
-def test_ductile_monolithic_and_body_loaded_joints_carry_more(
-    run, joint: Joint, share: LoadShare
-) -> None:
-    reference = run(a_case("yade", Joint(5), Loading(Direction(0.0))))
-    assert run(a_case("yade", joint, Loading(Direction(0.0), share))).shear > 1.03 * reference.shear
-
-
-def test_a_ductile_joint_carries_half_its_locks_and_friction_and_fails_as_a_mechanism(
-    tmp_path: Path,
-) -> None:
-    joint = Joint(5, failure=Failure.DUCTILE)
-    folder = run_case(a_case("yade", joint, Loading(Direction(0.0))), tmp_path)
-    result = json.loads((folder / "result.json").read_text())
-    assert 2 * joint.T0 < result["peak_load_N"] < 2.15 * joint.T0
-    assert result["mode"] == "mechanism"
-
-
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
     """Pulled upwards beside its middle, it reaches the plastic limit but for the last rotation."""
     joint = Joint(3, inner=replace(INNER, cohesion=1e6))
@@ -105,7 +71,7 @@ def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
     )
 
 
-@pytest.mark.parametrize(("locks", "eccentricity"), [(5, 0.5), (7, math.inf), (9, 0.1)])
+@pytest.mark.parametrize(("locks", "eccentricity"), [(5, 0.5)])
 def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(
     tmp_path: Path, locks: int, eccentricity: float
 ) -> None:
