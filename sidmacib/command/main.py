@@ -262,7 +262,8 @@ def inverse(
         demand = answers.demand_of(shear, torque, ratio)
         values, prices = answers.values_of(vary), answers.prices_of(price)
         if flags["locks"] is not None and (not vary or "locks" in values):
-            raise click.UsageError("-n: must not be given where the number of locks is sought")
+            remedy = "--vary locks" if vary else "use --vary for other sizes"
+            raise click.UsageError(f"-n: joint finds the number of locks; remove -n or {remedy}")
         if not vary and (price or every):
             raise click.UsageError(f"{'--price' if price else '--all'}: needs --vary")
         joint = joint_of(flags)
