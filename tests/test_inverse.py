@@ -37,7 +37,7 @@ def test_a_torque_alone_is_torsion_either_way() -> None:
 @pytest.mark.parametrize(
     ("numbers", "words"),
     [
-        ((0.0,), "V or M must be other than 0"),
+        ((0.0,), "V or M must not be zero"),
         ((-1.0,), "shear: -1.0"),
         ((math.inf,), "shear: inf"),
         ((1.0, math.nan), "torque: nan"),
