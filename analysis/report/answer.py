@@ -7,7 +7,9 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of
+from analysis.drawing.sketch import sketch
 from analysis.report.json_values import json_value
+from analysis.report.provenance import sample_words
 from analysis.summary.answers import Question, answers, percent, worst_by_friction
 from analysis.summary.rules import (
     PEAK_ACCURACY,
@@ -26,6 +28,7 @@ HYPHEN = re.compile(r"(?<![\w.-])-(?=\d)")  # before a number
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """The first answer of the summary, the other ones, and the table of rules.
 
+    ``named``: in words, the samples that the first answer names. ``sketch``: of the joint, as SVG.
     ``by_sample``: the answers that each sample has, as a table. ``rules``: of each rule its largest
     error, where, and whether it is safe, the least safe first.
     ``half``: how (n - 1) / 2 is drawn for each sample. ``sample``: the one that is shown first,
@@ -42,6 +45,10 @@ def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
         shown = next(iter(worst_by_friction(half, tables["validation"]).values()))
     return {
         "first": _words(first),
+        "named": [
+            words for name, words in sample_words(study).items() if f"({name}, " in first.answer
+        ],
+        "sketch": sketch(study.joint(shown.sample if shown else next(iter(study.samples)))),
         "others": [_words(each) for each in others if each.answer and not each.by_sample],
         "by_sample": _by_sample(study, [first, *others]),
         "safe": first.answer.startswith("Yes"),
@@ -69,8 +76,8 @@ def _by_sample(study: Study, given: Sequence[Question]) -> dict[str, Any]:
     return {
         "columns": [_typeset(answer.column) for answer in shown],
         "rows": [
-            [sample, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
-            for sample in study.samples
+            [words, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
+            for sample, words in sample_words(study).items()
         ],
     }
 
@@ -98,6 +105,6 @@ def _caption(leading: Mapping[str, str], mesh: float) -> str:
     return (
         "Worst case over all joints and load directions: predicted capacity / capacity by the "
         f"detailed model ({models}, mesh {1000 * mesh:g} mm) \N{MINUS SIGN} 1. Positive is unsafe; "
-        f"up to +{100 * PEAK_ACCURACY:g} % is treated as zero. SiDMACIB uses the contact points that "
-        "are safest for each joint. Mesh error: of the detailed model."
+        f"up to +{100 * PEAK_ACCURACY:g} % is treated as zero. SiDMACIB uses the contact points "
+        "that are safest for each joint. Mesh error: of the detailed model."
     )

@@ -79,7 +79,7 @@ def _half(
     if not errors:
         return
     worst = worst_by_friction(errors, tables["validation"])
-    unsafe = [f"{_unsafe(error)}{friction}" for friction, error in worst.items() if not error.safe]
+    unsafe = [_unsafe(error, words) for words, error in worst.items() if not error.safe]
     yield Question(
         "Is it safe to count (n - 1) / 2 of the n locks of a joint?",
         f"No: unsafe by {' and by '.join(unsafe)}" if unsafe else "Yes, for these joints",
@@ -106,8 +106,8 @@ def worst_by_friction(
     return found | ({" with another friction": other} if other.error > first.error else {})
 
 
-def _unsafe(error: RuleError) -> str:
-    return f"{percent(error.error)} ({error.sample}, {direction_words(error.ratio)})"
+def _unsafe(error: RuleError, friction: str) -> str:
+    return f"{percent(error.error)}{friction} ({error.sample}, {direction_words(error.ratio)})"
 
 
 def _verdict(error: RuleError) -> str:

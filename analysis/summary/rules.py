@@ -132,4 +132,6 @@ def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, str,
 
 def direction_words(ratio: float) -> str:
     """A direction in words."""
-    return "torsion" if math.isinf(ratio) else f"e/a = {ratio:g}"
+    if math.isinf(ratio):
+        return "torsion"
+    return f"e/a = {ratio:g}" if ratio else "pure shear"
