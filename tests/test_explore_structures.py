@@ -182,7 +182,7 @@ def test_a_peak_that_depends_on_the_mesh_is_not_the_answer() -> None:
     counts, peak = lines["static model"], lines["static model, peak"]
     assert counts[1] < peak[1] / 2.0 and counts[3] < 1.0
     assert peak[3:] == [None, "does not count"]
-    words = f"first bond failure at {counts[1]:.4g} N, {counts[2]:.3g} of the weight; the first failure counts"
+    words = f"first bond failure at {counts[1]:.4g} N, {counts[2]:.3g} of the weight; the first"
     assert words in answer["words"]
 
 

@@ -133,8 +133,8 @@ def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     apart = float(worst["difference_to_static"])
     yield finding(
         "Engines against the static model, structures",
-        f"{len(compared)} cases with the same contact nodes: at most {100 * abs(apart):.2f} % apart "
-        f"({worst['case']}, {label_of(worst['model']).name}).",
+        f"{len(compared)} cases with the same contact nodes: at most {100 * abs(apart):.2f} % "
+        f"apart ({worst['case']}, {label_of(worst['model']).name}).",
         "good" if abs(apart) < AGREEMENT else "bad",
     )
 

@@ -1,7 +1,7 @@
 """Largest unsafe error of each rule for the capacity of a joint, and its place."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +73,7 @@ def rule_errors(
     return found
 
 
-def worst_of(errors: list[RuleError]) -> list[RuleError]:
+def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
     """The sample with the largest error for each rule, the rules in their order."""
     rules = dict.fromkeys(error.rule for error in errors)
     return [
