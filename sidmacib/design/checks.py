@@ -123,7 +123,7 @@ def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:
 
 
 def _sliding(assembly: Assembly, loads: Loads) -> tuple[float, str]:
-    return sliding_limit(assembly, loads).state.load, "no dilation"
+    return sliding_limit(assembly, loads).state.load, "non-dilatant sliding"
 
 
 def _answer(model: Callable[[], tuple[float, str]]) -> tuple[float | None, str]:
