@@ -52,7 +52,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock capacity -n 9 -e 0.3       capacity of nine locks at e = 0.3 a
   multilock envelope --picture vm.png  V-M curve
   multilock weights -n 5               load carried by each lock
-  multilock sensitivity -n 5 -e 0.3    effect of each size on the first failure
+  multilock sensitivity -n 5 -e 0.3    effect of each size on first failure
   multilock law -n 9 -H 0.06           effective number of locks
   multilock joint -V 200 -e 0.3        fewest locks that carry V = 200 N
   multilock assembly arch.yaml         capacity of an arch or a wall of blocks
