@@ -25,7 +25,7 @@ def test_no_summary_is_cut_off_in_the_list_of_commands() -> None:
 
 @pytest.mark.parametrize("command", ["capacity", "envelope", "weights", "sensitivity", "joint"])
 def test_options_stand_under_the_heading_of_their_group(command: str) -> None:
-    parts = re.split(r"^(.+):\n(?=  )", run(command, "--help").output, flags=re.MULTILINE)
+    parts = re.split(r"^(\S.*):\n(?=  )", run(command, "--help").output, flags=re.MULTILINE)
     under = dict(zip(parts[1::2], parts[2::2], strict=True))
     assert [group for group in GROUPS if group in under] == [*under]
     for option in main.commands[command].params:

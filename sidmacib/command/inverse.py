@@ -162,7 +162,7 @@ def why_none(tried: Sequence[Candidate]) -> str:
     usage = [each.usage for each in tried if each.usage is not None]
     words = [f"{_all_of(tried)} is strong enough by the safe rule"]
     if usage:
-        share = np.format_float_positional(100.0 / min(usage), 2, fractional=False, trim="-")
+        share = np.format_float_positional(100.0 / min(usage), 3, fractional=False, trim="-")
         words.append(f"the strongest reaches {share} % of the load")
     if refused:
         commonest = max(dict.fromkeys(refused), key=refused.count)
