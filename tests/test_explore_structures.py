@@ -190,7 +190,7 @@ def test_the_first_failure_stands_beside_a_peak_that_counts() -> None:
     lines = {line[0]: line for line in structure_answer(chosen(structure="trilith"))["lines"]}
     first = lines["static model, first failure"]
     assert first[1] < lines["static model"][1] / 4.0
-    assert first[4] == "bond of left-lintel"
+    assert first[4] == "at left-lintel"
 
 
 def test_a_fault_in_one_model_is_a_line_and_the_other_model_is_shown(
