@@ -172,12 +172,14 @@ def effect_rows(
     """
     from sidmacib.answers.joint import meshes
     from sidmacib.joint.effects import sensitivity
+    from sidmacib.joint.pieces import lock_faces
 
     loading = Loading(Direction(ratio), push=push)
     found = sensitivity(joint, loading, meshes(joint)[1], progress=progress)
+    locks = lock_faces(joint)
+    where = (f"root of lock {locks[face]}" if face in locks else face for face in found.faces)
     words = (
-        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: "
-        f"{', '.join(found.faces)}."
+        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: {', '.join(where)}."
     )
     rows = [
         {
