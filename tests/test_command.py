@@ -186,18 +186,18 @@ def test_the_law_prints_how_many_locks_work() -> None:
     values = {row["what"]: row["value"] for row in answers("law", "-n", "9")}
     joint, pairs = Joint(9), pairs_of(Joint(9))
     expected = {
-        "pairs that bear": 4,
-        "locks that work, closed form": pairs.working,
-        "locks that work among any number": pairs.most,
+        "bearing pairs of locks": 4,
+        "effective locks, closed form": pairs.working,
+        "effective locks, endless joint": pairs.most,
         "transfer length": pairs.transfer_length,
     }
     for rule in (law, safe):
         shear = rule(joint, Direction(0.0)).shear
         expected[f"V (N), {rule.__name__}"] = shear
-        expected[f"locks that work, {rule.__name__}"] = shear / joint.T0
+        expected[f"effective locks, {rule.__name__}"] = shear / joint.T0
     assert values == pytest.approx(expected)
     assert (
-        float(str(values["locks that work, safe"])) < float(str(values["locks that work, law"])) < 4
+        float(str(values["effective locks, safe"])) < float(str(values["effective locks, law"])) < 4
     )
 
 

@@ -1,5 +1,6 @@
 """`multilock joint`: the fewest locks and the cheapest sizes for V and M."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -37,20 +38,30 @@ def test_the_cheapest_sizes_are_those_of_the_library() -> None:
 def test_what_no_joint_carries_ends_with_how_far_they_are() -> None:
     found = run("joint", "-V", "3e4")
     assert found.exit_code == 1
-    assert "none of 30 joints carries this by the safe rule; 30 are too weak" in found.output
+    assert "no joint with 2 to 31 locks is strong enough by the safe rule" in found.output
     found = run("joint", "-V", "3e4", "--vary", "a=0.05,0.7")
-    assert "the best has" in found.output and "1 are refused, such as: a / b: 14" in found.output
+    assert "none of 2 joints is strong enough" in found.output
+    assert "the rule refuses 1 of them, for example: a / b: 14" in found.output
+
+
+@pytest.mark.parametrize("load", ["3e4", "1e9"])
+def test_the_strongest_joint_is_said_to_reach_its_share_of_the_load(load: str) -> None:
+    printed = run("joint", "-V", load).output
+    words = printed.partition("the strongest reaches ")[2]
+    strongest = max(float(most) for most in re.findall(r"at most ([\d.]+) N", printed))
+    assert float(words.split()[0]) == pytest.approx(100 * strongest / float(load), rel=0.02)
+    assert "e-" not in words.split("%")[0]
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ((), "V or M must be other than 0"),
+        ((), "Give the load: -V, -M, or -V with -e."),
         (("-V", "-3"), "-V: -3 is not allowed; it must be a finite number of at least 0"),
         (("-V", "nan"), "-V: nan is not allowed"),
         (("-V", "3", "-M", "1", "-e", "0.3"), "not both"),
-        (("-V", "3", "-n", "5"), "-n: must not be given"),
-        (("-V", "3", "--vary", "locks=3,5", "-n", "5"), "-n: must not be given"),
+        (("-V", "3", "-n", "5"), "-n: joint finds the number of locks; remove -n or use --vary"),
+        (("-V", "3", "--vary", "locks=3,5", "-n", "5"), "remove -n or --vary locks"),
         (("-V", "3", "--all"), "--all: needs --vary"),
         (("-V", "3", "--price", "area=2"), "--price: needs --vary"),
         (("-V", "3", "--vary", "q=3"), "--vary: 'q=3' is not allowed"),

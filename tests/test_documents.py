@@ -132,6 +132,7 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "sidmacib.joint.joint.Joint" in (tmp_path / "api.html").read_text()
     assert (tmp_path / "howto" / "joint.html").is_file()
+    assert (tmp_path / "objects.inv").is_file()
     options = (tmp_path / "options.html").read_text()
     for name, command in main.commands.items():
         for option in command.params:
@@ -147,6 +148,13 @@ def test_the_site_is_built_without_a_warning(tmp_path: Path) -> None:
             violations = Axe().run(opened.page).response["violations"]
             assert not violations, (name, [each["id"] for each in violations])
             assert not [url for url in opened.requests if not url.startswith(("file:", "data:"))]
+        found = Opened(browser.new_page())
+        found.page.goto(f"{(tmp_path / 'search.html').as_uri()}?q=hinge")
+        found.page.wait_for_selector("#search-results li")
+        assert "Tutorial: your first structure" in (
+            found.page.text_content("#search-results") or ""
+        )
+        assert found.errors == []
 
 
 def test_the_page_of_keys_has_every_key() -> None:

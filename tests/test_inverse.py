@@ -31,7 +31,7 @@ def test_the_demand_of_a_torque_turns_with_the_length_of_locks_that_of_a_ratio_d
 @pytest.mark.parametrize(
     ("numbers", "words"),
     [
-        ((0.0,), "V or M must be other than 0"),
+        ((0.0,), "V or M must not be zero"),
         ((-1.0,), "shear: -1.0"),
         ((math.inf,), "shear: inf"),
         ((1.0, math.nan), "torque: nan"),

@@ -97,3 +97,18 @@ def test_the_paper_cites_what_its_references_have() -> None:
     cited = set(re.findall(r"@(\w+)", (ROOT / "docs/paper/paper.md").read_text()))
     listed = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "docs/paper/paper.bib").read_text(), re.M))
     assert cited == listed
+
+
+def test_github_runs_what_the_own_machine_runs() -> None:
+    steps = yaml.safe_load((ROOT / ".github/workflows/test.yml").read_text())["jobs"]["test"]
+    assert any(step.get("run") == "bash .ci/run" for step in steps["steps"])
+
+
+def test_only_what_was_built_and_checked_is_published_without_a_password() -> None:
+    text = (ROOT / ".github/workflows/publish.yml").read_text()
+    jobs = yaml.safe_load(text)["jobs"]
+    runs = [step.get("run", "") for step in jobs["build"]["steps"]]
+    assert any("twine check --strict" in run for run in runs)
+    assert jobs["publish"]["needs"] == "build"
+    assert jobs["publish"]["permissions"] == {"id-token": "write"}
+    assert "secrets." not in text

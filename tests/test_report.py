@@ -91,7 +91,9 @@ def test_it_opens_with_the_answer_and_without_an_error_or_a_request(opened: Open
     assert opened.errors == []
     assert [url for url in opened.requests if not url.startswith(("file:", "data:", "blob:"))] == []
     page = opened.page
-    assert "May I count (n \N{MINUS SIGN} 1)/2 locks?" in (page.text_content("#h-verdict") or "")
+    assert "Is it safe to count (n \N{MINUS SIGN} 1)/2 of the n locks" in (
+        page.text_content("#h-verdict") or ""
+    )
     assert "No: unsafe by" in (page.text_content("#h-verdict strong") or "")
     assert "No laboratory test" in (page.text_content("#verdict .warning") or "")
     box = page.locator(".rules tr", has_text="(n \N{MINUS SIGN} 1)/2").bounding_box()
@@ -118,7 +120,7 @@ def test_controls_change_what_is_shown(opened: Opened) -> None:
         "limit analysis",
         "SiDMACIB Option 4",
     ]
-    page.select_option("#curve-sample", "n5")
+    page.select_option("#sample", "n5")
     assert max(opened.traces("curve-plot")[0]["x"]) > 1.5 * max(before[0]["x"])
     page.select_option("#curve-reduction", "none")
     assert max(opened.traces("curve-plot")[-1]["x"]) == pytest.approx(1200, rel=1e-3)
@@ -203,3 +205,50 @@ def test_everyone_can_read_it(opened: Opened) -> None:
     """What an automatic check of accessibility can see."""
     found = Axe().run(opened.page)
     assert found.violations_count == 0, found.generate_report()
+
+
+@needs_browser
+def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
+    browser: Any, report: Path, opened: Opened
+) -> None:
+    page = opened.page
+    assert page.locator("select option[value=n5]").count() == 1
+    page.select_option("#sample", "n5")
+    page.select_option("#table-name", "weights")
+    page.uncheck("#curve-models input[value=limit]")
+    assert "n5" in (page.text_content("#curve-text") or "")
+    assert "n5: 5 locks" in (page.text_content("#answer-size") or "")
+    assert len(page.evaluate("chosenPath().faces")) == 5
+    again = browser.new_page(viewport={"width": 1200, "height": 800})
+    found = Opened(again)
+    again.goto(f"{page.url.replace('#', '#weights&')}")
+    again.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    assert again.input_value("#sample") == "n5"
+    assert again.input_value("#table-name") == "weights"
+    assert not again.is_checked("#curve-models input[value=limit]")
+    assert again.url.partition("#")[2].startswith("weights&")
+    assert again.evaluate("scrollY") > 0
+    assert found.errors == []
+    again.close()
+
+
+@needs_browser
+def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
+    page = opened.page
+    page.select_option("#sample", "n5")
+    page.click("nav a[href='#tables']")
+    assert settles(page, "location.hash", "#tables&sample=n5")
+    assert page.input_value("#sample") == "n5"
+
+
+@needs_browser
+def test_an_address_that_names_what_is_not_there_opens_the_page_as_it_is(
+    browser: Any, report: Path
+) -> None:
+    page = browser.new_page()
+    found = Opened(page)
+    page.goto(f"{report.as_uri()}#nowhere&sample=q&table-name=q&curve-models-q=true&q=1")
+    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    assert page.input_value("#sample") in ("n3", "n5")
+    assert found.errors == []
+    page.close()

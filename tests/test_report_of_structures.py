@@ -80,19 +80,19 @@ def test_the_verdict_has_loads_tilts_and_refusals(results: Path) -> None:
     table = tables_in(results)["structures"]
     found = {each["title"]: each["text"] for each in structures_verdict(table)}
     assert found["trilith"].startswith(
-        "load: 7848 N, 0.25 of the weight (static model, mesh error 3 %, first bond at 1600 N); "
-        "load, dry: "
+        "load: 7848 N, 0.25 of the weight (static model, mesh error 3 %, first bond failure at "
+        "1600 N); load, dry: "
     )
     tilt = table.set_index(["case", "model"]).loc[("stack-load", "static"), "tilt_degrees"]
-    assert found["stack"] == f"load: tilts by {tilt:.4g}° (static model, mesh error 1 %)."
+    assert found["stack"] == f"load: tilt {tilt:.4g}° (static model, mesh error 1 %)."
     assert found["keyed"].endswith("(limit analysis, mesh error 0 %).")
-    assert found["Structures that a model cannot do"].startswith("1 of 8 cases")
+    assert found["Not supported"].startswith("1 of 8 cases")
     first = {"counts": "first failure", "load_N": 1600.0, "load_over_weight": 0.05}
     bonded = table[table["first_interface"].notna()].assign(mesh_error=0.002, **first)
     unsettled = {each["title"]: each["text"] for each in structures_verdict(bonded)}["trilith"]
     assert unsettled == (
-        "load: 1600 N, 0.05 of the weight (static model, mesh error 0.2 %, first failure, as the "
-        "peak of 7848 N does not count)."
+        "load: 1600 N, 0.05 of the weight (static model, mesh error 0.2 %, first bond "
+        "failure; the peak of 7848 N is not reliable)."
     )
     failed = table.assign(error="why", load_N=float("nan"), tilt_degrees=float("nan"))
     kinds = {each["title"]: each["kind"] for each in structures_verdict(failed)}
@@ -188,9 +188,7 @@ def test_it_opens_undeformed_and_moves_with_the_keyboard(opened: Opened) -> None
 @needs_browser
 def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
     text = opened.page.text_content("#structure-order") or ""
-    assert text.startswith(
-        "The first bond to fail is that of left-lintel, outlined in red, at 1600"
-    )
+    assert text.startswith("First bond failure: left-lintel (outlined in red) at 1600")
     regions = {
         each["name"]: each for each in shape_of(assembly_of(example("trilith")))["interfaces"]
     }
@@ -210,7 +208,7 @@ def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> Non
     cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
     assert cells[:3] == ["static model", "7848", "0.25"]
     choose(opened, name="keyed", model="static")
-    assert "static model refuses it: base-block has condensed locks" in str(
+    assert "Not supported by the static model: base-block has condensed locks" in str(
         page.text_content("#structure-order")
     )
     assert page.is_disabled("#structure-play")

@@ -113,7 +113,10 @@ def test_where_another_node_fails_first_within_1_per_cent_there_is_no_derivative
     height = effect_of(found, "h")
     assert height.less == pytest.approx(0.212, abs=2e-3)
     assert height.more == pytest.approx(-0.759, abs=2e-3)
-    assert (height.derivative, height.note) == (None, "less and more differ")
+    assert (height.derivative, height.note) == (
+        None,
+        "slopes for +1 % and -1 % differ; no derivative",
+    )
 
 
 def test_the_derivative_is_of_v() -> None:

@@ -40,7 +40,7 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     assert rows["limit"]["load / weight"] == pytest.approx(0.2, rel=1e-6)
     assert rows["static"]["load / weight"] == pytest.approx(0.2, rel=1e-3)
     assert rows["static"]["peak (N)"] == rows["static"]["load (N)"]
-    note = "the peak counts: no bond fails before the peak; ends by: mechanism"
+    note = "the peak counts: no bond fails before the peak; failure mode: mechanism"
     assert rows["static"]["note"] == note
 
 
@@ -75,7 +75,9 @@ def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) ->
     slides = math.degrees(math.atan(0.2))
     assert rows["limit"]["tilt (degrees)"] == pytest.approx(slides, rel=1e-6)
     assert rows["static"]["tilt (degrees)"] == pytest.approx(slides, rel=2e-4)
-    assert str(rows["static"]["note"]).endswith("ends by: sliding; block moves most")
+    assert str(rows["static"]["note"]).endswith(
+        "failure mode: sliding; largest displacement: block"
+    )
     (row,) = answers("assembly", str(path), "--interfaces")
     assert row["compression (N)"] == pytest.approx(
         480.0 * GRAVITY * math.cos(math.radians(slides)), rel=1e-4
@@ -279,3 +281,17 @@ def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
     assert static["first failure (N)"] == static["load (N)"] < static["peak (N)"]
     assert shown["shear (N)"] == pytest.approx(static["load (N)"], rel=1e-6)
     assert shown["utilisation"] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_mesh_in_place_of_a_description_is_answered_with_what_to_write(tmp_path: Path) -> None:
+    mesh = tmp_path / "arch.OBJ"
+    mesh.write_text("o v01\nv 1400.000 0 0\n")
+    message = run("assembly", str(mesh)).output
+    assert "arch.OBJ is a mesh. Refer to it from a YAML file: blocks: {arch: {file: " in message
+
+
+def test_blocks_in_millimetres_are_noted_with_their_scale(path: Path) -> None:
+    wide = {"blocks": {"block": {"high": [720.0, 1.0, 1.0]}}}
+    path.write_text(yaml.safe_dump(changed(ON_GROUND, wide)))
+    noted = run("assembly", str(path)).stderr
+    assert "block: block diagonal 720" in noted and 'add "scale: 0.001"' in noted

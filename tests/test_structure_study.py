@@ -200,7 +200,7 @@ def test_a_model_that_cannot_do_condensed_locks_says_so_and_the_study_is_complet
     )
     assert table.loc[("keyed-load", "limit"), "load_N"] > 0.0
     assert (results / ".structures_complete").read_text() == f"{len(table)} cases\n"
-    assert f"refused: {refused}" in (results / "structures.txt").read_text()
+    assert f"not supported: {refused}" in (results / "structures.txt").read_text()
 
 
 @pytest.mark.study

@@ -20,6 +20,9 @@ from workflow.schema import Study
 COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample
 
 
+COUNT = "Is it safe to count (n - 1) / 2 of the n locks of a joint?"
+
+
 def study_of(**change: Any) -> Study:
     config = {
         "samples": {"weak": {"locks": 3}, "strong": {"locks": 3}},
@@ -53,14 +56,14 @@ def lines(tables: dict[str, pd.DataFrame]) -> list[str]:
 
 
 def test_whether_half_of_the_locks_may_be_counted_is_answered_first(lines: list[str]) -> None:
-    assert lines[0].startswith("May I count (n - 1) / 2 locks? No: unsafe by 33.3 % (weak, ")
+    assert lines[0].startswith(f"{COUNT} No: unsafe by 33.3 % (weak, ")
     assert lines[1] == "  strong safe (Option 3); weak unsafe by 33.3 % (Option 4)"
 
 
 def test_half_of_the_locks_may_be_counted_where_an_option_is_safe() -> None:
     study = study_of(samples={"strong": {"locks": 3}})
     lines = summary("there", tables_for(study), [0.02, 0.01]).splitlines()
-    assert lines[0] == "May I count (n - 1) / 2 locks? Yes, for these joints"
+    assert lines[0] == f"{COUNT} Yes, for these joints"
     assert lines[1] == "  strong safe (Option 3)"
 
 

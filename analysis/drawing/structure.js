@@ -108,7 +108,7 @@ const isHinge = (row) => row.bonded_share === 0 && row.eccentricity !== null && 
 function toldOf(name, row) {
   if (!row) return name;
   const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  const hinge = isHinge(row) ? "<br>hinge: the resultant acts at the edge" : "";
+  const hinge = isHinge(row) ? "<br>hinge (resultant at the edge)" : "";
   return `${name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
@@ -137,7 +137,7 @@ function forceTraces({ forces, moves, factor }, share) {
     for (const { each, row, size, acts, point, half } of forces) {
       const here = placeBetween(point, each.between, moves, share * factor);
       addLine(lines, [plus(here, half, -1), plus(here, half)]);
-      const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside, drawn at the middle"}`;
+      const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
       addLine(!acts ? elsewhere : isHinge(row) ? hinges : acting, [here], text);
     }
   }
@@ -175,7 +175,7 @@ function tellMotion(share) {
   const moves = Boolean(drawn.shape) && drawn.factor > 0;
   for (const part of ["motion", "play"]) at(`structure-${part}`).disabled = !moves;
   const size = share > 0 ? `× ${short(Number((share * drawn.factor).toPrecision(2)))} (${drawn.motion})` : "undeformed";
-  at("structure-factor").textContent = moves ? size : "this model gives no motion";
+  at("structure-factor").textContent = moves ? size : "no motion from this model";
 }
 
 const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${short(row.first_failure_load_N)} N` : `${short(row.first_failure_tilt_degrees)}°`);
@@ -183,24 +183,24 @@ const firstFailure = (row) => (row.first_failure_tilt_degrees === null ? `${shor
 const reasonOf = (row, column) => (row[column] === null ? null : row[column].replace(`${row.model}: `, ""));
 
 function orderOf({ row, interfaces }) {
-  if (row.refused !== null) return `${labelOf(row.model).name} refuses it: ${reasonOf(row, "refused")}.`;
-  if (row.error !== null) return `${labelOf(row.model).name} has no result: ${reasonOf(row, "error")}.`;
+  if (row.refused !== null) return `Not supported by the ${labelOf(row.model).name}: ${reasonOf(row, "refused")}.`;
+  if (row.error !== null) return `No result from the ${labelOf(row.model).name}: ${reasonOf(row, "error")}.`;
   const all = [...(interfaces || [])].map(([, own]) => own);
   const bonded = all.filter((own) => own.cohesion_Pa > 0 || own.tensile_strength_Pa > 0);
-  const used = row.most_used_interface === null ? "" : ` Used most: ${row.most_used_interface}.`;
-  if (!all.length) return "This model gives no forces at interfaces.";
-  if (!bonded.length) return `All interfaces are dry: no bond fails.${used}`;
-  if (row.first_interface === null) return `This model gives no first failure of a bond.${used}`;
+  const used = row.most_used_interface === null ? "" : ` Highest utilisation: ${row.most_used_interface}.`;
+  if (!all.length) return "This model gives no interface forces.";
+  if (!bonded.length) return `All interfaces are dry; there are no bonds.${used}`;
+  if (row.first_interface === null) return `This model gives no first bond failure.${used}`;
   const broken = bonded.filter((own) => own.fails_at !== null).sort((one, other) => one.fails_at - other.fails_at);
   const others = broken.map((own) => `${own.interface} (${Math.round(100 * own.fails_at)} %)`);
-  const first = `The first bond to fail is that of ${row.first_interface}, outlined in red, at ${firstFailure(row)}.`;
-  return `${first} ${others.length > 1 ? `Order of failure, in per cent of the peak load: ${others.join(", ")}.` : "No other bond fails before the peak."}`;
+  const first = `First bond failure: ${row.first_interface} (outlined in red) at ${firstFailure(row)}.`;
+  return `${first} ${others.length > 1 ? `Order of failure, in % of the peak load: ${others.join(", ")}.` : "No other bond fails before the peak."}`;
 }
 
 // What the caption says of the longest line.
 function tellLongest() {
   const most = drawn.shape ? drawn.forces.reduce((one, other) => (other.size > (one ? one.size : 0) ? other : one), null) : null;
-  at("structure-longest").textContent = most ? `The longest is ${short(most.size)} N, at ${most.each.name}; where a force acts outside of its interface, its line goes through the middle, with an open dot.` : "";
+  at("structure-longest").textContent = most ? `Largest: ${short(most.size)} N at ${most.each.name}. Open dots: the force acts outside the interface and is drawn at its centroid.` : "";
 }
 
 // --- controls --------------------------------------------------------------------------------

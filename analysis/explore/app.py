@@ -59,13 +59,11 @@ SUPERSEDED = 204  # no content: a browser takes it for no error
 MOST_PORT = 65535
 PATIENCE = 20.0  # seconds, for the rest of a request
 ABOUT = (
-    "Curve: peak of the static model, on the mesh of the command; for elastic blocks, first "
-    "failure by the law. "
-    "Law and safe rule are those of docs/law.md, within the ranges they were tested in: "
-    "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
-    "the first lock is on the left. An arrow below a slider points to a larger first failure by "
-    "the static model; the number is the change of that load for 1 % more. "
-    "Nothing leaves this machine."
+    "Curve: peak of the static model, on the same mesh as the command's; for elastic blocks, first "
+    "failure by the law. Green bars: range in which the law was tested, all other inputs "
+    "unchanged. Arrows: the direction that raises the first failure (static model); the number is "
+    "its change for +1 %. The tensile strength is proportional to the cohesion. Lock 1 is on the "
+    "left. No data leave this machine."
 )
 
 

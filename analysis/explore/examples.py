@@ -64,17 +64,17 @@ EXAMPLES = {
     "arch": Example(
         "arch of five voussoirs",
         "arch/arch.yaml",
-        "Pushed in proportion to its masses. Friction and bond are of all joints.",
+        "Horizontal acceleration. Friction and bond apply to every joint.",
     ),
     "wall": Example(
         "wall in running bond",
         "wall/wall.yaml",
-        "Pushed in proportion to its masses. Friction and bond are of all joints.",
+        "Horizontal acceleration. Friction and bond apply to every joint.",
     ),
     "trilith": Example(
         "trilith",
         "structures/trilith.yaml",
-        "Pushed in proportion to its masses. The bond is that of the lintel on its left post.",
+        "Horizontal acceleration. Only the lintel and its left post are bonded.",
         keys=(
             ("friction", ("interfaces", "friction")),
             ("cohesion", ("special", 0, "cohesion")),
@@ -84,8 +84,8 @@ EXAMPLES = {
     "keyed": Example(
         "block on locks",
         "structures/keyed.yaml",
-        "The block is pushed. Cohesion and tensile strength are those of a lock's root, friction "
-        "that of its other faces.",
+        "Horizontal force on the block. Cohesion and tensile strength apply to the roots of the "
+        "locks, friction to their other faces.",
         ("load", "force", "direction"),
         (
             ("locks", ("locks", 0, "count")),
@@ -97,14 +97,14 @@ EXAMPLES = {
     "vault": Example(
         "flat vault of Abeille's blocks",
         "flat_vault/vault3.yaml",
-        "The middle block is pushed. Friction is of all joints. It takes some seconds.",
+        "Force on the middle block. Friction applies to every joint. Takes some seconds.",
         ("load", "force", "direction"),
         (("friction", ("interfaces", "friction")),),  # with bonds up to half a minute
     ),
     "stack": Example(
-        "stack that is tilted",
+        "tilted stack of blocks",
         "structures/stack.yaml",
-        "Gravity turns towards the direction of the push. Friction and bond are of all joints.",
+        "The ground tilts. Friction and bond apply to every joint.",
         ("load", "tilt", "axis"),
     ),
 }

@@ -50,7 +50,7 @@ function showCovered(covered) {
     const [low, high] = span || [min, min];
     Object.assign(at(`${name}-span`).firstElementChild.style, { left: `${share(low)}%`, width: `${share(high) - share(low)}%` });
     const everywhere = span && low === Number(min) && high === Number(max);
-    at(`${name}-words`).textContent = everywhere ? "" : span ? `law tested from ${low} to ${high}` : "law tested at none of these";
+    at(`${name}-words`).textContent = everywhere ? "" : span ? `law tested from ${low} to ${high}` : "outside the range in which the law was tested";
   }
 }
 
@@ -115,7 +115,7 @@ function drawJoint() {
     part("path", { d: `M ${left} ${foot - high * weight} h ${scale * locks * b}`, stroke: "#c9ced8" }),
     part("text", { x: left - 6, y: foot - high * weight, "text-anchor": "end", "dominant-baseline": "central" }, weight),
   ]);
-  parts.push(part("text", { x: left - 60, y: foot - high - 24 }, "weights of the locks"));
+  parts.push(part("text", { x: left - 60, y: foot - high - 24 }, "lock weights"));
   for (const share of shown.shares) parts.push(...bar(share, left + scale * b * (share.lock - 1), scale * b, foot, high, share.lock % every === 1 || every === 1));
   for (const piece of shown.pieces) {
     const { low, high: up } = piece;

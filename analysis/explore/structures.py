@@ -24,7 +24,7 @@ from workflow.structures.record import StructureRecord, record_without_result, s
 
 KEPT = 64  # structures that are not computed again
 FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)
-ASSUMES = "bonds yield, and sliding opens joints: may be too high"
+ASSUMES = "ductile bonds, dilatant sliding: may overestimate"
 
 
 @lru_cache(maxsize=KEPT)
@@ -73,11 +73,11 @@ def _lines(rows: dict[str, dict[str, Any]]) -> list[list[Any]]:
         failures = [[name, None, None, None, _why(static_row)]]
     else:
         counts, bond = _counts(static_row), static_row["first_interface"]
-        failures = [_line(name, static_row, "", f"{counts}; ends by: {static_row['mode']}")]
+        failures = [_line(name, static_row, "", f"{counts}; failure mode: {static_row['mode']}")]
         if static_row["counts"] == FIRST_FAILURE:
             failures.append(_line(f"{name}, peak", static_row, "peak_", "does not count"))
         elif bond:
-            first = f"bond of {bond}"
+            first = f"at {bond}"
             failures.append(_line(f"{name}, first failure", static_row, "first_failure_", first))
     remark = _why(limit_row) if limit_row["error"] else ASSUMES
     return [_line(label_of("limit").name, limit_row, "", remark), *failures]
@@ -104,7 +104,7 @@ def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
     title = EXAMPLES[chosen.example].title
     title = title[0].upper() + title[1:]
     if row["error"]:
-        return f"{title}: no answer of the {label_of('static').name}: {_why(row)}."
+        return f"{title}: no answer from the {label_of('static').name}: {_why(row)}."
     load, weight = row["load_N"], row["load_over_weight"]
     at = (
         f"{row['tilt_degrees']:.4g}°"
@@ -112,9 +112,9 @@ def _words(chosen: Chosen, rows: dict[str, dict[str, Any]]) -> str:
         else f"{load:.4g} N, {weight:.3g} of the weight"
     )
     if row["counts"] == FIRST_FAILURE:
-        return f"{title}: first bond at {at}; {_counts(row)}."
+        return f"{title}: first bond failure at {at}; {_counts(row)}."
     end = "last equilibrium" if EXAMPLES[chosen.example].tilts else "peak"
-    return f"{title}: {end} at {at}; ends by: {row['mode']}."
+    return f"{title}: {end} at {at}; failure mode: {row['mode']}."
 
 
 def _why(row: dict[str, Any]) -> str:

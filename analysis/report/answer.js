@@ -43,23 +43,17 @@ function pointTrace(rows, name, symbol) {
 }
 
 function drawAnswer() {
-  const sample = at("answer-sample").value, leading = ANSWER.leading[sample];
+  const sample = chosenSample(), leading = ANSWER.leading[sample];
   const carried = answerRows(sample, (r) => r.model === leading && r.variant === "reference");
   const published = answerRows(sample, (r) => r.model === "published" && r.variant === "3dec");
   const traces = [
     ...(leading ? bandOf(carried, `mesh error of ${labelOf(leading).name}`) : []), ...halfTrace(sample), ...modelTraces(sample),
     ...pointTrace(published, "published (3DEC)", "star-open"),
   ];
-  vmChart("answer-plot", traces, { why: `No model has an answer for ${sample} at a mesh of ${ANSWER.mesh} m: the reasons are under failed cases.` });
+  vmChart("answer-plot", traces, { why: `No model has an answer for ${sample} at a mesh of ${short(1000 * ANSWER.mesh)} mm: for the reasons see "Failed cases".` });
   const joint = JOINTS.sizes.find((row) => row.sample === sample);
-  at("answer-size").textContent = `${joint.locks} locks, a × b = ${short(1000 * joint.a_m)} × ${short(1000 * joint.b_m)} mm, T0 = ${short(joint.T0_N)} N, friction ${short(joint.friction)}`;
-  at("answer-text").textContent = `Mesh ${ANSWER.mesh} m. A rule is unsafe where its line is outside of what the models carry.${published.length ? "" : " The paper has no peak for this joint."}`;
+  at("answer-size").textContent = `${sample}: ${joint.locks} locks, a × b = ${short(1000 * joint.a_m)} × ${short(1000 * joint.b_m)} mm, strength of a lock T0 = ${short(joint.T0_N)} N, friction ${short(joint.friction)}`;
+  at("answer-text").textContent = `Mesh ${short(1000 * ANSWER.mesh)} mm. A rule is unsafe where its line lies outside the capacity by the detailed models.${published.length ? "" : " The paper has no peak for this joint."}`;
 }
 
-function startAnswer() {
-  fill(at("answer-sample"), JOINTS.samples, ANSWER.sample);
-  at("answer-sample").addEventListener("change", drawAnswer);
-  drawAnswer();
-}
-
-startAnswer();
+onSample(drawAnswer);

@@ -7,8 +7,10 @@ from typing import Any
 import pandas as pd
 
 from analysis.drawing.labels import label_of
+from analysis.drawing.sketch import sketch
 from analysis.report.json_values import json_value
-from analysis.summary.answers import Question, answers, percent
+from analysis.report.provenance import sample_words
+from analysis.summary.answers import Question, answers, percent, worst_by_friction
 from analysis.summary.rules import (
     PEAK_ACCURACY,
     RuleError,
@@ -19,26 +21,34 @@ from analysis.summary.rules import (
 from analysis.summary.summary import leading_models
 from workflow.schema import Study
 
-NO_RULE = Question("What does the joint carry?", "See the curves and tables below, by model.")
+NO_RULE = Question("What do the joints carry?", "See the curves and tables below.")
 HYPHEN = re.compile(r"(?<![\w.-])-(?=\d)")  # before a number
 
 
 def answer_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """The first answer of the summary, the other ones, and the table of rules.
 
+    ``named``: in words, the samples that the first answer names. ``sketch``: of the joint, as SVG.
     ``by_sample``: the answers that each sample has, as a table. ``rules``: of each rule its largest
     error, where, and whether it is safe, the least safe first.
     ``half``: how (n - 1) / 2 is drawn for each sample. ``sample``: the one that is shown first,
-    where (n - 1) / 2 or else the first rule is least safe.
+    where (n - 1) / 2, or else the least safe rule, is least safe: with the friction as printed if
+    there are such samples.
     """
     leading, mesh = leading_models(tables["fit"]), min(study.meshes)
     errors = rule_errors(tables, leading, mesh)
     first, *others = [*answers(tables, leading, mesh)] or [NO_RULE]
     worst = sorted(worst_of(errors), key=lambda error: -error.error)
     half = [error for error in errors if error.rule == "half"]
-    shown = max(half or worst, key=lambda error: error.error, default=None)
+    shown = next(iter(worst[:1]), None)
+    if half:
+        shown = next(iter(worst_by_friction(half, tables["validation"]).values()))
     return {
         "first": _words(first),
+        "named": [
+            words for name, words in sample_words(study).items() if f"({name}, " in first.answer
+        ],
+        "sketch": sketch(study.joint(shown.sample if shown else next(iter(study.samples)))),
         "others": [_words(each) for each in others if each.answer and not each.by_sample],
         "by_sample": _by_sample(study, [first, *others]),
         "safe": first.answer.startswith("Yes"),
@@ -66,8 +76,8 @@ def _by_sample(study: Study, given: Sequence[Question]) -> dict[str, Any]:
     return {
         "columns": [_typeset(answer.column) for answer in shown],
         "rows": [
-            [sample, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
-            for sample in study.samples
+            [words, *(_typeset(answer.by_sample.get(sample, "")) for answer in shown)]
+            for sample, words in sample_words(study).items()
         ],
     }
 
@@ -93,8 +103,8 @@ def _row(error: RuleError) -> dict[str, Any]:
 def _caption(leading: Mapping[str, str], mesh: float) -> str:
     models = " and ".join(dict.fromkeys(label_of(name).name for name in leading.values()))
     return (
-        "Largest error of each rule over all joints and directions of this study: what it promises "
-        f"over what the models of the pieces ({models}) carry at a mesh of {mesh:g} m, less 1. "
-        f"Above zero it promises too much; up to {100 * PEAK_ACCURACY:g} % counts as none. "
-        "SiDMACIB has the option that is safest for each joint. Mesh error: of the carried load."
+        "Worst case over all joints and load directions: predicted capacity / capacity by the "
+        f"detailed model ({models}, mesh {1000 * mesh:g} mm) \N{MINUS SIGN} 1. Positive is unsafe; "
+        f"up to +{100 * PEAK_ACCURACY:g} % is treated as zero. SiDMACIB uses the contact points "
+        "that are safest for each joint. Mesh error: of the detailed model."
     )

@@ -9,6 +9,7 @@ import pandas as pd
 
 from analysis.drawing.labels import SERIES, label_of
 from analysis.report.answer import answer_content
+from analysis.report.headings import headings, words
 from analysis.report.joints import joints_content, joints_verdict
 from analysis.report.json_values import json_table
 from analysis.report.provenance import provenance
@@ -59,6 +60,8 @@ def content(
         "names": names,
         "verdict": verdict,
         "tables": {name: json_table(table) for name, table in shown.items()},
+        "headings": headings(shown),
+        "words": words(shown),
         "failed": json_table(pd.concat(failed)),
     }
 

@@ -5,6 +5,7 @@ FOLDER = "analysis/report"
 SHARED = "analysis/drawing"  # with the explorer
 STYLE = f"{FOLDER}/report.css"
 SCRIPTS = (f"{SHARED}/chart.js", f"{SHARED}/parts.js", f"{FOLDER}/report.js")
+ADDRESS = f"{FOLDER}/address.js"  # the last one
 TEMPLATES = (
     *(f"{FOLDER}/{name}.html.j2" for name in ("page", "answer", "end", *PARTS)),
     f"{SHARED}/structure.html.j2",
@@ -17,5 +18,6 @@ FILES = (
     *TEMPLATES,
     STYLE,
     *SCRIPTS,
+    ADDRESS,
     *(name for part in SCRIPTS_OF_PARTS.values() for name in part),
 )

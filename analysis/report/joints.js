@@ -1,5 +1,14 @@
-// The report's charts of joints.
+// The report's charts of joints, all of the joint that is chosen at the top of the page.
 const JOINTS = DATA.joints;
+const chosenSample = () => at("sample").value;
+
+// Draws now, and again whenever another joint is chosen.
+function onSample(drawn) {
+  at("sample").addEventListener("change", drawn);
+  drawn();
+}
+
+fill(at("sample"), JOINTS.samples, DATA.answer.sample, (name) => JOINTS.words[name]);
 const capacity = records(DATA.tables.capacity);
 const weights = records(DATA.tables.weights);
 const cases = records(DATA.tables.cases);
@@ -12,7 +21,7 @@ const rules = capacity.filter((row) => row.model === "sidmacib" && row.option !=
 const models = unique(plain.map((row) => row.model));
 
 function drawCurves() {
-  const sample = at("curve-sample").value;
+  const sample = chosenSample();
   const mesh = Number(at("curve-mesh").value);
   const variant = at("curve-variant").value;
   const shown = ticked(at("curve-models"));
@@ -40,24 +49,20 @@ function drawCurves() {
 }
 
 function fillSources() {
-  const own = unique(rules.filter((row) => row.sample === at("curve-sample").value).map((row) => row.weights_from));
+  const own = unique(rules.filter((row) => row.sample === chosenSample()).map((row) => row.weights_from));
   fill(at("curve-source"), own, own[0], (model) => labelOf(model).name);
 }
 
 function startCurves() {
-  const samples = JOINTS.samples;
-  fill(at("curve-sample"), samples, samples[0]);
   const meshes = JOINTS.meshes.filter((mesh) => plain.some((row) => row.mesh_m === mesh));
   fill(at("curve-mesh"), meshes, meshes[0]);
   fill(at("curve-variant"), unique(plain.map((row) => row.variant)), "reference");
   const reductions = unique(rules.map((row) => row.reduction));
   fill(at("curve-reduction"), reductions, reductions.includes("half") ? "half" : reductions[0], (name) => JOINTS.rules[name] || name);
-  at("curve-sample").addEventListener("change", fillSources);
-  fillSources();
   boxes(at("curve-models"), models, models, drawCurves, (model) => labelOf(model).name);
   boxes(at("curve-options"), unique(rules.map((row) => row.option)), ["option4"], drawCurves, (option) => JOINTS.options[option].name);
-  for (const id of ["curve-sample", "curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
-  drawCurves();
+  for (const id of ["curve-mesh", "curve-reduction", "curve-source", "curve-friction", "curve-variant"]) at(id).addEventListener("change", drawCurves);
+  onSample(() => { fillSources(); drawCurves(); });
 }
 
 // --- weights ---------------------------------------------------------------------------------
@@ -82,27 +87,24 @@ function drawWeights() {
   });
   const published = rows.length ? publishedWeights(rows).map((trace) => ({ ...trace, x: traces[0].x })) : [];
   const all = [...published, ...traces].map((trace) => ({ ...trace, text: trace.y.map((v) => v.toFixed(2)), textangle: traces.length > 3 ? -90 : 0, textposition: "outside", cliponaxis: false }));
-  chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { range: [0, 1.25 * Math.max(1, ...all.flatMap((trace) => trace.y))] }), why: "No model of this study gives stresses, from which weights are read." });
-  at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". The paper's first two weights stand in the other order than statics asks for: see docs/validation.md." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
+  chart("weight-plot", all, { barmode: "group", xaxis: axis(""), yaxis: axis("weight: shear / T0", { range: [0, 1.25 * Math.max(1, ...all.flatMap((trace) => trace.y))] }), why: "No model of this study gives stresses of this joint, from which weights follow." });
+  at("weight-text").textContent = all.map((t) => `${t.name}: ${t.y.map(short).join(", ")}`).join("; ") + (published.length ? ". Equilibrium requires the first two published weights to be swapped." : published.length || !rows.length ? "" : ". The paper has no weights for this case.");
 }
 
 function chooseWeights() {
-  const own = unique(weights.filter((row) => row.sample === at("weight-sample").value && row.variant === "reference").map((row) => row.case));
+  const own = unique(weights.filter((row) => row.sample === chosenSample() && row.variant === "reference").map((row) => row.case));
   fill(at("weight-case"), own, own[0]);
   drawWeights();
 }
 
 function startWeights() {
-  const samples = unique(weights.map((row) => row.sample));
-  fill(at("weight-sample"), samples, samples[0]);
-  at("weight-sample").addEventListener("change", chooseWeights);
   at("weight-case").addEventListener("change", drawWeights);
-  chooseWeights();
+  onSample(chooseWeights);
 }
 
 // --- convergence -----------------------------------------------------------------------------
 function drawConvergence() {
-  const sample = at("mesh-sample").value, model = at("mesh-model").value;
+  const sample = chosenSample(), model = at("mesh-model").value;
   const own = capacity.filter((r) => r.sample === sample && r.model === model && r.variant === "reference" && r.load_N !== null);
   const meshes = unique(own.map((r) => r.mesh_m)).sort((a, b) => a - b);
   const direction = (r) => (r.eccentricity_over_a === "inf" ? "torsion" : String(r.eccentricity_over_a));
@@ -118,34 +120,26 @@ function drawConvergence() {
   chart("mesh-plot", meshes.length > 1 ? traces : [], { xaxis: axis("e / a", ticks), yaxis: axis("load / finest mesh (%)"), why: "Only one mesh was run: there is nothing to compare." });
   const errors = own.filter((r) => r.mesh_error !== null && r.mesh_m === ANSWER_MESH);
   const worst = errors.reduce((one, other) => (one && one.mesh_error >= other.mesh_error ? one : other), null);
-  at("mesh-text").textContent = `Loads over those at the finest mesh, direction by direction. Bars: mesh error, estimated from two meshes.${worst ? ` At ${ANSWER_MESH} m it is at most ${(100 * worst.mesh_error).toFixed(1)} % (${worst.case}).` : ""}`;
+  at("mesh-text").textContent = `Load / load at the finest mesh, for each load direction. Bars: estimated mesh error.${worst ? ` At ${ANSWER_MESH} m it is at most ${(100 * worst.mesh_error).toFixed(1)} % (${worst.case}).` : ""}`;
 }
 
 const ANSWER_MESH = Math.min(...JOINTS.meshes);
 
 function startConvergence() {
   const own = models.filter((model) => !["law", "safe"].includes(model));
-  fill(at("mesh-sample"), JOINTS.samples, DATA.answer.sample);
   fill(at("mesh-model"), own, own.includes("static") ? "static" : own[0], (model) => labelOf(model).name);
-  for (const id of ["mesh-sample", "mesh-model"]) at(id).addEventListener("change", drawConvergence);
-  drawConvergence();
+  at("mesh-model").addEventListener("change", drawConvergence);
+  onSample(drawConvergence);
 }
 
 // --- law, models -----------------------------------------------------------------------------
 function drawLaw() {
-  const own = JOINTS.law[at("law-sample").value];
+  const own = JOINTS.law[chosenSample()];
+  at("law").hidden = !own;
+  if (!own) return;
   const names = { law: labelOf("law"), safe: labelOf("safe"), closed: { name: "closed form", colour: "#555555" }, half: { name: "(n − 1)/2", colour: "#000000" } };
   const traces = Object.keys(names).map((key, k) => ({ x: own.locks, y: own[key], name: names[key].name, connectgaps: true, mode: "lines+markers", marker: { symbol: MARKS[k] }, line: { color: names[key].colour, dash: DASHES[k] } }));
-  chart("law-plot", traces, { xaxis: axis("locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }) });
-}
-
-function startLaw() {
-  const samples = Object.keys(JOINTS.law);
-  at("law").hidden = samples.length === 0;
-  if (!samples.length) return;
-  fill(at("law-sample"), samples, samples[0]);
-  at("law-sample").addEventListener("change", drawLaw);
-  drawLaw();
+  chart("law-plot", traces, { xaxis: axis("number of locks n", { dtick: 2 }), yaxis: axis("V / T0", { rangemode: "tozero" }) });
 }
 
 function drawModels() {
@@ -161,5 +155,5 @@ function drawModels() {
 startCurves();
 startWeights();
 startConvergence();
-startLaw();
+onSample(drawLaw);
 drawModels();

@@ -9,7 +9,7 @@ import pandas as pd
 from analysis.drawing.labels import label_of, option_colour, option_name, rule_name
 from analysis.report.json_values import finding, json_value
 from analysis.report.paths import paths_of, pieces_of, shown_cases
-from analysis.report.provenance import sizes_of
+from analysis.report.provenance import sample_words, sizes_of
 from analysis.summary.summary import AGREEMENT
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
@@ -20,6 +20,7 @@ from workflow.schema import Study
 
 PEAK = "dem_pure_shear_N"
 NEAR = 0.005  # of a published number
+LEAST_SHOWN = 5e-5  # share that two digits of a percentage show
 NUMBERS_OF_LOCKS = (3, 4, 5, 6, 7, 9, 11, 13, 15)
 
 
@@ -47,11 +48,11 @@ def joints_verdict(tables: Mapping[str, pd.DataFrame], study: Study) -> list[dic
         *_agreement(tables["cases"]),
         *verdict_of_spread(tables["capacity"]),
         finding(
-            "What is assumed",
-            "The positions of the contact points."
+            "Assumptions",
+            "The positions of SiDMACIB's contact points."
             if tables["validation"].empty
-            else "The positions of the contact points, and a, b, h and H of the published samples: "
-            "the paper's text gives a·b only.",
+            else "The positions of SiDMACIB's contact points, and a, b, h and H of the published "
+            "joints: the paper gives only the product a·b.",
         ),
     ]
 
@@ -60,7 +61,7 @@ def _failed(cases: pd.DataFrame) -> list[dict[str, str]]:
     failed = cases[cases["error"].notna()]
     if failed.empty:
         return []
-    text = f"{len(failed)} of {len(cases)}: they are listed at the end."
+    text = f"{len(failed)} of {len(cases)}; they are listed at the end."
     return [finding("Cases without a result", text, "bad")]
 
 
@@ -68,17 +69,17 @@ def _published(validation: pd.DataFrame) -> list[dict[str, str]]:
     peaks = validation[validation["quantity"].eq(PEAK) & validation["model"].ne("limit")]
     peaks = peaks.dropna(subset=["relative_difference"])
     if peaks.empty:
-        return [finding("Published numbers", "There are none for the samples of this study.")]
+        return [finding("Published numbers", "None for the joints of this study.")]
     found = []
     for setting, part in peaks.groupby("setting", sort=True):
         worst = part.loc[part["relative_difference"].abs().idxmax()]
         size = abs(float(worst["relative_difference"]))
         found.append(
             finding(
-                f"Published peaks, friction {part['friction'].iloc[0]:.4g}, {setting}",
-                f"Largest deviation {100 * size:.1f} %: {label_of(worst['model']).name} "
+                f"Published peaks, friction {part['friction'].iloc[0]:.4g} ({setting})",
+                f"Largest difference {100 * size:.1f} %: {label_of(worst['model']).name} "
                 f"{worst['computed']:.1f} N, published {worst['published']:g} N, "
-                f"{worst['locks']} locks, mesh {worst['mesh_m']:g} m.",
+                f"{worst['locks']} locks, mesh {1000 * worst['mesh_m']:g} mm.",
                 "good" if size < NEAR else "note",
             )
         )
@@ -90,7 +91,7 @@ def _agreement(cases: pd.DataFrame) -> list[dict[str, str]]:
     if compared.empty:
         return []
     worst = float(compared["difference_to_static"].abs().max())
-    text = f"{len(compared)} cases on the same nodes, at most {100 * worst:.2f} % apart."
+    text = f"{len(compared)} cases with the same contact nodes: at most {100 * worst:.2f} % apart."
     kind = "good" if worst < AGREEMENT else "bad"
     return [finding("Engines against the static model", text, kind)]
 
@@ -102,11 +103,17 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
         return []
     return [
         {
-            "title": "Spread of the static model's peaks",
-            "text": f"At most {100 * spread.max():.2f} %. The lowest peak counts.",
+            "title": "Uniqueness of the static peak",
+            "text": f"Peaks found from several starting points differ by {_at_most(spread.max())}. "
+            "The lowest one is reported.",
             "kind": "good" if spread.max() < AGREEMENT else "note",
         }
     ]
+
+
+def _at_most(share: float) -> str:
+    """A largest share in words, also where it is rounded to nothing."""
+    return f"at most {100 * share:.2f} %" if share >= LEAST_SHOWN else "less than 0.005 %"
 
 
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
@@ -115,6 +122,7 @@ def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str
     samples = {case.sample: case for case in cases}
     return {
         "samples": list(study.samples),
+        "words": sample_words(study),
         "sizes": sizes_of(study),
         "meshes": sorted(study.meshes),
         "rules": {name: rule_name(name) for name in study.sidmacib.reductions},

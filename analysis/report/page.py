@@ -9,7 +9,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from plotly.offline import get_plotlyjs
 
 from analysis.report.content import content
-from analysis.report.files import PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYLE
+from analysis.report.files import ADDRESS, PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYLE
 from analysis.report.provenance import as_yaml
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
@@ -22,13 +22,13 @@ CHECKOUT = HERE.parents[1]
 SUMMARIES = ("summary", "structure_summary")
 SECTIONS = {  # of each part, as in its template
     "joints": (
-        ("stresses", "Load and displacement"),
-        ("joint", "Joint"),
+        ("stresses", "Load\N{EN DASH}displacement"),
+        ("joint", "Joint in 3D"),
         ("convergence", "Convergence"),
         ("weights", "Weights"),
         ("curves", "All V\N{EN DASH}M curves"),
-        ("law", "Law"),
-        ("models", "Models"),
+        ("law", "Effective locks"),
+        ("models", "Engines"),
     ),
     "structures": (("structures", "Structures"),),
 }
@@ -44,7 +44,8 @@ def page(data: Mapping[str, Any], configuration: str, summary: str) -> str:
     # Data may hold whatever a configuration does: nothing in it ends the script it is in.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("</", "<\\/")
     parts = [part for part in PARTS if part in data]
-    scripts = (*SCRIPTS, *(script for part in parts for script in SCRIPTS_OF_PARTS[part]))
+    own = (script for part in parts for script in SCRIPTS_OF_PARTS[part])
+    scripts = (*SCRIPTS, *own, ADDRESS)
     return environment.get_template("page.html.j2").render(
         data=text,
         plotly=get_plotlyjs(),

@@ -1,5 +1,5 @@
 // The report's load paths of the static model: displacements, stresses, order of failure, the joint.
-const pathsOf = (mesh) => JOINTS.paths.filter((path) => path.sample === at("path-sample").value && (mesh === null || path.mesh === mesh));
+const pathsOf = (mesh) => JOINTS.paths.filter((path) => path.sample === chosenSample() && (mesh === null || path.mesh === mesh));
 const chosenPath = () => pathsOf(Number(at("path-mesh").value)).find((path) => path.eccentricity === at("path-direction").value);
 const chosenStep = (path) => path.steps[Math.min(Number(at("path-step").value), path.steps.length - 1)];
 
@@ -21,17 +21,17 @@ function drawDisplacement(path, step) {
   const first = path.curve.find(([, load]) => load >= path.first * (1 - 1e-5));
   if (first) traces.push(line([first], "first failure", { mode: "markers", marker: { symbol: "diamond-open", size: 11, color: "#8a6d00", line: { width: 2 } } }));
   traces.push(line([peak], "peak", { mode: "markers", marker: { symbol: "star", size: 13, color: labelOf("static").colour } }));
-  if (path.behind && path.behind.length) traces.push(line([peak, ...path.behind], "behind the peak", { mode: "lines+markers", line: { color: BEHIND, dash: "dot", width: 1.5 }, marker: { symbol: "circle-open", size: 6, color: BEHIND } }));
+  if (path.behind && path.behind.length) traces.push(line([peak, ...path.behind], "after the peak", { mode: "lines+markers", line: { color: BEHIND, dash: "dot", width: 1.5 }, marker: { symbol: "circle-open", size: 6, color: BEHIND } }));
   traces.push(line([path.curve.reduce((one, other) => (Math.abs(other[1] - step.load) < Math.abs(one[1] - step.load) ? other : one))], "shown below", { mode: "markers", marker: { symbol: "circle", size: 9, color: "#000000" } }));
   chart("move-plot", traces, { xaxis: axis("displacement along the load (µm)", { rangemode: "tozero" }), yaxis: axis(amount.title, { rangemode: "tozero" }) });
   at("move-text").textContent = `First failure ${amount.said(path.first)}, peak ${amount.said(peak[1])} at ${short(1e6 * peak[0])} µm. ${behindWords(path, amount)}`;
 }
 
 function behindWords({ behind, curve }, amount) {
-  if (behind === null) return "Behind the peak is not followed on this mesh: choose a coarser one, or pure shear.";
-  if (!behind.length) return "Behind the peak no equilibrium is left: the joint fails as a whole, at once.";
+  if (behind === null) return "Post-peak response is available only on coarser meshes, or in pure shear.";
+  if (!behind.length) return "No equilibrium remains after the peak: the joint collapses at once.";
   const most = Math.max(...behind.map(([, load]) => load));
-  return `Behind the peak, if the load is let down as bonds fail, ${behind.length === 1 ? "one more failure follows" : `${behind.length} more failures follow`}; what is left carries up to ${amount.said(most)} (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak) once it is loaded again. Under a load that stays the joint fails at the peak.`;
+  return `Under displacement control ${behind.length === 1 ? "bonds fail once more" : `bonds fail ${behind.length} more times`} after the peak; the residual capacity is ${amount.said(most)} (${Math.round((100 * most) / curve.at(-1)[1])} % of the peak). Under load control the joint collapses at the peak.`;
 }
 
 // Edges of the cells around the places of nodes, from one edge of a face to the other.
@@ -65,7 +65,7 @@ function drawOrder(path, step) {
   chart("order-plot", traces, { shapes: [here], xaxis: axis(amount.title), yaxis: axis("largest shear / cohesion", { rangemode: "tozero" }) });
   const last = path.steps[path.steps.length - 1];
   const order = path.faces.filter((face) => face.fails_from !== null).sort((a, b) => a.fails_from - b.fails_from);
-  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${amount.said(face.fails_from)})`).join(", then ")}. ` : "No bond fails before the peak. ") + `Peak: ${amount.said(last.load)}.`;
+  at("order-text").textContent = (order.length ? `Bonds fail first in lock ${order.map((face) => `${face.lock} (from ${amount.said(face.fails_from)})`).join(", then in lock ")}. ` : "No bond fails before the peak. ") + `Peak: ${amount.said(last.load)}.`;
 }
 
 function boxMesh(piece, moved, scale, colour, opacity) {
@@ -208,19 +208,21 @@ function choosePath() {
   drawPath();
 }
 
+// Another joint: the sections are hidden where it has no path.
+function chooseJoint() {
+  const known = pathsOf(null).length > 0;
+  for (const id of ["stresses", "joint"]) at(id).hidden = !known;
+  at("no-paths").hidden = known;
+  if (known) choosePath();
+}
+
 function startPaths() {
-  const samples = unique(JOINTS.paths.map((path) => path.sample));
-  for (const id of ["stresses", "joint"]) at(id).hidden = samples.length === 0;
-  at("no-paths").hidden = samples.length > 0;
-  if (!samples.length) return;
-  fill(at("path-sample"), samples, samples.includes(ANSWER.sample) ? ANSWER.sample : samples[0]);
-  at("path-sample").addEventListener("change", choosePath);
   at("path-mesh").addEventListener("change", choosePath);
   at("path-direction").addEventListener("change", choosePath);
   for (const id of ["path-step", "joint-scale", "joint-body"]) at(id).addEventListener("input", drawPath);
   at("joint-scale").addEventListener("input", stopJoint);
   at("joint-play").addEventListener("click", playJoint);
-  choosePath();
+  onSample(chooseJoint);
 }
 
 startPaths();

@@ -3,7 +3,7 @@
 import platform
 import subprocess
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -14,11 +14,20 @@ import yaml
 
 from analysis.published import read_published
 from sidmacib.engines import ENGINES
+from sidmacib.joint.joint import Joint
 from workflow.schema import Study
 
 CHECKOUT = Path(__file__).parents[2]
 PACKAGES = ("numpy", "scipy", "cvxpy", "pandas", "plotly", "snakemake")
 MILLI, KILO, GIGA = 1e3, 1e-3, 1e-9
+FEATURES: tuple[tuple[str, float, Callable[[Joint], float]], ...] = (
+    ("friction", 1.0, lambda joint: joint.dry.friction),
+    ("a (mm)", MILLI, lambda joint: joint.a),
+    ("b (mm)", MILLI, lambda joint: joint.b),
+    ("h (mm)", MILLI, lambda joint: joint.h),
+    ("H (mm)", MILLI, lambda joint: joint.H),
+    ("T0 (N)", 1.0, lambda joint: joint.T0),
+)
 
 
 def sizes_of(study: Study) -> list[dict[str, Any]]:
@@ -34,9 +43,27 @@ def sizes_of(study: Study) -> list[dict[str, Any]]:
     ]
 
 
+def sample_words(study: Study) -> dict[str, str]:
+    """Each sample in a few words: its locks, and of its sizes those that tell it from others."""
+    joints = {name: study.joint(name) for name in study.samples}
+    words = {name: f"{joint.locks} locks" for name, joint in joints.items()}
+    published = read_published()
+    for title, factor, read in FEATURES:
+        values = {name: read(joint) for name, joint in joints.items()}
+        if len(set(words.values())) < len(words) and len(set(values.values())) > 1:
+            words = {n: f"{words[n]}, {title} {factor * values[n]:.4g}" for n in words}
+            if title == "friction":
+                printed = [n for n in published.samples(study) if published.as_printed(study, n)]
+                words |= {name: f"{words[name]} as printed" for name in printed}
+    return {name: f"{name}: {told}" for name, told in words.items()}
+
+
 def size_table(study: Study) -> dict[str, Any]:
     """Sizes and materials of each sample as a table to be read: ``columns`` and ``rows``."""
-    columns = ("sample", "locks", "a", "b", "h", "H", "T0 (N)", "cohesion", "tensile strength")
+    columns = (
+        *("joint", "locks", "a (mm)", "b (mm)", "h (mm)", "H (mm)", "T0 (N)"),
+        *("cohesion (kPa)", "tensile strength (kPa)"),
+    )
     rows = []
     for name in study.samples:
         joint = study.joint(name)
@@ -46,7 +73,8 @@ def size_table(study: Study) -> dict[str, Any]:
         stiffnesses = [GIGA * k for f in faces for k in (f.normal_stiffness, f.shear_stiffness)]
         numbers = [joint.locks, *lengths, joint.T0, *strengths, *stiffnesses, joint.dry.friction]
         rows.append([name, *(f"{number:.4g}" for number in numbers)])
-    more = ("Kn inner", "Ks inner", "Kn dry", "Ks dry", "friction of dry faces")
+    stiffness = [f"{k}, {face} faces (N/mm³)" for face in ("inner", "dry") for k in ("Kn", "Ks")]
+    more = (*stiffness, "friction of dry faces")
     return {"columns": [*columns, *more], "rows": rows}
 
 

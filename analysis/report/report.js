@@ -7,11 +7,19 @@ const unique = (values) => [...new Set(values)];
 const records = (table) => table.rows.map((row) => Object.fromEntries(table.columns.map((name, k) => [name, row[k]])));
 const labelOf = (model) => DATA.labels[model];
 
+// A cell of a table in words, and its number in the unit of its heading.
+function shownCell(column, value, { times }) {
+  if (typeof value === "number") return times * value;
+  if (value === "inf") return column.startsWith("eccentricity") ? "torsion" : "∞";
+  return (DATA.words[column] || {})[value] || value;
+}
+
 function boxes(fieldset, names, chosen, onchange, text = (name) => name) {
   for (const name of names) {
     const label = document.createElement("label");
     const box = document.createElement("input");
     box.type = "checkbox";
+    box.id = `${fieldset.id}-${name}`;
     box.value = name;
     box.checked = chosen.includes(name);
     box.addEventListener("change", onchange);
@@ -29,25 +37,28 @@ let sorted = { column: null, down: false };
 function shownRows() {
   const table = DATA.tables[at("table-name").value];
   const words = at("table-filter").value.toLowerCase();
-  const rows = table.rows.filter((row) => !words || row.some((value) => String(value).toLowerCase().includes(words)));
+  const heads = DATA.headings[at("table-name").value];
+  const said = (value, k) => `${value} ${shownCell(table.columns[k], value, heads[k])}`.toLowerCase();
+  const rows = table.rows.filter((row) => !words || row.some((value, k) => said(value, k).includes(words)));
   if (sorted.column !== null) {
     const key = (row) => (row[sorted.column] === "inf" ? Infinity : row[sorted.column]);
     const compare = (a, b) => (a === null) - (b === null) || (typeof a === "number" && typeof b === "number" ? a - b : String(a).localeCompare(String(b)));
     rows.sort((a, b) => compare(key(a), key(b)) * (sorted.down ? -1 : 1));
   }
-  return { columns: table.columns, rows };
+  return { columns: table.columns, heads, rows };
 }
 
 function drawTable() {
-  const { columns, rows } = shownRows();
+  const { columns, heads, rows } = shownRows();
   const head = document.createElement("tr");
-  columns.forEach((name, k) => {
+  heads.forEach(({ title, meaning }, k) => {
     const cell = document.createElement("th");
     cell.scope = "col";
     cell.ariaSort = sorted.column === k ? (sorted.down ? "descending" : "ascending") : "none";
     const button = document.createElement("button");
     button.type = "button";
-    button.textContent = name + (sorted.column === k ? (sorted.down ? " ▼" : " ▲") : "");
+    button.title = meaning;
+    button.textContent = title + (sorted.column === k ? (sorted.down ? " ▼" : " ▲") : "");
     button.addEventListener("click", () => {
       sorted = { column: k, down: sorted.column === k && !sorted.down };
       drawTable();
@@ -57,9 +68,9 @@ function drawTable() {
     head.append(cell);
   });
   at("table").tHead.replaceChildren(head);
-  const body = rows.slice(0, 500).map((row) => tableRow(row));
+  const body = rows.slice(0, 500).map((row) => tableRow(row.map((value, k) => shownCell(columns[k], value, heads[k]))));
   at("table").tBodies[0].replaceChildren(...body);
-  at("table-count").textContent = `${rows.length} rows${rows.length > 500 ? ", the first 500 are shown" : ""}.`;
+  at("table-count").textContent = `${rows.length} rows${rows.length > 500 ? "; the first 500 are shown" : ""}. Point at a heading for its meaning. Downloads keep the raw column names and SI units.`;
 }
 
 function download() {

@@ -30,10 +30,10 @@ function prepared(row) {
 const percent = (share) => (share === null ? null : Number((100 * share).toFixed(2)));
 const COLUMNS = [
   ["model", (row) => labelOf(row.model).name], ["load (N)", (row) => row.load_N], ["load / weight", (row) => row.load_over_weight],
-  ["tilt (°)", (row) => row.tilt_degrees], ["counts", (row) => row.counts], ["peak (N)", (row) => row.peak_N], ["peak (°)", (row) => row.peak_tilt_degrees],
-  ["to static (%)", (row) => percent(row.difference_to_static)], ["mesh error (%)", (row) => percent(row.mesh_error)],
-  ["ends by", (row) => row.mode], ["first bond", (row) => row.first_interface], ["fails at", (row) => (row.first_interface === null ? null : firstFailure(row))],
-  ["why it counts", (row) => row.because], ["used most", (row) => row.most_used_interface], ["refused", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
+  ["tilt (°)", (row) => row.tilt_degrees], ["governed by", (row) => row.counts], ["peak (N)", (row) => row.peak_N], ["peak (°)", (row) => row.peak_tilt_degrees],
+  ["difference to static (%)", (row) => percent(row.difference_to_static)], ["mesh error (%)", (row) => percent(row.mesh_error)],
+  ["failure mode", (row) => row.mode], ["first bond failure", (row) => row.first_interface], ["at", (row) => (row.first_interface === null ? null : firstFailure(row))],
+  ["reason", (row) => row.because], ["highest utilisation", (row) => row.most_used_interface], ["not supported", (row) => reasonOf(row, "refused")], ["no result", (row) => reasonOf(row, "error")],
 ];
 
 function tellModels() {
@@ -52,7 +52,7 @@ function tellModels() {
 function tellStructure() {
   const answers = drawn.row.load_N !== null || drawn.row.tilt_degrees !== null;
   const hasRoom = !answers || STRUCTURES.told.includes(`${drawn.row.model}/${drawn.row.case}`);
-  at("structure-order").textContent = drawn.shape && hasRoom ? orderOf(drawn) : "There is no room for this case on the page: its tables and its files for ParaView are in the results.";
+  at("structure-order").textContent = drawn.shape && hasRoom ? orderOf(drawn) : "This page has no room for this case; see its tables and its ParaView files in the results folder.";
   tellModels();
 }
 

@@ -89,7 +89,7 @@ def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:
             case = load if variant == REFERENCE else f"{load}, {variant}"
             lines.append(f"{case}: {_of_model(row)}")
         more = f"; and {len(lines) - MOST_TOLD} more" if len(lines) > MOST_TOLD else ""
-        text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has an answer"
+        text = "; ".join(lines[:MOST_TOLD]) + more if lines else "No model has a result"
         yield finding(str(structure), f"{text}.")
 
 
@@ -99,16 +99,16 @@ def _of_model(row: Mapping[str, Any]) -> str:
     if pd.notna(error):
         notes.append(f"mesh error {round(100 * error, 1):g} %")
     if row["counts"] == FIRST_FAILURE:
-        notes.append(f"first failure, as the peak of {peak(row)} does not count")
+        notes.append(f"first bond failure; the peak of {peak(row)} is not reliable")
     elif pd.notna(row["first_interface"]):
-        notes.append(f"first bond at {first_failure(row)}")
+        notes.append(f"first bond failure at {first_failure(row)}")
     return f"{_answer(row)} ({', '.join(notes)})"
 
 
 def _answer(row: Mapping[str, Any]) -> str | None:
     """The load of a row, or its tilt; None if it has neither."""
     if pd.notna(row["tilt_degrees"]):
-        return f"tilts by {row['tilt_degrees']:.4g}°"
+        return f"tilt {row['tilt_degrees']:.4g}°"
     if pd.isna(row["load_N"]):
         return None
     share = row["load_over_weight"]
@@ -118,11 +118,11 @@ def _answer(row: Mapping[str, Any]) -> str | None:
 def _without(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     failed, refused = int(table["error"].notna().sum()), int(table["refused"].notna().sum())
     if failed:
-        text = f"{failed} of {len(table)} cases: they are listed at the end."
+        text = f"{failed} of {len(table)} cases; they are listed at the end."
         yield finding("Structures without a result", text, "bad")
     if refused:
-        text = f"{refused} of {len(table)} cases: the reasons stand beside the drawing."
-        yield finding("Structures that a model cannot do", text)
+        text = f"{refused} of {len(table)} cases (reasons next to the 3D view)."
+        yield finding("Not supported", text)
 
 
 def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
@@ -133,8 +133,8 @@ def _agreement(table: pd.DataFrame) -> Iterator[dict[str, str]]:
     apart = float(worst["difference_to_static"])
     yield finding(
         "Engines against the static model, structures",
-        f"{len(compared)} cases on the same nodes, at most {100 * abs(apart):.2f} % apart: "
-        f"{worst['case']}, {label_of(worst['model']).name}.",
+        f"{len(compared)} cases with the same contact nodes: at most {100 * abs(apart):.2f} % "
+        f"apart ({worst['case']}, {label_of(worst['model']).name}).",
         "good" if abs(apart) < AGREEMENT else "bad",
     )
 
@@ -145,6 +145,6 @@ def _limit(table: pd.DataFrame) -> Iterator[dict[str, str]]:
         return
     yield finding(
         "Limit analysis against the static model",
-        f"From {100 * apart.min():+.2f} % to {100 * apart.max():+.2f} %: it takes bonds as "
-        "ductile and lets joints open as they slide.",
+        f"From {100 * apart.min():+.2f} % to {100 * apart.max():+.2f} %. Limit analysis "
+        "assumes ductile bonds and dilatant sliding.",
     )

@@ -1,7 +1,7 @@
 """Largest unsafe error of each rule for the capacity of a joint, and its place."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -73,7 +73,7 @@ def rule_errors(
     return found
 
 
-def worst_of(errors: list[RuleError]) -> list[RuleError]:
+def worst_of(errors: Sequence[RuleError]) -> list[RuleError]:
     """The sample with the largest error for each rule, the rules in their order."""
     rules = dict.fromkeys(error.rule for error in errors)
     return [
@@ -132,4 +132,6 @@ def _largest(promised: pd.DataFrame, carried: pd.DataFrame) -> tuple[float, str,
 
 def direction_words(ratio: float) -> str:
     """A direction in words."""
-    return "torsion" if math.isinf(ratio) else f"e/a = {ratio:g}"
+    if math.isinf(ratio):
+        return "torsion"
+    return f"e/a = {ratio:g}" if ratio else "pure shear"

@@ -15,7 +15,7 @@ LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
 def summary(results: str, structures: pd.DataFrame) -> str:
     """A block of lines for each structure, load and variant."""
-    lines = ["Structures: the load that each carries beside its weight, or its tilt"]
+    lines = ["Structures: load capacity and its ratio to the weight, or the tilt angle"]
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
     ):
@@ -35,7 +35,7 @@ def _line(row: Mapping[str, Any]) -> str:
         refused = pd.notna(row["refused"])
         why = row["refused"] if refused else row["error"]
         return f"  {row['model']:10}{'-':>14}{'-':>13}{'-':>11}  " + (
-            f"refused: {why}" if refused else f"no result: {why}"
+            f"not supported: {why}" if refused else f"no result: {why}"
         )
     value, share = row["load_N"], f"{row['load_over_weight']:.4f}"
     if tilts:
@@ -53,13 +53,13 @@ def _notes(row: Mapping[str, Any]) -> Iterator[str]:
     if row["counts"] == FIRST_FAILURE:
         yield f"peak: {peak(row)}"
     if pd.notna(row["mode"]):
-        yield f"ends by: {row['mode']}"
+        yield f"failure mode: {row['mode']}"
     if pd.notna(row["first_interface"]):
         error = row["first_failure_mesh_error"]
         about = "" if pd.isna(error) else f" (mesh error {100 * error:.1f} %)"
-        yield f"first bond: {row['first_interface']} at {first_failure(row)}{about}"
+        yield f"first bond failure: {row['first_interface']} at {first_failure(row)}{about}"
     elif pd.notna(row["most_used_interface"]):
-        yield f"most used: {row['most_used_interface']}"
+        yield f"highest utilisation: {row['most_used_interface']}"
     if pd.notna(row["mesh_error"]):
         yield f"mesh error of the load {100 * row['mesh_error']:.1f} %"
 

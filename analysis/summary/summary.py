@@ -62,7 +62,7 @@ def summary(
             *_disagreements(tables["cases"]),
             *_without_friction(tables["cases"], ductile),
             "",
-            "Largest unbalanced force on a piece (or moment over a), at any peak: "
+            "Largest unbalanced force on a piece (or moment / a) at any peak: "
             f"{100 * tables['capacity']['unbalanced_share'].max():.2g} % of the load",
             "",
             f"Report:  {results}/report.html",

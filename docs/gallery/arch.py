@@ -1,8 +1,8 @@
-"""An arch that is pushed
-======================
+"""Arch under horizontal load
+=========================
 
-The models of the joint take any blocks. A semicircular arch of 20 voussoirs carries 0.29 of its
-weight as a horizontal force; at more, it turns into a mechanism with four hinges.
+The models work on arbitrary blocks. A semicircular arch of 20 voussoirs carries 0.29 of its weight
+as a horizontal force, and then becomes a mechanism with four hinges.
 """
 
 import math

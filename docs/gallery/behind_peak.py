@@ -1,9 +1,9 @@
-"""Behind the peak
-===============
+"""After the peak
+==============
 
 Five locks under V at e = a / 2. Nodes of lock 2 fail first, and the load still rises a little.
-Behind the peak each point is the load that is left if it is let down as bonds fail. Where the line
-goes back, a test that moves the block at a steady pace would see a sudden drop.
+After the peak each point is the load that remains when further bonds fail. Where the line goes
+back (snap-back), a test under displacement control would show a sudden drop.
 """
 
 import matplotlib.pyplot as plt
@@ -21,7 +21,7 @@ print(f"first failure: V = {direction.shear * first:.1f} N")  # 145.4
 print(f"peak: V = {direction.shear * most:.1f} N")  # 155.0
 
 figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
-for points, label in ((solution.path, "up to the peak"), ([solution.peak, *behind], "behind it")):
+for points, label in ((solution.path, "up to the peak"), ([solution.peak, *behind], "after it")):
     moved = [1e6 * point.displacement for point in points]
     axes.plot(moved, [direction.shear * point.load for point in points], marker=".", label=label)
 axes.set(xlabel="displacement of the load (µm)", ylabel="V (N)", ylim=(0, None))

@@ -1,10 +1,9 @@
 """Keys of a bridge: what does the next key add?
 =============================================
 
-Dry joints of segmental bridges have keys, which are locks in one piece. Codes add up the keys. If
-keys fail one after the other, the sum is an upper bound: the curves show which part of it the
-first failure leaves, for a row of smooth keys in columns, in concrete of 35 GPa and in a rigid
-block.
+Dry joints of segmental bridges have shear keys. Codes add up the strengths of the keys. If keys
+fail one after the other, the sum is an upper bound: the curves show the first failure / sum, for a
+row of smooth keys in columns, in concrete of 35 GPa and in a rigid block.
 """
 
 from dataclasses import replace

@@ -2,8 +2,8 @@
 =====================================
 
 A block on a base is pushed by 2000 N along y, or by 0.2 of its weight along x. Friction alone does
-not hold it. The cheapest locks are found, with a bound below which none do, and checked by the
-static model on locks that are cut out.
+not hold it. multilock finds the cheapest locks, proves a lower bound of their cost, and checks them
+by the static model, with the locks modelled as solids.
 """
 
 import matplotlib.pyplot as plt

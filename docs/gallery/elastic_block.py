@@ -1,9 +1,9 @@
-"""A block that bends
-==================
+"""Elastic block
+=============
 
-Published joints are rigid. Here the upper block of five locks is one elastic piece, from soft
-stone to steel. The stiffer it is, the more evenly it loads the locks; two locks are all that
-statics allows, and rigid columns of the paper's sizes do not get there.
+The published joints are rigid. Here the upper block of five locks is one elastic piece, from soft
+stone to steel. The stiffer it is, the more evenly it loads the locks. Equilibrium allows two
+effective locks at most, which rigid columns of the published sizes do not reach.
 """
 
 import matplotlib.pyplot as plt
@@ -28,6 +28,6 @@ figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
 axes.semilogx(moduli / 1e9, working, marker="o", label="one elastic piece")
 axes.axhline(rigid, color="tab:orange", label="rigid columns, as published")
 axes.axhline(2, color="black", lw=0.8, ls="--", label="(n − 1) / 2")
-axes.set(xlabel="Young's modulus (GPa)", ylabel="locks that work, V / T0", ylim=(0, 2.2))
+axes.set(xlabel="Young's modulus (GPa)", ylabel="effective locks, V / T0", ylim=(0, 2.2))
 axes.legend(loc="lower right")
 figure.savefig("elastic_block.png", dpi=150)

@@ -1,8 +1,8 @@
 """V–M curves of five joints
 =========================
 
-The upper body of seven locks grows from 20 to 100 mm. A taller body passes more load on to the
-locks behind the first ones. Each curve is the load to design for, by the safe rule.
+The upper body of seven locks grows from 20 to 100 mm. A taller body transfers more load to
+the locks behind the first ones. Each curve is the safe load, by the safe rule.
 """
 
 import math

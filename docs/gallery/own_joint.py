@@ -2,8 +2,8 @@
 ============================================
 
 Nine locks under V at e = 0.3 a. Each bar is the mean shear stress on a lock's inner face over its
-cohesion at the peak. Lock 2 carries most, and yet only half of its strength: the torque breaks its
-corner first, and one lock takes the joint down. Locks further back have ever less to do.
+cohesion at the peak. Lock 2 carries most, and yet only half of its strength: the torque overloads
+its corner, and the joint fails with this lock. Locks further from the load carry less and less.
 """
 
 import matplotlib.pyplot as plt

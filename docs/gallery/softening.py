@@ -1,9 +1,9 @@
-"""Bonds that soften
-=================
+"""Softening bonds
+===============
 
 A brittle bond loses its strength at once, a ductile one keeps it. In between, the fracture energy
-of the inner faces decides how many of five locks work together: about 10 J/m² are needed before
-the second lock reaches its strength while the first still has some.
+of the inner faces decides how many of five locks act together: about 10 J/m² are needed for the
+second lock to reach its strength while the first still carries load.
 """
 
 from dataclasses import replace

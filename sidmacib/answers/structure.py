@@ -142,12 +142,12 @@ def _doubt(problem: Problem, found: dict[int, _Followed]) -> str:
 
 
 def _unsettled(found: Mapping[int, _Followed]) -> str:
-    """That the peak depends too much on the mesh, or nothing."""
+    """That the peak has not converged, or nothing."""
     error = _mesh_errors(found).peak
     if error is None:
         return "the peak is 0 on one of the meshes"
     if error > SETTLED:
-        return f"the peak depends too much on the mesh (mesh error {100.0 * error:.0f} %)"
+        return f"peak not converged (mesh error {100.0 * error:.0f} %)"
     return ""
 
 

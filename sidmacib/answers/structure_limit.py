@@ -20,9 +20,7 @@ def limit_state(assembly: Assembly, loads: Loads, most: float | None = None) -> 
 def assumes(assembly: Assembly) -> str:
     """What limit analysis assumes that may put its load too high or too low."""
     if any(isinstance(face, CondensedLocks) and face.limits for face in assembly.faces):
-        return (
-            "locks as a rule allows where they are held down as given; first lock to fail decides"
-        )
+        return "locks limited by the rule, held down as given; the first lock to fail governs"
     if any(face.kind is Kind.INNER for face in assembly.faces):
-        return "bonds yield and never rub: no bound for brittle ones"
+        return "ductile, frictionless bonds: neither an upper nor a lower bound for brittle bonds"
     return "associated friction: may overestimate"

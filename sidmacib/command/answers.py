@@ -63,7 +63,7 @@ def _limit(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.mechanics.limit import limit_load
 
     problem = posed(joint, Loading(direction, push=push), meshes(joint)[1])
-    return Answer(float(limit_load(*problem).load), "bonds that yield, no friction")
+    return Answer(float(limit_load(*problem).load), "ductile bonds, no friction")
 
 
 def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -172,12 +172,14 @@ def effect_rows(
     """
     from sidmacib.answers.joint import meshes
     from sidmacib.joint.effects import sensitivity
+    from sidmacib.joint.pieces import lock_faces
 
     loading = Loading(Direction(ratio), push=push)
     found = sensitivity(joint, loading, meshes(joint)[1], progress=progress)
+    locks = lock_faces(joint)
+    where = (f"root of lock {locks[face]}" if face in locks else face for face in found.faces)
     words = (
-        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: "
-        f"{', '.join(found.faces)}."
+        f"First failure at V = {found.shear:.4g} N, M = {found.torque:.4g} N m: {', '.join(where)}."
     )
     rows = [
         {
@@ -196,24 +198,28 @@ def effect_rows(
 
 
 def law_rows(joint: Joint, push: Push) -> list[Row]:
-    """Numbers of working locks in pure shear: the closed form, the law, the safe rule."""
+    """Numbers of effective locks in pure shear: the closed form, the law, the safe rule."""
     from sidmacib.rule.pairs import pairs_of
 
     pairs = pairs_of(joint, push)
     results: list[tuple[str, Any, str]] = [
-        ("pairs that bear", pairs.count, "(n - 1) / 2 of an odd joint"),
-        ("locks that work, closed form", pairs.working, "smooth columns, V over T0"),
-        ("locks that work among any number", _finite(pairs.most), "closed form"),
+        ("bearing pairs of locks", pairs.count, "(n - 1) / 2 for an odd number of locks"),
+        ("effective locks, closed form", pairs.working, "V / T0, columns without friction"),
+        (
+            "effective locks, endless joint",
+            _finite(pairs.most),
+            "limit of the closed form for many locks",
+        ),
         (
             "transfer length",
             _finite(pairs.transfer_length),
-            "pairs over which forces fall to 1/2.718",
+            "pairs over which lock forces fall to 1 / 2.718",
         ),
     ]
     for row in capacity_rows(joint, [0.0], ["law", "safe"], push):
         load = row["V (N)"]
         working = None if load is None else load / joint.T0
-        results.append((f"locks that work, {row['model']}", working, row["note"]))
+        results.append((f"effective locks, {row['model']}", working, row["note"]))
         results.append((f"V (N), {row['model']}", load, row["note"]))
     return [{"what": what, "value": value, "note": note} for what, value, note in results]
 

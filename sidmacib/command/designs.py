@@ -12,26 +12,26 @@ from sidmacib.mechanics.polygons import Polygon
 
 
 def verdict(design: Design) -> str:
-    """Yes or no, in a line."""
+    """PASS or FAIL with the reasons, in a line."""
     locks = sum(row.working for row in design.choice if row)
     rows = sum(row is not None for row in design.choice)
-    what = f"{locks} locks that work in {rows} of {len(design.choice)} interfaces"
+    what = f"{locks} load-bearing locks in {rows} of {len(design.choice)} interfaces"
     if design.passes:
         least = min(check.factor for check in design.checks if check.decides and check.factor)
-        return f"Yes: {what}; every check carries at least {_short(least)} times all cases."
+        return f"PASS: {what}; smallest load factor {_short(least)} (all cases, all checks)."
     reasons = []
     for check in design.failing:
-        found = "no answer" if check.factor is None else f"{_short(check.factor)} times"
+        found = "no answer" if check.factor is None else _short(check.factor)
         reasons.append(f"{check.model}, {check.case}: {found}")
     if design.task.asked.buildable and design.order.stuck:
         stuck = _names(design, design.order.stuck)
         reasons.append(f"{', '.join(stuck[:5])} cannot be placed")
-    asked = f"{design.task.asked.factor:g} times all cases are asked for"
+    asked = f"required load factor {design.task.asked.factor:g}"
     if not design.cost:
-        what = "the design's model needs no locks, but other models do"
+        what = "the design model needs no locks, but a check does"
     else:
         what = f"the best design found, of {what}, fails a check"
-    return f"No: {what}; {asked}; {'; '.join(reasons)}."
+    return f"FAIL: {what}; {asked}; {'; '.join(reasons)}."
 
 
 def design_tables(design: Design) -> dict[str, list[Row]]:
@@ -47,12 +47,12 @@ def design_tables(design: Design) -> dict[str, list[Row]]:
 def cost_rows(design: Design) -> list[Row]:
     """Cost, bound and gap of the search for directions, and of whole rows."""
     found = (
-        ("mixed rows, one direction an interface", design.mixed.cost, design.mixed.bound),
+        ("mixed rows, one direction for each interface", design.mixed.cost, design.mixed.bound),
         ("whole rows", design.whole.cost, design.whole.bound),
-        ("design, to the bound with the whole strength", design.cost, design.bound),
+        ("design, against the bound at full lock strength", design.cost, design.bound),
     )
     return [
-        {"what": what, "cost": cost, "bound": bound, "gap": 1.0 - bound / cost if cost else 0.0}
+        {"search": what, "cost": cost, "bound": bound, "gap": 1.0 - bound / cost if cost else 0.0}
         for what, cost, bound in found
     ]
 
@@ -81,7 +81,7 @@ def _lock_row(design: Design, number: int, row: Layout) -> Row:
         "strength (N)": row.strength,
         "utilisation": max(use),
         "case": worst.case,
-        "factor by 1 % more": max(
+        "load factor gained by +1 % strength": max(
             float(state.by_strength[number]) * row.strength / 100.0 for state in design.states
         ),
     }
@@ -116,4 +116,4 @@ def _names(design: Design, blocks: tuple[int, ...]) -> list[str]:
 
 
 def _short(factor: float) -> str:
-    return "any number of" if math.isinf(factor) else f"{factor:.4g}"
+    return "unlimited" if math.isinf(factor) else f"{factor:.4g}"

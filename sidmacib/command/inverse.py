@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import click
+import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.command.joints import LOCKS
@@ -35,6 +36,8 @@ GREY = "0.7"
 
 def demand_of(shear: float, torque: float, ratio: float | None) -> Demand:
     """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
+    if not (shear or torque or ratio):
+        raise click.UsageError("Give the load: -V, -M, or -V with -e.")
     for flag, value in (("-V", shear), ("-M", torque), ("-e", ratio or 0.0)):
         if not math.isfinite(value) or (flag == "-V" and value < 0.0):
             allowed = "a finite number" + (" of at least 0" if flag == "-V" else "")
@@ -124,7 +127,7 @@ def candidate_rows(
         row: Row = {units[name]: getattr(joint, name) for name in values or ("locks",)}
         row["safe V (N)"] = each.shear if each.exact else None
         row["safe M (N m)"] = each.torque if each.exact else None
-        row["needed / safe"] = each.usage if each.exact else None
+        row["required / safe"] = each.usage if each.exact else None
         row["area (m2)"], row["volume cut (m3)"] = joint_area(joint), volume_cut(joint)
         if prices.bonded:
             row["bonded area (m2)"] = bonded_area(joint)
@@ -149,7 +152,7 @@ def note_of(each: Candidate, values: Mapping[str, Sequence[float]] = {}) -> str:
         if len(among) > 2 and getattr(each.joint, name) in (min(among), max(among))
     ]
     return (
-        f"strong enough; at the end of the values: {', '.join(ends)}" if ends else "strong enough"
+        f"strong enough; at the limit of the range: {', '.join(ends)}" if ends else "strong enough"
     )
 
 
@@ -157,13 +160,22 @@ def why_none(tried: Sequence[Candidate]) -> str:
     """Reason why none of the joints that were tried carries the load."""
     refused = [each.reason for each in tried if each.load is None]
     usage = [each.usage for each in tried if each.usage is not None]
-    words = [f"none of {len(tried)} joints carries this by the safe rule"]
+    words = [f"{_all_of(tried)} is strong enough by the safe rule"]
     if usage:
-        words.append(f"{len(usage)} are too weak, the best has {100.0 / min(usage):.3g} % of it")
+        share = np.format_float_positional(100.0 / min(usage), 3, fractional=False, trim="-")
+        words.append(f"the strongest reaches {share} % of the load")
     if refused:
         commonest = max(dict.fromkeys(refused), key=refused.count)
-        words.append(f"{len(refused)} are refused, such as: {commonest}")
+        words.append(f"the rule refuses {len(refused)} of them, for example: {commonest}")
     return "; ".join(words)
+
+
+def _all_of(tried: Sequence[Candidate]) -> str:
+    """The subject of a sentence that denies something of all of them."""
+    locks = [each.joint.locks for each in tried]
+    if len(locks) > 1 and locks == list(range(locks[0], locks[-1] + 1)):
+        return f"no joint with {locks[0]} to {locks[-1]} locks"
+    return f"none of {len(tried)} joints"
 
 
 def chart(
@@ -198,7 +210,7 @@ def chart(
         ring = {"s": 160, "facecolors": "none", "edgecolors": "black", "label": label}
         axes.scatter([getattr(found.joint, x)], [height], **ring)
     axes.set_xlabel(x if x == "locks" else f"{x} (m)")
-    axes.set_ylabel("needed over safe load" if y is None else y if y == "locks" else f"{y} (m)")
+    axes.set_ylabel("required load / safe load" if y is None else y if y == "locks" else f"{y} (m)")
     for name, axis in ((x, axes.xaxis), (y, axes.yaxis)):
         if name == "locks":
             axis.get_major_locator().set_params(integer=True)

@@ -7,6 +7,7 @@ from typing import Any
 
 import click
 
+from sidmacib.command.groups import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
@@ -16,6 +17,9 @@ from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
 
 DEFAULT = Joint(5)
+# Further names of flags: -h is a height here, while other programs take it for help.
+LONG = {"a": ("--length",), "b": ("--width",), "h": ("--height",), "H": ("--body-height",)}
+GROUP_OF = dict.fromkeys(("locks", *SIZES, "upper_body"), GEOMETRY) | {"hold_down": LOAD}
 SLENDER = 100  # largest size over the shorter side of a lock: the models' cells are about as long
 LOCKS = Number(at_least=1, at_most=300, whole=True)  # the static model of more takes minutes
 
@@ -60,7 +64,7 @@ def _flag(name: str) -> str:
 def _option(parameter: Parameter) -> Callable[..., Any]:
     """The flag of a parameter, with its unit and its default."""
     names = ["-n"] if parameter.name == "locks" else []
-    names += [_flag(parameter.name), parameter.name]
+    names += [_flag(parameter.name), *LONG.get(parameter.name, ()), parameter.name]
     words, default = parameter.words, parameter.of(DEFAULT)
     kind: Any = HoldDownType()
     if parameter.number:
@@ -74,7 +78,8 @@ def _option(parameter: Parameter) -> Callable[..., Any]:
         default = default.spelled
     given = f"{default:g}" if isinstance(default, float) else default
     words = f"{words[0].upper()}{words[1:]}.  [default: {given}]"
-    return click.option(*names, type=kind, help=words)
+    group = GROUP_OF.get(parameter.name, MATERIAL)
+    return click.option(*names, type=kind, help=words, cls=Grouped, group=group)
 
 
 def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
@@ -87,11 +92,15 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
             default="+y",
             show_default=True,
             help="Direction of the load.",
+            cls=Grouped,
+            group=LOAD,
         ),
         click.option(
             "--file",
             type=click.Path(path_type=Path),
             help="YAML file with the same names as the flags. Flags override the file.",
+            cls=Grouped,
+            group=OUTPUT,
         ),
     )
     for option in reversed(options):

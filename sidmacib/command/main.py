@@ -9,24 +9,39 @@ from typing import Any
 
 import click
 
+from sidmacib.command.groups import LOAD, OUTPUT, Grouped, GroupedCommand
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.loading import Push
 
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
-CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
+CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 _format = click.option(
-    "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True
+    "--format",
+    "form",
+    type=click.Choice(FORMATS),
+    default="table",
+    show_default=True,
+    help="Format of the printed answer; json and csv have all digits.",
+    cls=Grouped,
+    group=OUTPUT,
 )
 _picture = click.option(
     "--picture",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Draw the answer into this file: .png, .svg or .pdf.",
+    cls=Grouped,
+    group=OUTPUT,
 )
 _models = click.option(
-    "-m", "--model", "models", multiple=True, type=click.Choice(MODELS), help="May be repeated."
+    "-m",
+    "--model",
+    "models",
+    multiple=True,
+    type=click.Choice(MODELS),
+    help="Model to use; may be repeated.",
 )
 
 
@@ -34,21 +49,23 @@ _models = click.option(
 HELP = """Compute the shear and torsion capacity of a joint with several interlocking locks.
 
 \b
-  multilock capacity -n 9 -e 0.3         loads of a joint of nine locks at e = 0.3 a
-  multilock envelope --picture vm.png    its V-M curve
-  multilock weights -n 5                 what each lock carries at the load that counts
-  multilock sensitivity -n 5 -e 0.3      how its first failure depends on each size
-  multilock law -n 9 -H 0.06             how many locks work
-  multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
-  multilock assembly arch.yaml           what an arch or a wall of blocks carries
-  multilock design vault.yaml            the locks that an arch or a vault needs
+  multilock capacity -n 9 -e 0.3       capacity of nine locks at e = 0.3 a
+  multilock envelope --picture vm.png  V-M curve
+  multilock weights -n 5               load carried by each lock
+  multilock sensitivity -n 5 -e 0.3    effect of each size on first failure
+  multilock law -n 9 -H 0.06           effective number of locks
+  multilock joint -V 200 -e 0.3        fewest locks that carry V = 200 N
+  multilock assembly arch.yaml         capacity of an arch or a wall of blocks
+  multilock design vault.yaml          locks that an arch or a vault needs
 
-Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
-completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
+Lengths in m, forces in N, stresses in Pa. Defaults are those of the published
+study. "multilock COMMAND --help" describes a command. For completion in bash:
+eval "$(_MULTILOCK_COMPLETE=bash_source multilock)" (zsh, fish: zsh_source,
+fish_source).
 """
 
 
-class Once(click.Command):
+class Once(GroupedCommand):
     """A command that refuses an option given twice, of which click would take the last."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
@@ -85,6 +102,8 @@ def main() -> None:
     type=EccentricityType(),
     default=(0.0,),
     help="e / a, or torsion; may be repeated.  [default: 0, pure shear]",
+    cls=Grouped,
+    group=LOAD,
 )
 @_models
 @_format
@@ -97,11 +116,16 @@ def capacity(
     push: str,
     **flags: Any,
 ) -> None:
-    """Shear and torque that a joint carries, by several models.
+    """Compute the shear and torsion capacity of a joint.
 
-    safe is for design, law the best estimate of the first failure, static the peak of the joint's
-    pieces, limit their load if bonds are ductile, sidmacib the published rule. Default: safe, law
-    and static. For elastic pieces: safe and law only (static takes minutes).
+    safe: the law less a margin for the error of the model. law: estimate of the first bond failure.
+    static: peak load of a model with brittle bonds. limit: limit analysis with ductile bonds.
+    sidmacib: the published rule. Default: safe, law and static; for elastic blocks safe and law
+    only, as static takes minutes.
+
+    Columns: "first failure / load" is the load at the first bond failure, "mesh error / load" the
+    estimated discretisation error, "peak spread" the range of the peaks found, each divided by the
+    load.
     """
     from sidmacib.command.answers import capacity_rows, usual_models
 
@@ -146,7 +170,7 @@ def _require_answer(rows: Sequence[dict[str, Any]]) -> None:
 def envelope(
     models: Sequence[str], form: str, picture: Path | None, push: str, **flags: Any
 ) -> None:
-    """The V-M curve from pure shear to pure torsion."""
+    """Compute the V-M curve from pure shear to pure torsion."""
     from sidmacib.command.answers import capacity_rows
 
     joint = joint_of(flags)
@@ -161,12 +185,19 @@ def envelope(
 @main.command()
 @joint_options
 @click.option(
-    "-e", "--eccentricity", "ratio", type=EccentricityType(), default=0.0, help="e / a, or torsion."
+    "-e",
+    "--eccentricity",
+    "ratio",
+    type=EccentricityType(),
+    default=0.0,
+    help="e / a, or torsion.  [default: 0, pure shear]",
+    cls=Grouped,
+    group=LOAD,
 )
 @_format
 @_picture
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
-    """Load of each lock over its strength, at the load that counts (static model)."""
+    """Compute the load of each lock / its strength (static model)."""
     from sidmacib.command.answers import weight_rows
 
     joint = joint_of(flags)
@@ -180,15 +211,22 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 @main.command()
 @joint_options
 @click.option(
-    "-e", "--eccentricity", "ratio", type=EccentricityType(), default=0.0, help="e / a, or torsion."
+    "-e",
+    "--eccentricity",
+    "ratio",
+    type=EccentricityType(),
+    default=0.0,
+    help="e / a, or torsion.  [default: 0, pure shear]",
+    cls=Grouped,
+    group=LOAD,
 )
 @_format
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
-    """Effect of each size and property on the first failure (static model).
+    """Compute the effect of each size on the first failure.
 
-    Each row has the change of V, in %, for 1 % more and for 1 % less of one parameter at the same
-    e / a, and the derivative of V from both; in pure torsion those of M. Largest effects come
-    first. A note says why a parameter has no derivative.
+    Each row has the change of V at the first failure of the static model, in %, for +1 % and -1 %
+    of one parameter at constant e / a, and the derivative of V; in pure torsion those of M. Largest
+    effects come first. A note says why a parameter has no derivative.
     """
     from sidmacib.command.answers import effect_rows
 
@@ -207,7 +245,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
 @joint_options
 @_format
 def law(form: str, push: str, **flags: Any) -> None:
-    """Number of locks that work in pure shear: closed form, law and safe rule."""
+    """Compute the effective number of locks in pure shear."""
     from sidmacib.command.answers import law_rows
 
     joint = joint_of(flags)
@@ -217,24 +255,42 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command("joint")
 @joint_options
-@click.option("-V", "--shear", type=float, default=0.0, help="Shear force to carry, N.")
-@click.option("-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.")
-@click.option("-e", "--eccentricity", "ratio", type=float, help="e / a of V, in place of -M.")
+@click.option(
+    "-V",
+    "--shear",
+    type=float,
+    default=0.0,
+    help="Shear force to carry, N.",
+    cls=Grouped,
+    group=LOAD,
+)
+@click.option(
+    "-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.", cls=Grouped, group=LOAD
+)
+@click.option(
+    "-e",
+    "--eccentricity",
+    "ratio",
+    type=float,
+    help="e / a of V, instead of -M.",
+    cls=Grouped,
+    group=LOAD,
+)
 @click.option(
     "--vary",
     multiple=True,
     metavar="NAME=VALUES",
-    help="Sizes to choose from, m: locks, a, b, h or H, as in a=0.04:0.12:0.01 (from, to, step) or "
+    help="Values to choose from (m): locks, a, b, h or H, as in a=0.04:0.12:0.01 (from:to:step) or "
     "locks=3,5,7; may be repeated.",
 )
 @click.option(
     "--price",
     multiple=True,
     metavar="NAME=PRICE",
-    help="Of area (per m2 of the joint), volume (per m3 cut), bonded (per m2); may be repeated.  "
-    "[default: area=1]",
+    help="Price of area (per m2 of the joint), volume (per m3 cut) or bonded (per m2); may be "
+    "repeated.  [default: area=1]",
 )
-@click.option("--all", "every", is_flag=True, help="Show all joints of --vary.")
+@click.option("--all", "every", is_flag=True, help="List all joints of --vary.")
 @_format
 @_picture
 def inverse(
@@ -249,12 +305,13 @@ def inverse(
     push: str,
     **flags: Any,
 ) -> None:
-    """The fewest locks, or the cheapest sizes, that carry V and M by the safe rule.
+    """Find the fewest locks or the cheapest sizes for V and M.
 
-    Without --vary, the fewest locks of the given sizes; each smaller number is shown with what it
-    carries, or why the rule refuses it. With --vary, the cheapest of all combinations. A joint is
-    no answer where the safe rule refuses it. --picture draws all joints of --vary over the first
-    two names, such as locks and a. Ends with status 1 if no joint carries the load.
+    A joint is strong enough if the safe rule gives at least this load. Without --vary, the fewest
+    locks of the given sizes; each smaller number is listed with its capacity, or why the rule does
+    not apply. With --vary, the cheapest of all combinations. --picture draws all joints of --vary
+    over the first two names, such as locks and a. The exit status is 1 if no joint is strong
+    enough.
     """
     with _refused_in_one_line():
         from sidmacib.command import inverse as answers
@@ -262,7 +319,8 @@ def inverse(
         demand = answers.demand_of(shear, torque, ratio)
         values, prices = answers.values_of(vary), answers.prices_of(price)
         if flags["locks"] is not None and (not vary or "locks" in values):
-            raise click.UsageError("-n: must not be given where the number of locks is sought")
+            remedy = "--vary locks" if vary else "use --vary for other sizes"
+            raise click.UsageError(f"-n: joint finds the number of locks; remove -n or {remedy}")
         if not vary and (price or every):
             raise click.UsageError(f"{'--price' if price else '--all'}: needs --vary")
         joint = joint_of(flags)
@@ -280,23 +338,27 @@ def inverse(
 
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
+@click.option(
+    "--interfaces",
+    is_flag=True,
+    help="Print the forces at each interface instead, at the load of the static model.",
+)
 @click.option(
     "--compas",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write forces and mechanism of limit analysis as Results of compas_dem, in JSON.",
+    help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
 )
 @_format
 def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
-    """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
+    """Compute the load capacity of a block structure.
 
-    Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
-    name beside it has what it lacks: interfaces, locks, load.
+    FILE describes the blocks, the interfaces and the load in YAML. It may also be a model of
+    compas_dem or an assembly of compas_cra in JSON; a YAML file of the same name beside it then has
+    the interfaces, locks and load.
 
-    limit assumes associated friction, which can overestimate; static follows the load on elastic
-    interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
-    both give the angle beyond which there is no equilibrium. Ends with status 1 if no model has an
-    answer.
+    limit: limit analysis with associated friction; may overestimate. static: raises the load on
+    elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
+    both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
@@ -322,18 +384,19 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write the structure with its locks and the load of the first case into this YAML file, "
-    "for multilock assembly; for each other case, into a file beside it.",
+    "for multilock assembly; each other case goes into a file beside it.",
 )
-@click.option("--quiet", is_flag=True, help="Show no progress.")
+@click.option("--quiet", is_flag=True, help="Print no progress.")
 @click.option(
     "--format", "form", type=click.Choice(("table", "json")), default="table", show_default=True
 )
 def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
-    """The locks that a structure needs: how many in each interface, and which way they run.
+    """Design the locks of a block structure.
 
-    FILE is a structure as for assembly, with a key design: load cases, locks, candidate directions.
-    The result is checked by limit analysis and by the static model with locks cut out of the
-    blocks, and has an order in which blocks can be placed. Ends with status 1 if a check fails.
+    Finds the number and the direction of the locks in each interface. FILE is a structure as for
+    assembly, with a key design: load cases, locks, candidate directions. The design is checked by
+    limit analysis and by the static model with the locks modelled as solids, and comes with an
+    order in which the blocks can be placed. The exit status is 1 if a check fails.
     """
     with _refused_in_one_line():
         from sidmacib.command.designs import design_tables, verdict

@@ -60,7 +60,7 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
     if isinstance(limit, CapacityError):
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
-        moves = f"{moves_most(problem.assembly, limit.mechanism)} moves most"
+        moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
         note, error = f"{assumes(problem.assembly)}; {moves}", limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:
@@ -75,9 +75,10 @@ def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
     try:
         limit = limit_tilt(assembly, tilt)
         if limit.mechanism is None:
-            note = "forces that balance gravity exist however far it turns"
+            note = "in equilibrium at every tilt"
         else:
-            note = f"{assumes(assembly)}; {moves_most(assembly, limit.mechanism)} moves most"
+            moves = moves_most(assembly, limit.mechanism)
+            note = f"{assumes(assembly)}; largest displacement: {moves}"
         yield _row(problem, "limit", limit.angle, note, limit_mesh_error(problem, limit.angle))
     except CapacityError as error:
         yield _row(problem, "limit", None, reason(error))
@@ -95,8 +96,8 @@ def _note(answer: StaticAnswer) -> str:
     """The load that counts, the reason, and the end of the peak."""
     moves = ""
     if answer.mechanism is not None:
-        moves = f"; {moves_most(answer.assembly, answer.mechanism)} moves most"
-    return f"{answer.counts}; ends by: {answer.mode}{moves}"
+        moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
+    return f"{answer.counts}; failure mode: {answer.mode}{moves}"
 
 
 def _row(

@@ -97,8 +97,8 @@ def _static(
     """
     coarse = static_peak(*problem)
     if coarse.peak.load < needed:
-        ends = f"ends by: {coarse.mode}"
-        yield FIRST, coarse.first_failure_load, "of a bond, or the peak", first_failure
+        ends = f"failure mode: {coarse.mode}"
+        yield FIRST, coarse.first_failure_load, "first bond failure, else the peak", first_failure
         yield PEAK, coarse.peak.load, ends, not first_failure
         return
     answer = static_answer(problem)
@@ -113,17 +113,17 @@ def _static(
         peak = max(peak, first)
     else:
         first = peak = min(first, peak)
-    ends = f"{about[1]}; {answer.counts}; ends by: {answer.mode}"
-    yield FIRST, first, f"{about[0]}; of a bond, or the peak", decides
+    ends = f"{about[1]}; {answer.counts}; failure mode: {answer.mode}"
+    yield FIRST, first, f"{about[0]}; first bond failure, else the peak", decides
     yield PEAK, peak, ends, not decides
 
 
 def _limit(assembly: Assembly, loads: Loads) -> tuple[float, str]:
-    return limit_state(assembly, loads).load, "locks cut out; bonds yield"
+    return limit_state(assembly, loads).load, "locks modelled as solids; ductile bonds"
 
 
 def _sliding(assembly: Assembly, loads: Loads) -> tuple[float, str]:
-    return sliding_limit(assembly, loads).state.load, "sliding does not open the joints"
+    return sliding_limit(assembly, loads).state.load, "non-dilatant sliding"
 
 
 def _answer(model: Callable[[], tuple[float, str]]) -> tuple[float | None, str]:

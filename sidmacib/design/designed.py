@@ -211,17 +211,20 @@ def _once(
 
 def _why_not(structure: DesignProblem, factor: float) -> InfeasibleError | None:
     """Why no locks carry ``factor`` times all cases; None if some do."""
-    most = "with all locks that there is room for"
+    most = "even with every possible lock"
     alone: dict[str, float] = {}
     for case in structure.cases:
         try:
             alone[case.name] = largest_factor(replace(structure, cases=(case,)))
         except InfeasibleError:
-            return InfeasibleError(f"design: the structure does not stand {most}")
+            return InfeasibleError(f"No design found: the structure does not stand {most}")
     worst = min(alone, key=lambda name: alone[name])
-    carried_by, of = alone[worst], f"{worst} is carried"
-    if carried_by >= factor:
-        carried_by, of = largest_factor(structure), "all cases are carried"
-    if carried_by >= factor:
+    reached, of = alone[worst], f'load case "{worst}" reaches'
+    if reached >= factor:
+        reached, of = largest_factor(structure), "all load cases together reach"
+    if reached >= factor:
         return None
-    return InfeasibleError(f"design: {of} {carried_by:.4g} times {most}; {factor:g} is asked for")
+    return InfeasibleError(
+        f"No design found: even with every possible lock, {of} a factor of {reached:.4g} (required "
+        f"{factor:g}). Allow more locks (most), other directions (angles) or a higher cohesion"
+    )

@@ -96,7 +96,7 @@ class Effect:
             return "" if self.value else "for more"
         if self.more is None or self.less is None:
             return "unknown: the changed joint has no equilibrium"
-        return "less and more differ"
+        return "slopes for +1 % and -1 % differ; no derivative"
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ class Demand:
             raise refused("torque", self.torque, "a finite number")
         if self.ratio is None:
             if not (self.shear or self.torque):
-                raise ValueError("demand: V or M must be other than 0")
+                raise ValueError("demand: V or M must not be zero")
             return
         if self.torque:
             raise ValueError("demand: must have a torque or e / a, not both")

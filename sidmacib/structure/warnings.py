@@ -22,11 +22,18 @@ def structure_warnings(assembly: Assembly) -> list[str]:
     The first few of each kind.
     """
     values: list[tuple[str, float, Number]] = []
+    large = []
     for piece in assembly.pieces:
         if isinstance(piece, Block) and not piece.fixed:
-            values.append((f"{piece.name}: diagonal", piece.size, BLOCK))
+            if piece.size > BLOCK.likely[1]:
+                large.append(
+                    f"{piece.name}: block diagonal {piece.size:.4g} m; if its mesh file is in "
+                    'millimetres, add "scale: 0.001"'
+                )
+            else:
+                values.append((f"{piece.name}: block diagonal", piece.size, BLOCK))
             values.append((f"{piece.name}: density", piece.density, DENSITY))
-    units = [*beyond(values), *_of_faces(assembly)]
+    units = [*large, *beyond(values), *_of_faces(assembly)]
     return [*units[:MOST], *list(_near_misses(assembly))[:MOST]]
 
 

@@ -113,21 +113,24 @@ def beside_short(results: Path) -> str:
 
 
 def headline(results: Path) -> str:
-    """Three published numbers and those computed with the fitted friction, finest mesh."""
+    """Three published numbers beside those computed with each friction, finest mesh."""
     parts = _comparisons(results)
     mesh, rows = _finest_mesh(parts), []
     for part in parts:
-        *_, sample = part.samples
-        model = label_of(part.samples[sample].rsplit("; ", 1)[1]).name
         lines = {line.quantity: line for line in part.lines if line.mesh == mesh}
         for quantity, words, unit in (
-            ("dem_pure_shear_N", f"peak V, {part.locks} locks ({model})", " N"),
-            ("weight_sum", f"sum of weights, {part.locks} locks ({model})", ""),
+            ("dem_pure_shear_N", f"peak V, {part.locks} locks", " N"),
+            ("weight_sum", f"sum of lock weights, {part.locks} locks", ""),
         ):
-            row = lines[quantity].rows[sample]
-            numbers = [f"{lines[quantity].published:.5g}{unit}", f"{row.computed:.5g}{unit}"]
-            rows.append([words, *numbers, signed(difference_text(row))])
-    return markdown(["", "published", "multilock", "difference"], [rows[0], *rows[2:]])
+            numbers = [f"{lines[quantity].published:.5g}{unit}"]
+            for sample in part.samples:
+                row = lines[quantity].rows[sample]
+                difference = signed(difference_text(row))
+                numbers.append(f"{row.computed:.5g}{unit} ({difference})")
+            rows.append([words, *numbers])
+    settings = [words.partition("; ")[0] for words in parts[0].samples.values()]
+    head = [setting.replace("not as printed", "fitted") for setting in settings]
+    return markdown(["", "published", *head], [rows[0], *rows[2:]])
 
 
 def weights(results: Path) -> str:

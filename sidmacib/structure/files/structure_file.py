@@ -8,6 +8,7 @@ from typing import Any
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
 from sidmacib.problem import Problem
 from sidmacib.structure.files.compas import NAME
+from sidmacib.structure.files.meshes import SUFFIXES
 from sidmacib.structure.files.sections import (
     FileSection,
     LoadSection,
@@ -35,6 +36,11 @@ def description_in(path: Path) -> Any:
 
     By default such a model is pushed along x.
     """
+    if path.suffix.lower() in SUFFIXES:
+        raise ValueError(
+            f"{path.name} is a mesh. Refer to it from a YAML file: "
+            f"blocks: {{{path.stem}: {{file: {path.name}, scale: 0.001}}}}"
+        )
     if path.suffix != ".json":
         return read_yaml(path)
     beside = path.with_suffix(".yaml")
