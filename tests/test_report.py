@@ -232,6 +232,15 @@ def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
     again.close()
 
 
+def settles(page: Any, expression: str, value: str) -> bool:
+    """Whether ``expression`` comes to ``value``; the page's policy forbids scripts that wait."""
+    for _ in range(100):
+        if page.evaluate(expression) == value:
+            return True
+        page.wait_for_timeout(100)
+    return False
+
+
 @needs_browser
 def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
     page = opened.page
