@@ -50,7 +50,7 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule.law import safe
 
     found = safe(joint, direction, push)
-    return Answer(found.load, "; ".join(filter(None, ("for design", found.moves))))
+    return Answer(found.load, "; ".join(filter(None, ("margin for the model", found.moves))))
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:

@@ -21,6 +21,7 @@ from sidmacib.command.output import (
     curves,
     draw,
     note_of,
+    refused_in_one_line,
     status_line,
     text_of,
 )
@@ -123,12 +124,12 @@ def capacity(
 ) -> None:
     """Shear and torque that a joint carries, by several models.
 
-    safe is for design, law the best estimate of the first failure, static the peak of the joint's
-    pieces, limit their load if bonds are ductile, sidmacib the published rule. Default: safe, law
-    and static. For elastic pieces: safe and law only (static takes minutes).
+    safe has a margin for the model, law is the best estimate of the first failure, static the peak
+    of the joint's pieces, limit their load if bonds are ductile, sidmacib the published rule.
+    Default: safe, law and static. For elastic pieces: safe and law only (static takes minutes).
 
-    safe has a margin for the model only. If the strengths are means, --scatter adds the
-    characteristic value, which 5 % of joints do not reach; --gamma-m adds the design resistance.
+    If the strengths are means, --scatter adds the characteristic value, which 5 % of joints do not
+    reach; --gamma-m adds the design resistance. The last line says what strengths are taken for.
     """
     from sidmacib.command.answers import capacity_rows, meaning, resistances, usual_models
 

@@ -100,7 +100,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric: bool = F
 
 def _signatures() -> str:
     cells = "".join(f"<th>{words}</th><td></td>" for words in ("Project", "By, date", "Checked"))
-    return f'<table class="sign"><tr>{cells}</tr></table>'
+    return f"""<div class="wide"><table class="sign"><tr>{cells}</tr></table></div>"""
 
 
 def _verdict(case: Case, resistance: LawCapacity) -> str:
@@ -132,10 +132,10 @@ def _data(case: Case) -> str:
             shown = f"{value:g}" if isinstance(value, float | int) else str(value)
             if each.name == "hold_down":
                 shown = escape(str(value.spelled))
-            rows.append((f"<code>{each.name}</code>", each.words, shown, unit))
+            rows.append((each.words, shown, unit))
     half = -(-len(rows) // 2)
     pairs = [
-        (*rows[place], *(rows[place + half] if place + half < len(rows) else ("",) * 4))
+        (*rows[place], *(rows[place + half] if place + half < len(rows) else ("",) * 3))
         for place in range(half)
     ]
     if math.isinf(direction.eccentricity):
@@ -153,7 +153,7 @@ def _data(case: Case) -> str:
     return (
         f"<p>Load: {load}, pushing along {case.push}. "
         f"Cohesion and tensile strength are {stand}.</p>"
-        + _table(("", "parameter", "value", "unit") * 2, pairs)
+        + _table(("parameter", "value", "unit") * 2, pairs)
     )
 
 
@@ -255,7 +255,7 @@ def _safe_rule(case: Case, weak: Joint) -> Iterable[str]:
         f"direction, √(V² + (M/a)²), on {len(loads)} meshes: {found}. What they differ by is "
         "subtracted from the lowest:</p>"
     )
-    symbol = name("F", "k") if case.reliability != Reliability() else name("F", "d")
+    symbol = name("F", "d" if case.reliability.partial_factor == 1.0 else "s")
     terms, numbers = (
         f"{least}<mo>−</mo><mo>(</mo>{most}<mo>−</mo>{least}<mo>)</mo>"
         for least, most in (
@@ -274,7 +274,7 @@ def _factored(case: Case, weak: Joint, resistance: LawCapacity) -> Iterable[str]
         "<p>Design resistance (EN 1990, 6.3.5): the partial factor divides the resistance (6.6c) "
         "or the strengths (6.6a), whichever gives less:</p>"
     )
-    term = fraction(name("F", "k"), name("γ", "M"))
+    term = fraction(name("F", "s"), name("γ", "M"))
     yield equation(
         name("F", "d"), term, fraction(number(load), number(factor)), number(load / factor, "N")
     )

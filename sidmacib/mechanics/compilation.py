@@ -18,6 +18,7 @@ from numba import njit
 from numba.core.caching import CompileResultCacheImpl, FunctionCache, NullCache, _CacheLocator
 
 SHIPPED = Path(__file__).parent / "machine_code"
+UNUSABLE = OSError, EOFError, UnpicklingError  # of a file: not readable, no room for it, cut off
 _texts = [path.read_bytes() for path in sorted(Path(__file__).parent.rglob("*.py"))]
 # Numba compiles a function again where its file has changed, but not where one that it calls has.
 VERSION = sha256(b"".join(text for text in _texts if b"@compiled" in text)).hexdigest()[:12]
@@ -70,7 +71,7 @@ class Kept(NullCache):
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The function for these types; None where it has to be compiled."""
         for place in self._places:
-            with suppress(OSError, EOFError, UnpicklingError):  # not readable, or cut off
+            with suppress(*UNUSABLE):
                 found = place.load_overload(sig, target_context)
                 if found is not None:
                     return found
@@ -79,7 +80,7 @@ class Kept(NullCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep the function for these types, if there is a folder with room for it."""
         for place in self._places[1:]:
-            with suppress(OSError):
+            with suppress(*UNUSABLE):
                 place.save_overload(sig, data)
 
 

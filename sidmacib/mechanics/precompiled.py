@@ -3,12 +3,13 @@
 The files are for this Python, numba and processor. Elsewhere functions are compiled at first use.
 """
 
+import shutil
 from typing import Any
 
 import numpy as np
 from numba import float64, int64, typeof, types
 
-from sidmacib.mechanics.compilation import Shipped
+from sidmacib.mechanics.compilation import SHIPPED, Shipped
 from sidmacib.mechanics.contact_law import kernels
 from sidmacib.mechanics.newton import equilibrium, faces
 from sidmacib.mechanics.newton.elimination import Matrix
@@ -44,9 +45,12 @@ def signatures() -> dict[Any, Signature]:
 
 def main() -> None:
     """Write all of them into the folder of the package."""
-    for function, given in signatures().items():
+    shutil.rmtree(SHIPPED, ignore_errors=True)
+    found = signatures()
+    for function in found:  # before any is compiled, as one compiles others
+        function._cache = Shipped(function.py_func)
+    for function, given in found.items():
         function.compile(given)
-        Shipped(function.py_func).save_overload(given, function.overloads[given])
 
 
 if __name__ == "__main__":
