@@ -73,7 +73,7 @@ def test_more_scatter_gives_less() -> None:
 
 def test_where_the_joint_slides_first_strengths_do_not_decide() -> None:
     smooth = replace(JOINT.dry, friction=0.0)
-    loose = Joint(3, dry=smooth, hold_down=HoldDown(Hold.WEIGHT))
+    loose = Joint(2, h=0.004, dry=smooth, hold_down=HoldDown(Hold.WEIGHT))
     law = sidmacib.law(loose, Direction(0.0))
     assert law.mode is Mode.ROCKING
     assert characteristic(loose, Direction(0.0), 0.05).capacity == law

@@ -65,7 +65,8 @@ ABOUT = (
     "green below each slider, the others as they are. The tensile strength goes with the cohesion; "
     "the first lock is on the left. An arrow below a slider points to a larger first failure by "
     "the static model; the number is the change of that load for 1 % more. "
-    "Nothing leaves this machine."
+    "Strengths are taken as design values: the safe load has a margin for the model, not for their "
+    "scatter. Nothing leaves this machine."
 )
 
 

@@ -7,6 +7,8 @@ was built is looked up, see `sidmacib.mechanics.precompiled`; it counts for the 
 and processor only. Where no folder can be written to, functions are compiled for the process alone.
 """
 
+# mypy: allow-untyped-calls
+
 from collections.abc import Callable
 from contextlib import suppress
 from hashlib import sha256
@@ -46,7 +48,7 @@ class _Place(_CacheLocator):
 
 
 class _ShippedFunction(CompileResultCacheImpl):
-    _locator_classes = (_Place,)
+    _locator_classes = [_Place]  # type: ignore[list-item]  # noqa: RUF012 (of numba)
 
 
 class Shipped(FunctionCache):
@@ -59,7 +61,7 @@ class Kept(NullCache):
     """Looks for a compiled function where it was shipped, then where numba keeps its own."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        self._places = [Shipped(function)]
+        self._places: list[Any] = [Shipped(function)]
         with suppress(RuntimeError):  # no folder can be written to
             self._places.append(FunctionCache(function))
 
@@ -87,6 +89,6 @@ class Kept(NullCache):
 def compiled(function: Callable[..., Any]) -> Any:
     """``function``, compiled when it is first called after a change in any file that has such."""
     function.__qualname__ += f"-{VERSION}"  # part of the name of its file in the cache
-    dispatcher = njit(error_model="numpy")(function)  # division by zero gives inf, as in numpy
+    dispatcher: Any = njit(error_model="numpy")(function)  # division by zero gives inf, as in numpy
     dispatcher._cache = Kept(function)
     return dispatcher

@@ -3,6 +3,8 @@
 The files are for this Python, numba and processor. Elsewhere functions are compiled at first use.
 """
 
+# mypy: allow-untyped-calls
+
 import shutil
 from typing import Any
 
