@@ -47,4 +47,8 @@ from .rule.law import law as law
 from .rule.law import safe as safe
 from .rule.pairs import Pairs as Pairs
 from .rule.pairs import pairs_of as pairs_of
+from .rule.resistance import Characteristic as Characteristic
+from .rule.resistance import Reliability as Reliability
+from .rule.resistance import characteristic as characteristic
+from .rule.resistance import design_resistance as design_resistance
 from .structure.analysis.vertices import vertex_effects as vertex_effects

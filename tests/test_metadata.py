@@ -46,7 +46,10 @@ def test_all_files_name_the_paper_whose_study_is_repeated() -> None:
 
 @pytest.mark.study
 def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
-    """It has all modules of the library and none of the workflow, and gives the same number."""
+    """It has all modules of the library and none of the workflow, and gives the same number.
+
+    Its first command compiles nothing.
+    """
     uv, environment = Path(sys.executable).with_name("uv"), tmp_path / "environment"
 
     def run(*command: str | Path) -> str:
@@ -66,6 +69,10 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     question = ("capacity", "-n", "5", "-e", "0.3", "-m", "limit")
     here = Path(sys.executable).with_name("multilock")
     assert run(environment / "bin/multilock", *question) == run(here, *question)
+    kept = tmp_path / "kept"
+    first = ("env", f"NUMBA_CACHE_DIR={kept}", environment / "bin/multilock", "capacity", "-n", "3")
+    assert "static" in run(*first)
+    assert not list(kept.rglob("*.nbc"))
 
 
 def test_the_paper_claims_of_the_attack_what_its_table_has() -> None:

@@ -63,7 +63,8 @@ ABOUT = (
     "failure by the law. Green bars: range in which the law was tested, all other inputs "
     "unchanged. Arrows: the direction that raises the first failure (static model); the number is "
     "its change for +1 %. The tensile strength is proportional to the cohesion. Lock 1 is on the "
-    "left. No data leave this machine."
+    "left. Strengths are taken as design values: the safe load has a margin for the model, not for "
+    "their scatter. No data leave this machine."
 )
 
 

@@ -1,11 +1,12 @@
 """The command `multilock`: answers for one joint, in a terminal."""
 
+import os
 import signal
 import sys
 
 
 def run() -> None:
-    """The program: ^C ends it with one word, while it is loaded too."""
+    """The program: ^C ends it with one word, while it is loaded too; a full disk with one line."""
     signal.signal(signal.SIGINT, _interrupt)
     try:
         from sidmacib.command.main import main
@@ -13,6 +14,10 @@ def run() -> None:
         main(prog_name="multilock")
     except KeyboardInterrupt:
         sys.exit("Aborted!")
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is left to print has no room either
+        place = f"{error.filename}: " if error.filename else ""
+        sys.exit(f"Error: {place}{error.strerror or error}")
 
 
 def _interrupt(*_: object) -> None:

@@ -4,13 +4,17 @@ Models are imported where they are used: a solver takes longer to load than the 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, Push
+
+if TYPE_CHECKING:
+    from sidmacib.rule.resistance import Reliability
 
 Row = dict[str, Any]
 
@@ -46,7 +50,7 @@ def _safe(joint: Joint, direction: Direction, push: Push) -> Answer:
     from sidmacib.rule.law import safe
 
     found = safe(joint, direction, push)
-    return Answer(found.load, "; ".join(filter(None, ("for design", found.moves))))
+    return Answer(found.load, "; ".join(filter(None, ("margin for the model", found.moves))))
 
 
 def _static(joint: Joint, direction: Direction, push: Push) -> Answer:
@@ -79,8 +83,26 @@ def _sidmacib(joint: Joint, direction: Direction, push: Push) -> Answer:
     )
 
 
+def _characteristic(
+    joint: Joint, direction: Direction, push: Push, reliability: "Reliability"
+) -> Answer:
+    from sidmacib.rule.resistance import characteristic
+
+    found = characteristic(joint, direction, reliability.variation, push).capacity
+    return Answer(found.load, found.moves or "5 % fractile of the first failure")
+
+
+def _design(joint: Joint, direction: Direction, push: Push, reliability: "Reliability") -> Answer:
+    from sidmacib.rule.resistance import design_resistance
+
+    found = design_resistance(joint, direction, reliability, push)
+    note = f"gamma_M {reliability.partial_factor:g} and the safe rule's margin"
+    return Answer(found.load, "; ".join(filter(None, (note, found.moves))))
+
+
+Model = Callable[[Joint, Direction, Push], Answer]
 ERRORS = (CapacityError, ValueError, ArithmeticError)  # of models that have no answer
-MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
+MODELS: dict[str, Model] = {
     "safe": _safe,
     "law": _law,
     "static": _static,
@@ -89,26 +111,50 @@ MODELS: dict[str, Callable[[Joint, Direction, Push], Answer]] = {
 }
 
 
+def resistances(reliability: "Reliability") -> dict[str, Model]:
+    """Characteristic and design resistance, of those that ``reliability`` asks for."""
+    found: dict[str, Model] = {}
+    if reliability.variation:
+        found["characteristic"] = partial(_characteristic, reliability=reliability)
+    if reliability.partial_factor != 1.0:
+        found["design"] = partial(_design, reliability=reliability)
+    return found
+
+
+def meaning(reliability: "Reliability") -> str:
+    """What the strengths of a joint are taken for, in one line."""
+    if reliability.variation:
+        words = f"Strengths are means with a scatter of {100.0 * reliability.variation:g} %"
+        return (
+            f"{words}." if reliability.partial_factor != 1.0 else f"{words}; no gamma_M is given."
+        )
+    if reliability.partial_factor != 1.0:
+        return "Strengths are taken as characteristic values."
+    return "Strengths are taken as design values; if they are means, give --scatter and --gamma-m."
+
+
 def capacity_rows(
     joint: Joint,
     ratios: Sequence[float],
     models: Sequence[str],
     push: Push,
     progress: Callable[[str], object] = str,
+    others: Mapping[str, Model] = {},
 ) -> list[Row]:
     """Shear and torque that each model gives, in each direction e / a.
 
     A model that refuses the joint has a note in place of a load. ``progress`` is told what is
-    computed next.
+    computed next. ``others``: models behind those of `MODELS`, by name.
     """
     rows: list[Row] = []
+    answering = {**{name: MODELS[name] for name in models}, **others}
     for ratio in ratios:
         direction = Direction(ratio)
-        for name in models:
-            place = f"{len(rows) + 1} of {len(ratios) * len(models)}"
+        for name, model in answering.items():
+            place = f"{len(rows) + 1} of {len(ratios) * len(answering)}"
             progress(f"{place}: {name}, e/a = {ratio:g}")
             try:
-                answer = MODELS[name](joint, direction, push)
+                answer = model(joint, direction, push)
             except ERRORS as error:
                 answer = Answer(None, reason(error))
             load = answer.load

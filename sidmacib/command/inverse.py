@@ -23,6 +23,7 @@ from sidmacib.rule.demand import (
     volume_cut,
 )
 from sidmacib.rule.inverse import MOST, SIZES, all_candidates, cheapest, cheapest_of, fewest_locks
+from sidmacib.rule.resistance import DESIGN_VALUES, Reliability
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,7 +35,9 @@ ROUND = 12  # digits of a size after the decimal point: of a step that is no bin
 GREY = "0.7"
 
 
-def demand_of(shear: float, torque: float, ratio: float | None) -> Demand:
+def demand_of(
+    shear: float, torque: float, ratio: float | None, reliability: Reliability = DESIGN_VALUES
+) -> Demand:
     """The demand; `click.UsageError` if there is none, or if it contradicts itself."""
     if not (shear or torque or ratio):
         raise click.UsageError("Give the load: -V, -M, or -V with -e.")
@@ -43,7 +46,7 @@ def demand_of(shear: float, torque: float, ratio: float | None) -> Demand:
             allowed = "a finite number" + (" of at least 0" if flag == "-V" else "")
             raise click.UsageError(f"{flag}: {value:g} is not allowed; it must be {allowed}")
     try:
-        return Demand(shear, torque, ratio)
+        return Demand(shear, torque, ratio, reliability)
     except ValueError as error:
         raise click.UsageError(f"-V, -M, -e: {error}") from None
 
@@ -117,17 +120,20 @@ def sought(
 
 
 def candidate_rows(
-    candidates: Sequence[Candidate], values: Mapping[str, Sequence[float]], prices: Prices
+    candidates: Sequence[Candidate],
+    values: Mapping[str, Sequence[float]],
+    prices: Prices,
+    reliability: Reliability = DESIGN_VALUES,
 ) -> list[Row]:
     """Varied parameters, capacity and cost of each joint."""
     units = {"locks": "locks", **{name: f"{name} (m)" for name in SIZES[1:]}}
-    rows = []
+    rows, what = [], "safe" if reliability == DESIGN_VALUES else "design"
     for each in candidates:
         joint = each.joint
         row: Row = {units[name]: getattr(joint, name) for name in values or ("locks",)}
-        row["safe V (N)"] = each.shear if each.exact else None
-        row["safe M (N m)"] = each.torque if each.exact else None
-        row["required / safe"] = each.usage if each.exact else None
+        row[f"{what} V (N)"] = each.shear if each.exact else None
+        row[f"{what} M (N m)"] = each.torque if each.exact else None
+        row[f"required / {what}"] = each.usage if each.exact else None
         row["area (m2)"], row["volume cut (m3)"] = joint_area(joint), volume_cut(joint)
         if prices.bonded:
             row["bonded area (m2)"] = bonded_area(joint)

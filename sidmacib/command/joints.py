@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,6 +15,9 @@ from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_paramet
 from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
+
+if TYPE_CHECKING:
+    from sidmacib.rule.resistance import Reliability
 
 DEFAULT = Joint(5)
 # Further names of flags: -h is a height here, while other programs take it for help.
@@ -106,6 +109,41 @@ def joint_options(command: Callable[..., Any]) -> Callable[..., Any]:
     for option in reversed(options):
         command = option(command)
     return command
+
+
+def reliability_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a command the scatter of strengths and the partial factor."""
+    scatter = click.option(
+        "--scatter",
+        "variation",
+        type=float,
+        help="Coefficient of variation of the locks' strengths, such as 0.2; cohesion and tensile "
+        "strength are then means.  [default: strengths are design values]",
+    )
+    factor = click.option(
+        "--gamma-m",
+        "factor",
+        type=float,
+        help="Partial factor for the design resistance. Without --scatter, strengths are "
+        "characteristic values.",
+    )
+    return scatter(factor(command))
+
+
+def reliability_of(variation: float | None, factor: float | None) -> "Reliability":
+    """What these options say of strengths; `click.UsageError` names what is wrong."""
+    from sidmacib.rule.resistance import Reliability
+
+    for flag, value in (("--scatter", variation), ("--gamma-m", factor)):
+        try:
+            if value is not None:
+                Reliability(*((value, 1.0) if flag == "--scatter" else (0.0, value)))
+            if flag == "--scatter" and value == 0.0:
+                raise ValueError("0 is not allowed; leave it out where strengths do not scatter")
+        except ValueError as error:
+            words = str(error).partition(": ")[2] or str(error)
+            raise click.UsageError(f"{flag}: {words}") from None
+    return Reliability(variation or 0.0, factor or 1.0)
 
 
 def joint_of(given: Mapping[str, Any]) -> Joint:

@@ -2,17 +2,32 @@
 
 import json
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
 from sidmacib.command.groups import LOAD, OUTPUT, Grouped, GroupedCommand
-from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
+from sidmacib.command.joints import (
+    EccentricityType,
+    joint_of,
+    joint_options,
+    reliability_of,
+    reliability_options,
+)
+from sidmacib.command.output import (
+    FORMATS,
+    bars,
+    curves,
+    draw,
+    note_of,
+    refused_in_one_line,
+    status_line,
+    text_of,
+)
 from sidmacib.drawing import VM_RATIOS
+from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Push
 
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
@@ -32,6 +47,13 @@ _picture = click.option(
     "--picture",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Draw the answer into this file: .png, .svg or .pdf.",
+    cls=Grouped,
+    group=OUTPUT,
+)
+_note = click.option(
+    "--note",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a calculation note into this file: .html, to be printed or sent.",
     cls=Grouped,
     group=OUTPUT,
 )
@@ -106,13 +128,18 @@ def main() -> None:
     group=LOAD,
 )
 @_models
+@reliability_options
 @_format
 @_picture
+@_note
 def capacity(
     ratios: Sequence[float],
     models: Sequence[str],
+    variation: float | None,
+    factor: float | None,
     form: str,
     picture: Path | None,
+    note: Path | None,
     push: str,
     **flags: Any,
 ) -> None:
@@ -126,28 +153,30 @@ def capacity(
     Columns: "first failure / load" is the load at the first bond failure, "mesh error / load" the
     estimated discretisation error, "peak spread" the range of the peaks found, each divided by the
     load.
-    """
-    from sidmacib.command.answers import capacity_rows, usual_models
 
-    joint = joint_of(flags)
+    If the strengths are means, --scatter adds the characteristic value, which 5 % of joints do not
+    reach; --gamma-m adds the design resistance. The last line says what strengths are taken for.
+    """
+    from sidmacib.command.answers import capacity_rows, meaning, resistances, usual_models
+
+    joint, reliability = joint_of(flags), reliability_of(variation, factor)
     asked = list(dict.fromkeys(models or usual_models(joint)))
     directions = list(dict.fromkeys(ratios))
+    if note is not None and len(directions) > 1:
+        raise click.UsageError("--note: needs one direction, -e once")
     with status_line() as progress:
-        rows = capacity_rows(joint, directions, asked, Push(push), progress)
+        others = resistances(reliability)
+        rows = capacity_rows(joint, directions, asked, Push(push), progress, others)
     if picture is not None:
         draw(curves(rows, f"{joint.locks} locks", note_of(joint), joined=False), picture)
-    _show(rows, form)
+    if note is not None:
+        from sidmacib.command.note import Case, write_note
 
-
-@contextmanager
-def _refused_in_one_line() -> Iterator[None]:
-    """Report a model's refusal of a joint as an error of click."""
-    from sidmacib.command.answers import ERRORS, reason
-
-    try:
-        yield
-    except ERRORS as error:
-        raise click.ClickException(reason(error)) from None
+        write_note(Case(joint, Direction(directions[0]), Push(push), reliability), note)
+    click.echo(text_of(rows, form))
+    if form == "table":
+        click.echo(meaning(reliability))
+    _require_answer(rows)
 
 
 def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
@@ -201,7 +230,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
     from sidmacib.command.answers import weight_rows
 
     joint = joint_of(flags)
-    with _refused_in_one_line():
+    with refused_in_one_line():
         rows = weight_rows(joint, ratio, Push(push))
     if picture is not None:
         draw(bars(rows, f"weights of {joint.locks} locks"), picture)
@@ -231,7 +260,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     from sidmacib.command.answers import effect_rows
 
     joint = joint_of(flags)
-    with _refused_in_one_line(), status_line() as progress:
+    with refused_in_one_line(), status_line() as progress:
         words, rows = effect_rows(joint, ratio, Push(push), progress)
     if form == "table":
         click.echo(f"{words}\n")
@@ -249,7 +278,7 @@ def law(form: str, push: str, **flags: Any) -> None:
     from sidmacib.command.answers import law_rows
 
     joint = joint_of(flags)
-    with _refused_in_one_line():
+    with refused_in_one_line():
         click.echo(text_of(law_rows(joint, Push(push)), form))
 
 
@@ -291,8 +320,10 @@ def law(form: str, push: str, **flags: Any) -> None:
     "repeated.  [default: area=1]",
 )
 @click.option("--all", "every", is_flag=True, help="List all joints of --vary.")
+@reliability_options
 @_format
 @_picture
+@_note
 def inverse(
     shear: float,
     torque: float,
@@ -300,8 +331,11 @@ def inverse(
     vary: Sequence[str],
     price: Sequence[str],
     every: bool,
+    variation: float | None,
+    factor: float | None,
     form: str,
     picture: Path | None,
+    note: Path | None,
     push: str,
     **flags: Any,
 ) -> None:
@@ -311,12 +345,13 @@ def inverse(
     locks of the given sizes; each smaller number is listed with its capacity, or why the rule does
     not apply. With --vary, the cheapest of all combinations. --picture draws all joints of --vary
     over the first two names, such as locks and a. The exit status is 1 if no joint is strong
-    enough.
-    """
-    with _refused_in_one_line():
+    enough."""
+    with refused_in_one_line():
         from sidmacib.command import inverse as answers
+        from sidmacib.command.answers import meaning
 
-        demand = answers.demand_of(shear, torque, ratio)
+        reliability = reliability_of(variation, factor)
+        demand = answers.demand_of(shear, torque, ratio, reliability)
         values, prices = answers.values_of(vary), answers.prices_of(price)
         if flags["locks"] is not None and (not vary or "locks" in values):
             remedy = "--vary locks" if vary else "use --vary for other sizes"
@@ -331,7 +366,15 @@ def inverse(
             draw(answers.chart(found, tried, values), picture)
         shown = tried if every or not vary else (found,) if found is not None else ()
         if shown:
-            click.echo(text_of(answers.candidate_rows(shown, values, prices), form))
+            rows = answers.candidate_rows(shown, values, prices, reliability)
+            click.echo(text_of(rows, form))
+        if shown and form == "table":
+            click.echo(meaning(reliability))
+        if note is not None and found is not None:
+            from sidmacib.command.note import Case, write_note
+
+            case = Case(found.joint, found.direction, Push(push), reliability, found.needed)
+            write_note(case, note)
     if found is None:
         raise click.ClickException(answers.why_none(tried))
 
@@ -360,7 +403,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
     both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
     """
-    with _refused_in_one_line():
+    with refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.files.structure_file import read_structure
         from sidmacib.structure.warnings import structure_warnings
@@ -398,7 +441,7 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
     limit analysis and by the static model with the locks modelled as solids, and comes with an
     order in which the blocks can be placed. The exit status is 1 if a check fails.
     """
-    with _refused_in_one_line():
+    with refused_in_one_line():
         from sidmacib.command.designs import design_tables, verdict
         from sidmacib.design.designed import design_of
         from sidmacib.design.file import read_task, write_designed

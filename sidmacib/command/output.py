@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.drawing import BLUE, GREEN, OCHRE, ORANGE, PURPLE, SKY, vm_axes, vm_curve
+from sidmacib.drawing import BLUE, GREEN, OCHRE, ORANGE, PURPLE, SKY, VERMILION, vm_axes, vm_curve
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,7 +26,7 @@ FORMATS = ("table", "json", "csv")
 # Of models, as in the figures of studies.
 COLOURS = {
     **{"safe": GREEN, "law": OCHRE, "static": BLUE},
-    **{"limit": SKY, "sidmacib": PURPLE},
+    **{"limit": SKY, "sidmacib": PURPLE, "characteristic": ORANGE, "design": VERMILION},
 }
 BLOCKS = {"upper": BLUE, "lower": ORANGE}
 
@@ -65,6 +65,17 @@ def _cell(value: Any) -> str:
 
 
 @contextmanager
+def refused_in_one_line() -> Iterator[None]:
+    """Report a model's refusal of a joint as an error of click."""
+    from sidmacib.command.answers import ERRORS, reason
+
+    try:
+        yield
+    except ERRORS as error:
+        raise click.ClickException(reason(error)) from None
+
+
+@contextmanager
 def status_line() -> Iterator[Callable[[str], object]]:
     """A function that shows a line on the terminal in place of the one before, erased at the end.
 
@@ -91,6 +102,14 @@ def draw(figure: "Figure", path: Path) -> None:
         raise click.UsageError(f"--picture {path}: {error.strerror or error}") from None
     except ValueError as error:
         raise click.UsageError(f"--picture {path}: {error}") from None
+
+
+def write_text(text: str, path: Path, flag: str) -> None:
+    """Write ``text`` into a file named by ``flag``; `click.UsageError`."""
+    try:
+        path.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise click.UsageError(f"{flag} {path}: {error.strerror or error}") from None
 
 
 def bars(rows: "Sequence[Row]", title: str) -> "Figure":

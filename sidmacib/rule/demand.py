@@ -6,7 +6,12 @@ from dataclasses import dataclass
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Push
-from sidmacib.rule.law import at_most, safe
+from sidmacib.rule.resistance import (
+    DESIGN_VALUES,
+    Reliability,
+    at_most_resists,
+    design_resistance,
+)
 from sidmacib.validation import refused, require_not_negative
 
 
@@ -15,13 +20,14 @@ class Demand:
     """A shear force V (N) and the torque M (N m) that a joint must carry together.
 
     ``shear``: V, in N. ``torque``: M, in N m. ``ratio``: e / a in place of the torque, which is
-    then V e and grows with a. ValueError unless V is finite and not negative, M finite, and one of
-    them not 0.
+    then V e and grows with a. ``reliability``: of the joint that carries them. ValueError unless V
+    is finite and not negative, M finite, and one of them not 0.
     """
 
     shear: float
     torque: float = 0.0
     ratio: float | None = None
+    reliability: Reliability = DESIGN_VALUES
 
     def __post_init__(self) -> None:
         require_not_negative(shear=self.shear)
@@ -99,9 +105,9 @@ def bonded_area(joint: Joint) -> float:
 class Candidate:
     """A joint beside a demand.
 
-    ``direction``: of the demand's load, ``needed`` (N). ``load``: the safe one along it (N); None
-    where the safe rule refuses the joint, for ``reason``. ``exact``: False if the load is only an
-    upper bound of the safe one, which is below what is needed already.
+    ``direction``: of the demand's load, ``needed`` (N). ``load``: the safe one along it, or the
+    design resistance (N); None where the safe rule refuses the joint, for ``reason``. ``exact``:
+    False if the load is only an upper bound, which is below what is needed already.
     """
 
     joint: Joint
@@ -146,9 +152,10 @@ def candidate(
     needed, direction = demand.load(joint), demand.direction(joint)
     try:
         if not exact:
-            most = at_most(joint, direction, push)
+            most = at_most_resists(joint, direction, demand.reliability, push)
             if most < needed:
                 return Candidate(joint, direction, needed, most, exact=False)
-        return Candidate(joint, direction, needed, safe(joint, direction, push).load)
+        load = design_resistance(joint, direction, demand.reliability, push).load
+        return Candidate(joint, direction, needed, load)
     except REFUSALS as error:
         return Candidate(joint, direction, needed, None, reason=" ".join(str(error).split()))

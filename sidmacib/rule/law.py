@@ -77,7 +77,7 @@ def law(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapa
     ValueError outside `SPANS`; errors of `sidmacib.rule.first_failure.first_failure`.
     """
     require_covered(joint)
-    return _capacity(joint, direction, *_failure(joint, direction, push))
+    return capacity_of(joint, direction, *_failure(joint, direction, push))
 
 
 def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCapacity:
@@ -92,17 +92,26 @@ def safe(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> LawCap
 
     Errors of `law`. `CapacityError` too if the meshes differ too much.
     """
-    require_covered(joint)
-    found = [_weak_failure(joint, direction, push, cells) for cells in _meshes(joint)]
-    loads = [load for load, _ in found]
+    loads, modes = weak_failures(joint, direction, push)
     least = min(loads) - (max(loads) - min(loads))
     if least <= 0.0:
         raise CapacityError(
             f"safe: the first failure depends too much on the mesh: from {min(loads):.4g} to "
             f"{max(loads):.4g} N; use the static model"
         )
-    _, mode = found[loads.index(min(loads))]
-    return _capacity(joint, direction, least, mode)
+    return capacity_of(joint, direction, least, modes[loads.index(min(loads))])
+
+
+def weak_failures(
+    joint: Joint, direction: Direction, push: Push = Push.PLUS_Y
+) -> tuple[list[float], list[Mode]]:
+    """Loads (N) with the margin of the safe rule on each of its meshes, and how the joint fails.
+
+    Errors of `law`.
+    """
+    require_covered(joint)
+    found = [_weak_failure(joint, direction, push, cells) for cells in _meshes(joint)]
+    return [load for load, _ in found], [mode for _, mode in found]
 
 
 def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> float:
@@ -113,9 +122,14 @@ def at_most(joint: Joint, direction: Direction, push: Push = Push.PLUS_Y) -> flo
 
 def _weak_failure(joint: Joint, direction: Direction, push: Push, cells: int) -> tuple[float, Mode]:
     """The load (N) with the margin of the safe rule, and how the joint fails there."""
-    margin = SAFETY if joint.elastic is None else SAFETY_ELASTIC
+    margin = margin_of(joint)
     load, mode = _failure(weakened(joint, margin), direction, push, cells)
     return (load if mode is Mode.BONDS else load / margin), mode
+
+
+def margin_of(joint: Joint) -> float:
+    """What the safe rule divides the strengths of ``joint`` by."""
+    return SAFETY if joint.elastic is None else SAFETY_ELASTIC
 
 
 def _failure(
@@ -174,7 +188,8 @@ def _short(value: float) -> float:
     return int(short) if short.is_integer() else short
 
 
-def _capacity(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:
+def capacity_of(joint: Joint, direction: Direction, load: float, mode: Mode) -> LawCapacity:
+    """A ``load`` (N) along ``direction`` as shear and torque."""
     return LawCapacity(load, load * direction.shear, load * direction.torque * joint.a, mode)
 
 

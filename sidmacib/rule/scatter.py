@@ -61,6 +61,12 @@ class Scatter:
         wide = WIDEST * deviation + NEAR
         return float(self.load * math.exp(brentq(beyond, -wide, wide, xtol=1e-10)))
 
+    @staticmethod
+    def strength(variation: float, standard: float) -> float:
+        """A strength over its mean, of a ``standard`` normal variable."""
+        deviation = math.sqrt(math.log1p(variation**2))
+        return math.exp(deviation * standard - deviation**2 / 2.0)
+
     @property
     def _deviation(self) -> float:
         """Standard deviation of the logarithm of a strength."""

@@ -1,7 +1,9 @@
 """The results folder: one run at a time, and caches where the usual places are read-only."""
 
+import errno
 import fcntl
 import os
+import sys
 from pathlib import Path
 from typing import TextIO
 
@@ -13,6 +15,7 @@ CACHES = {  # of Snakemake, matplotlib and numba: in the environment, and where 
     "XDG_CACHE_HOME": Path("~/.cache"),
     "MPLCONFIGDIR": Path("~/.config/matplotlib"),
 }
+NO_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 SNAKEMAKE = ".snakemake"  # in the working directory
 
 
@@ -20,24 +23,36 @@ def lock(results: Path) -> TextIO:
     """Lock ``results`` for as long as this process lives and the returned file is kept.
 
     The system releases the lock when the process ends, however that happens: no stale lock remains.
-    `CallError` if another run holds it, or nothing can be written there.
+    `CallError` if another run holds it, or nothing can be written there. Where the file system has
+    no locks, as some of clusters, a line on standard error says that nothing keeps others out.
     """
     try:
         results.mkdir(parents=True, exist_ok=True)
         stream = (results / LOCK).open("a+")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise CallError(f"results: {results} cannot be written to: {reason}") from None
+        raise CallError(f"results: {results} cannot be written to: {_reason(error)}") from None
     try:
         fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         stream.seek(0)
         other = stream.read().strip() or "unknown"
         raise CallError(f"{results}: another run is using this folder (process {other})") from None
-    stream.truncate(0)
-    stream.write(f"{os.getpid()}\n")
-    stream.flush()
+    except OSError as error:
+        if error.errno not in NO_LOCKS:
+            raise CallError(f"results: {results} cannot be locked: {_reason(error)}") from None
+        words = "its file system has no locks, so start no second run in it"
+        print(f"{results}: {words} ({_reason(error)})", file=sys.stderr)
+    try:
+        stream.truncate(0)
+        stream.write(f"{os.getpid()}\n")
+        stream.flush()
+    except OSError as error:
+        raise CallError(f"results: {results} cannot be written to: {_reason(error)}") from None
     return stream
+
+
+def _reason(error: OSError) -> str:
+    return (error.strerror or str(error)).lower()
 
 
 def use_writable_caches(results: Path) -> None:

@@ -1,0 +1,137 @@
+"""Characteristic and design resistance of a joint, as EN 1990 has them.
+
+The characteristic resistance is the load that 5 % of joints do not reach: the 5 % fractile of the
+first failure (EN 1990, 4.2). The strengths of locks are independent and lognormal (D.7.2); mean and
+coefficient of variation are known. Up to the first failure the forces do not depend on strengths,
+so the fractile is the load of a joint whose strengths are all divided by one margin, at which 95 %
+of joints survive.
+
+The design resistance has the partial factor on the strengths (6.3.5, expression 6.6a) or on the
+resistance (6.6c), whichever gives less, and the margin of the safe rule for the model.
+"""
+
+from dataclasses import dataclass
+
+from scipy.optimize import brentq
+from scipy.stats import norm
+
+from sidmacib.errors import CapacityError
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, Push
+from sidmacib.rule.first_failure import JointFailure, first_failure, weakened
+from sidmacib.rule.law import LawCapacity, at_most, capacity_of, require_covered, safe
+from sidmacib.rule.scatter import FIFTH_PERCENTILE, Scatter
+from sidmacib.validation import refused
+
+MOST_VARIED, LARGEST_FACTOR = 1.0, 10.0
+ROUNDING = 1e-6  # of a margin
+NEAR = 0.01  # to 5 %: the share of joints that have failed at the load that is found
+
+
+@dataclass(frozen=True)
+class Reliability:
+    """What the strengths of a joint stand for, and the partial factor.
+
+    ``variation``: coefficient of variation of strengths that are means; 0 for strengths that are
+    characteristic or design values. ``partial_factor``: gamma_M, 1 for strengths that are design
+    values. ValueError for numbers out of range.
+    """
+
+    variation: float = 0.0
+    partial_factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.variation <= MOST_VARIED:
+            allowed = f"more than 0 and at most {MOST_VARIED:g}, as in 0.2 for 20 %"
+            raise refused("scatter", self.variation, allowed)
+        if not 1.0 <= self.partial_factor <= LARGEST_FACTOR:
+            raise refused("gamma_m", self.partial_factor, f"from 1 to {LARGEST_FACTOR:g}")
+
+
+DESIGN_VALUES = Reliability()
+
+
+@dataclass(frozen=True)
+class Characteristic:
+    """The characteristic resistance, and the margin on mean strengths that gives it."""
+
+    capacity: LawCapacity
+    margin: float
+
+
+def characteristic(
+    joint: Joint, direction: Direction, variation: float, push: Push = Push.PLUS_Y
+) -> Characteristic:
+    """The load that 5 % of joints with strengths of this coefficient of ``variation`` do not reach.
+
+    The strengths of ``joint`` are means. Where it slides or rocks before 5 % have failed, that load
+    counts. ValueError for a variation out of range; errors of `sidmacib.law`, `CapacityError` too
+    where permanent loads alone make more than 5 % fail.
+    """
+    if not variation > 0.0:
+        raise refused("scatter", variation, f"more than 0 and at most {MOST_VARIED:g}")
+    Reliability(variation)
+    require_covered(joint)
+
+    def at(margin: float) -> JointFailure:
+        return first_failure(weakened(joint, margin), Loading(direction, push=push))
+
+    def beyond(margin: float) -> float:
+        return _survival(at(margin), margin, variation) - (1.0 - FIFTH_PERCENTILE)
+
+    def held(margin: float) -> float:
+        """The same; more where so weak a joint fails before it is loaded."""
+        try:
+            return beyond(margin)
+        except CapacityError:
+            return FIFTH_PERCENTILE
+
+    margin = 1.0
+    if beyond(margin) < 0.0:
+        most = _largest_margin(joint.locks, variation)
+        margin = float(brentq(held, 1.0, most, xtol=ROUNDING, rtol=ROUNDING))
+        if abs(held(margin)) > NEAR:
+            raise CapacityError(
+                f"characteristic value: more than 5 % of joints of {joint.locks} locks fail under "
+                "their permanent loads alone"
+            )
+    found = at(margin)
+    return Characteristic(capacity_of(joint, direction, found.load, found.mode), margin)
+
+
+def design_resistance(
+    joint: Joint, direction: Direction, reliability: Reliability, push: Push = Push.PLUS_Y
+) -> LawCapacity:
+    """The design resistance of ``joint``: the safe load where strengths are design values already.
+
+    Errors of `characteristic` and `sidmacib.safe`.
+    """
+    weak, factor = joint, reliability.partial_factor
+    if reliability.variation:
+        found = characteristic(joint, direction, reliability.variation, push)
+        weak = weakened(joint, found.margin)
+    whole = safe(weak, direction, push)
+    if factor == 1.0:
+        return whole
+    of_strengths = safe(weakened(weak, factor), direction, push)
+    if of_strengths.load < whole.load / factor:
+        return of_strengths
+    return capacity_of(joint, direction, whole.load / factor, whole.mode)
+
+
+def at_most_resists(
+    joint: Joint, direction: Direction, reliability: Reliability, push: Push = Push.PLUS_Y
+) -> float:
+    """An upper bound of the design resistance (N), in less time; errors of `sidmacib.law`."""
+    return at_most(joint, direction, push) / reliability.partial_factor
+
+
+def _survival(state: JointFailure, margin: float, variation: float) -> float:
+    """Part of joints without a failed lock at ``state``, that of mean strengths over ``margin``."""
+    return Scatter(state.load, state.utilisation / margin, variation).survival(state.load)
+
+
+def _largest_margin(locks: int, variation: float) -> float:
+    """The margin that suffices even where all ``locks`` are loaded to their strength."""
+    share = 1.0 - (1.0 - FIFTH_PERCENTILE) ** (1.0 / locks)
+    return 1.01 / Scatter.strength(variation, float(norm.ppf(share)))

@@ -1,0 +1,125 @@
+"""Scatter and partial factors in the command, and its calculation note."""
+
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from chromium import chromium, needs_browser
+from click.testing import CliRunner
+
+import sidmacib
+from sidmacib.command.main import main
+from sidmacib.rule.resistance import Reliability
+
+GIVEN = ["-n", "9", "-a", "0.08", "-H", "0.06", "-e", "0.3"]
+JOINT, DIRECTION = sidmacib.Joint(9, a=0.08, H=0.06), sidmacib.Direction(0.3)
+
+
+def run(*words: str, code: int = 0) -> str:
+    found = CliRunner().invoke(main, list(words))
+    assert found.exit_code == code, found.output
+    return found.output
+
+
+def note_in(path: Path, *words: str) -> str:
+    run(*words, "--note", str(path))
+    return path.read_text(encoding="utf-8")
+
+
+def test_capacity_prints_characteristic_value_and_design_resistance() -> None:
+    options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
+    rows = json.loads(run("capacity", *GIVEN, *options, "--format", "json"))
+    loads = {row["model"]: row["V (N)"] for row in rows}
+    assert list(loads) == ["law", "characteristic", "design"]
+    found = sidmacib.characteristic(JOINT, DIRECTION, 0.2)
+    assert loads["characteristic"] == found.capacity.shear
+    design = sidmacib.design_resistance(JOINT, DIRECTION, Reliability(0.2, 1.5))
+    assert loads["design"] == design.shear
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ([], "Strengths are taken as design values"),
+        (["--gamma-m", "1.5"], "Strengths are taken as characteristic values"),
+        (["--scatter", "0.2"], "Strengths are means with a scatter of 20 %; no gamma_M is given"),
+        (["--scatter", "0.2", "--gamma-m", "1.3"], "Strengths are means with a scatter of 20 %."),
+    ],
+)
+def test_the_last_line_says_what_strengths_are_taken_for(options: list[str], words: str) -> None:
+    last = run("capacity", "-n", "3", "-m", "law", *options).splitlines()[-1]
+    assert last.startswith(words)
+
+
+def test_the_number_of_locks_is_found_by_the_design_resistance() -> None:
+    options = ["--scatter", "0.2", "--gamma-m", "1.5", "--format", "json"]
+    rows = json.loads(run("joint", "-V", "150", *GIVEN[2:], *options))
+    reliability = Reliability(0.2, 1.5)
+    for row in rows:
+        joint = sidmacib.Joint(row["locks"], a=0.08, H=0.06)
+        shear = sidmacib.design_resistance(joint, DIRECTION, reliability).shear
+        assert (row["note"] == "strong enough") == (shear >= 150.0)
+        assert row["design V (N)"] in (None, shear)
+    assert rows[-1]["note"] == "strong enough"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--scatter", "20"], "--scatter: 20.0 is not allowed; it must be more than 0 and at most"),
+        (["--scatter", "0"], "--scatter: 0 is not allowed"),
+        (["--gamma-m", "0.8"], "--gamma-m: 0.8 is not allowed; it must be from 1 to 10"),
+        (["--note", "n.html", "-e", "0", "-e", "1"], "--note: needs one direction"),
+        (["--note", "/nowhere/n.html"], "--note /nowhere/n.html: No such file"),
+    ],
+)
+def test_wrong_options_are_refused_in_a_line(options: list[str], words: str) -> None:
+    assert words in run("capacity", "-n", "3", "-m", "law", *options, code=2)
+
+
+def test_the_note_has_the_numbers_of_the_library(tmp_path: Path) -> None:
+    options = ["-m", "law", "--scatter", "0.2", "--gamma-m", "1.5"]
+    note = note_in(tmp_path / "note.html", "capacity", *GIVEN, *options)
+    design = sidmacib.design_resistance(JOINT, DIRECTION, Reliability(0.2, 1.5))
+    whole = sidmacib.characteristic(JOINT, DIRECTION, 0.2).capacity
+    shown = f"Design resistance: V = {design.shear:.4g} N, M = {design.torque:.4g} N m"
+    assert shown in note
+    assert f"V = {whole.shear:.4g} N" in note
+    assert f"<mn>{JOINT.T0:.4g}</mn>" in note
+    for size in ("b = 50", "H = 60", "h = 8", "a = 80"):
+        assert size in note
+    assert "multilock 1." in note and "No laboratory test" in note
+
+
+def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path) -> None:
+    words = ["joint", "-V", "300", *GIVEN[2:]]
+    rows = json.loads(run(*words, "--format", "json"))
+    note = note_in(tmp_path / "note.html", *words)
+    assert f"Utilisation {rows[-1]['needed / safe']:.3f}: verified" in note
+
+
+@pytest.mark.parametrize("ratio", ["0", "torsion", "-0.4"])
+def test_the_note_is_well_formed_needs_no_other_file_and_is_the_same_each_time(
+    tmp_path: Path, ratio: str
+) -> None:
+    words = ["capacity", "-n", "4", "-m", "law", "-e", ratio]
+    first = note_in(tmp_path / "note.html", *words)
+    assert first == note_in(tmp_path / "note.html", *words)
+    assert not re.search(r"(src|href)=|url\(|@import", first)
+    for kind in ("svg", "math"):
+        for part in re.findall(rf"<{kind}.*?</{kind}>", first, re.DOTALL):
+            ElementTree.fromstring(part)
+
+
+@needs_browser
+def test_the_note_prints_on_two_pages_and_fits_a_telephone(tmp_path: Path) -> None:
+    path = tmp_path / "note.html"
+    note_in(path, "capacity", *GIVEN, "-m", "law", "--scatter", "0.2", "--gamma-m", "1.5")
+    with chromium() as browser:
+        page = browser.new_page(viewport={"width": 390, "height": 800})
+        page.goto(path.as_uri())
+        assert page.evaluate("document.documentElement.scrollWidth") == 390
+        printed = page.pdf(prefer_css_page_size=True)
+    assert len(re.findall(rb"/Type\s*/Page\b(?!s)", printed)) <= 2

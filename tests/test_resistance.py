@@ -1,0 +1,108 @@
+"""Characteristic and design resistance of a joint."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import binom
+from test_scatter import strengths
+
+import sidmacib
+from sidmacib.joint.hold_down import Hold, HoldDown
+from sidmacib.joint.joint import Direction, Joint, OwnLock
+from sidmacib.joint.loading import Loading, lateral_load
+from sidmacib.joint.pieces import assemble
+from sidmacib.mechanics.solution import Mode
+from sidmacib.mechanics.static.model import first_failure_of, solver_of
+from sidmacib.rule.first_failure import COARSE, first_failure, weakened
+from sidmacib.rule.resistance import Reliability, at_most_resists, characteristic, design_resistance
+from sidmacib.rule.scatter import scatter
+
+ECCENTRIC = Direction(0.3)
+JOINT = Joint(5, a=0.08, H=0.06)
+PRESSED = replace(JOINT, hold_down=HoldDown(Hold.PRESSURE, 4e4))
+
+
+def drawn(joint: Joint, factors: np.ndarray) -> Joint:
+    """``joint`` with the strengths of its locks times ``factors``."""
+    bond, own = joint.inner, {}
+    for lock, factor in zip(joint.numbers, map(float, factors), strict=True):
+        cohesion, tension = bond.cohesion * factor, bond.tensile_strength * factor
+        own[lock] = OwnLock(inner=replace(bond, cohesion=cohesion, tensile_strength=tension))
+    return replace(joint, different=own)
+
+
+def static_first_failure(joint: Joint) -> float:
+    """First failure (N) of a joint whose locks differ, by the static model."""
+    assembly = assemble(joint, joint.least_side / COARSE)
+    loads = lateral_load(joint, assembly, Loading(ECCENTRIC))
+    return first_failure_of(solver_of(assembly, loads), loads.scale).point.load
+
+
+@pytest.mark.parametrize("joint", [JOINT, PRESSED], ids=["plate", "pressure"])
+def test_five_of_a_hundred_drawn_joints_fail_below_the_characteristic_value(joint: Joint) -> None:
+    count = 120
+    load = characteristic(joint, ECCENTRIC, 0.2).capacity.load
+    failed = sum(
+        static_first_failure(drawn(joint, factors)) < load
+        for factors in strengths(0.2, (count, joint.locks))
+    )
+    least, most = binom.interval(0.99, count, 0.05)
+    assert least <= failed <= most
+
+
+def test_held_by_pressure_the_forces_are_not_in_proportion_and_the_value_is_another() -> None:
+    in_proportion = scatter(PRESSED, ECCENTRIC, 0.2).quantile()
+    found = characteristic(PRESSED, ECCENTRIC, 0.2).capacity.load
+    assert abs(found / in_proportion - 1.0) > 0.005
+
+
+def test_with_forces_in_proportion_it_is_the_quantile_of_the_weakest_lock() -> None:
+    weightless = replace(JOINT, density=0.0)
+    found, whole = (f(weightless, ECCENTRIC, 0.2) for f in (characteristic, scatter))
+    assert found.capacity.load == pytest.approx(whole.quantile(), rel=1e-3)
+    weak = first_failure(weakened(weightless, found.margin), Loading(ECCENTRIC))
+    assert found.capacity.load == weak.load
+
+
+def test_more_scatter_gives_less() -> None:
+    loads = [characteristic(JOINT, ECCENTRIC, v).capacity.load for v in (0.01, 0.1, 0.2, 0.4)]
+    assert loads == sorted(loads, reverse=True)
+    assert loads[0] == pytest.approx(sidmacib.law(JOINT, ECCENTRIC).load, rel=0.03)
+
+
+def test_where_the_joint_slides_first_strengths_do_not_decide() -> None:
+    smooth = replace(JOINT.dry, friction=0.0)
+    loose = Joint(2, h=0.004, dry=smooth, hold_down=HoldDown(Hold.WEIGHT))
+    law = sidmacib.law(loose, Direction(0.0))
+    assert law.mode is Mode.ROCKING
+    assert characteristic(loose, Direction(0.0), 0.05).capacity == law
+
+
+def test_strengths_that_are_design_values_leave_the_safe_load() -> None:
+    safe = sidmacib.safe(JOINT, ECCENTRIC)
+    assert design_resistance(JOINT, ECCENTRIC, Reliability()) == safe
+
+
+@pytest.mark.parametrize("joint", [JOINT, PRESSED], ids=["plate", "pressure"])
+def test_the_factor_divides_the_resistance_or_the_strengths_whichever_gives_less(
+    joint: Joint,
+) -> None:
+    found = design_resistance(joint, ECCENTRIC, Reliability(partial_factor=1.5)).load
+    of_resistance = sidmacib.safe(joint, ECCENTRIC).load / 1.5
+    of_strengths = sidmacib.safe(weakened(joint, 1.5), ECCENTRIC).load
+    assert found == min(of_resistance, of_strengths)
+
+
+def test_the_design_resistance_is_below_the_characteristic_value_over_the_factor() -> None:
+    reliability = Reliability(0.2, 1.5)
+    found = design_resistance(JOINT, ECCENTRIC, reliability).load
+    whole = characteristic(JOINT, ECCENTRIC, 0.2).capacity.load
+    assert 0.85 * whole / 1.5 < found <= whole / 1.5 / 1.05
+    assert found <= at_most_resists(JOINT, ECCENTRIC, reliability)
+
+
+@pytest.mark.parametrize("given", [(20.0, 1.0), (-0.1, 1.0), (float("nan"), 1.0), (0.2, 0.9)])
+def test_what_is_no_scatter_or_no_partial_factor_is_refused(given: tuple[float, float]) -> None:
+    with pytest.raises(ValueError, match="is not allowed; it must be"):
+        Reliability(*given)
