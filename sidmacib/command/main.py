@@ -344,8 +344,9 @@ def inverse(
     A joint is strong enough if the safe rule gives at least this load. Without --vary, the fewest
     locks of the given sizes; each smaller number is listed with its capacity, or why the rule does
     not apply. With --vary, the cheapest of all combinations. --picture draws all joints of --vary
-    over the first two names, such as locks and a. The exit status is 1 if no joint is strong
-    enough."""
+    over the first two names, such as locks and a. With --scatter or --gamma-m the design resistance
+    counts. The exit status is 1 if no joint is strong enough.
+    """
     with refused_in_one_line():
         from sidmacib.command import inverse as answers
         from sidmacib.command.answers import meaning
