@@ -281,17 +281,27 @@ def inverse(
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
+@click.option("--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'.")
+@click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
+@click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
+@click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
+@click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
+@click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write forces and mechanism of limit analysis as Results of compas_dem, in JSON.",
 )
 @_format
-def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
+def assembly(
+    file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any
+) -> None:
     """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
 
-    Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
-    name beside it has what it lacks: interfaces, locks, load.
+    Or FILE has the blocks: OBJ, STL, PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML
+    file of the same name beside it, say what it lacks: --fixed, --friction, locks, a load other
+    than a push along x.
 
     limit assumes associated friction, which can overestimate; static follows the load on elastic
     interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
@@ -299,13 +309,19 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
     answer.
     """
     with _refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
-        from sidmacib.structure.files.structure_file import read_structure
-        from sidmacib.structure.warnings import structure_warnings
+        from sidmacib.command.structures import (
+            added_keys,
+            interface_rows,
+            limit_of,
+            structure_notes,
+            structure_rows,
+        )
+        from sidmacib.structure.files.structure_file import description_in, structure_of
 
-        problem = read_structure(file)
-        for warning in structure_warnings(problem.assembly):
-            click.echo(f"Note: {warning}", err=True)
+        description = description_in(file, added_keys(**options))
+        problem = structure_of(description, file.parent)
+        for note in structure_notes(problem, description):
+            click.echo(f"Note: {note}", err=True)
         limit = None if interfaces and compas is None else limit_of(problem)
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))

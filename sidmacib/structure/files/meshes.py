@@ -1,4 +1,4 @@
-"""Blocks from files of triangle meshes: OBJ, PLY and STL."""
+"""Blocks from files of meshes: OBJ, PLY, STL, OFF and Rhino's 3dm."""
 
 from pathlib import Path
 
@@ -7,25 +7,35 @@ import trimesh
 
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import Block, require_near
-from sidmacib.structure.files.repair import Face, bodies_in, repaired
+from sidmacib.structure.files.repair import AS_IT_IS, Surface, bodies_in, repaired
+from sidmacib.structure.files.rhino import surfaces_in_3dm
 from sidmacib.validation import refused
 
-SUFFIXES = (".obj", ".ply", ".stl")
-Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
+SUFFIXES = (".obj", ".ply", ".stl", ".off", ".3dm")
+NAMED = (".obj", ".3dm")  # have objects with names
 
 
-def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str, Block]:
-    """The bodies in a file, by the name of each object of an OBJ file, or by number from 1.
+def blocks_from_mesh(
+    path: Path, density: float, turn: Floats = AS_IT_IS, unit: float | None = None
+) -> dict[str, Block]:
+    """The bodies in a file, by the name of each object of an OBJ or 3dm file, or by number from 1.
 
-    ``density`` in kg/m3; ``scale``: m per unit of the file. See `repaired` and `bodies_in`.
-    ValueError if the file has no such mesh, or a body is not closed.
+    ``density`` in kg/m3; ``turn``, (3, 3), applied to coordinates; ``unit``: m per unit of the
+    file, by default that of a 3dm file, else 1. See `repaired` and `bodies_in`. ValueError if the
+    file has no such mesh, or a body is not closed.
     """
-    surfaces = _surfaces(path)
+    if not path.is_file():
+        raise refused("file", str(path), "a file that is there")
+    if path.suffix.lower() == ".3dm":
+        surfaces, of_file = surfaces_in_3dm(path)
+    else:
+        surfaces, of_file = _surfaces(path), 1.0
+    frame = turn * (of_file if unit is None else unit)
     try:
-        if path.suffix.lower() != ".obj" or len(surfaces) == 1:
+        if path.suffix.lower() not in NAMED or len(surfaces) == 1:
             surfaces = _numbered(surfaces)
         return {
-            name: repaired(name, scale * places, faces, density)
+            name: repaired(name, places @ frame.T, faces, density)
             for name, (places, faces) in sorted(surfaces.items())
         }
     except ValueError as error:
@@ -34,8 +44,6 @@ def blocks_from_mesh(path: Path, density: float, scale: float = 1.0) -> dict[str
 
 def _surfaces(path: Path) -> dict[str, Surface]:
     """The surface of each object in a file, by its name."""
-    if not path.is_file():
-        raise refused("file", str(path), "a file that is there")
     if path.suffix.lower() not in SUFFIXES:
         raise refused("file", path.name, f"a file that ends in {', '.join(SUFFIXES)}")
     try:

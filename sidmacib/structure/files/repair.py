@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterator, Sequence
+from fnmatch import fnmatchcase
 from itertools import pairwise
 
 import numpy as np
@@ -10,9 +11,13 @@ from scipy.spatial import cKDTree
 from sidmacib.mechanics.assembly import Floats, Integers
 from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane, require_few_faces
 from sidmacib.structure.crossing import grouped
+from sidmacib.validation import refused
 
+MOST_NAMES = 8  # in a message
 Face = tuple[int, ...]
 Edge = tuple[int, int]
+Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
+AS_IT_IS: Floats = np.eye(3)
 SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
@@ -39,6 +44,21 @@ def repaired(
     places, kept = _compact(places, _in_planes(name, kept, places, size))
     vertices = tuple((float(x), float(y), float(z)) for x, y, z in places)
     return Block(name, vertices, tuple(kept), density)
+
+
+def chosen(asked: Sequence[object], names: Sequence[str], allowed: str) -> set[str]:
+    """Those of ``names`` that are ``asked`` for by name or by a pattern with `*`; ValueError.
+
+    ``allowed``: begins what an error says is allowed.
+    """
+    held: set[str] = set()
+    for each in map(str, asked):
+        fit = [name for name in names if fnmatchcase(name, each)]
+        if not fit:
+            some = ", ".join(names[:MOST_NAMES]) + ", ..." * (len(names) > MOST_NAMES)
+            raise refused("fixed", each, f"{allowed} {some}")
+        held |= set(fit)
+    return held
 
 
 def bodies_in(places: Floats, faces: Sequence[Face]) -> tuple[Floats, list[list[Face]]]:
