@@ -162,12 +162,18 @@ def test_coordinates_that_are_too_large_are_refused_without_a_warning(
         read_compas_interfaces(path, read_compas(path, 2e3))
 
 
-def test_a_model_with_groups_is_refused(path: Path) -> None:
+def test_blocks_of_a_group_are_where_it_is(path: Path) -> None:
     given = model()
-    given["data"]["tree"]["root"]["children"].append({"children": [{"element": "c"}]})
+    matrix = [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    moved = {"dtype": "compas.geometry/Transformation", "data": {"matrix": matrix}}
     path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match=r"assembly.json: tree: must have no groups"):
-        read_compas(path, 2e3)
+    before = read_compas(path, 2e3)[1].centre
+    group = {"dtype": "compas_model.elements/Group", "data": {"transformation": moved}}
+    given["data"]["elements"]["group"] = group
+    root = given["data"]["tree"]["root"]
+    root["children"] = [{"element": "g"}, {"element": "group", "children": [{"element": "c"}]}]
+    path.write_text(json.dumps(given))
+    assert read_compas(path, 2e3)[1].centre - before == pytest.approx([5.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("content", [assembly, model])
@@ -195,7 +201,7 @@ def test_blocks_of_a_structure_come_from_a_model_in_other_units(path: Path) -> N
     assert (ground.name, cube.name, ground.fixed) == ("vault-0", "vault-3", True)
     assert cube.mass == pytest.approx(1e-3 * 2500 * CUBE.volume)
     with pytest.raises(
-        ValueError, match=r"blocks\.vault\.fixed: 7 is not allowed; it must be a node"
+        ValueError, match=r"blocks\.vault\.fixed: '7' is not allowed; it must be a node"
     ):
         structure_of(described | {"blocks": {"vault": given | {"fixed": [7]}}}, folder=path.parent)
 
@@ -254,7 +260,7 @@ def test_what_is_not_understood_is_named_in_one_line(
 
 def test_a_fixed_node_that_is_not_there_is_refused(path: Path) -> None:
     path.write_text(json.dumps(assembly()))
-    with pytest.raises(ValueError, match="fixed: 1 is not allowed; it must be a node of 0, 3"):
+    with pytest.raises(ValueError, match="fixed: '1' is not allowed; it must be a node of 0, 3"):
         read_compas(path, 2e3, fixed=[1])
 
 
@@ -267,7 +273,7 @@ def test_a_file_that_is_no_json_is_named(path: Path) -> None:
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
-        (("tree", "root", "children"), "x", "tree: must have no groups"),
+        (("tree", "root", "children"), "x", "tree: children must be a list"),
         (("graph", "node", "3", "element"), [1], "elements: lacks the key"),
         (("elements", "c", "data", "is_support"), "false", "block-3: is_support: 'false' is not"),
         (

@@ -281,7 +281,9 @@ def inverse(
 @main.command()
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
-@click.option("--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'.")
+@click.option(
+    "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
+)
 @click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
 @click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
@@ -294,9 +296,7 @@ def inverse(
     help="Write forces and mechanism of limit analysis as Results of compas_dem, in JSON.",
 )
 @_format
-def assembly(
-    file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any
-) -> None:
+def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any) -> None:
     """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
 
     Or FILE has the blocks: OBJ, STL, PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML

@@ -198,15 +198,13 @@ def close(blocks: Sequence[Block], near: float) -> list[tuple[float, Interface]]
         for corners in block.outlines
     ]
     edge = min(near, EDGE * size)
-    found = []
+    found: list[tuple[float, Interface]] = []
     for one, other in _facing(sides, [block.fixed for block in blocks], near):
         found += _overlap(sides[one], sides[other], near, edge, centre)
     return sorted(found, key=lambda each: (each[1].below, each[1].above, each[1].middle))
 
 
-def _facing(
-    sides: Sequence[_Side], fixed: Sequence[bool], near: float
-) -> list[tuple[int, int]]:
+def _facing(sides: Sequence[_Side], fixed: Sequence[bool], near: float) -> list[tuple[int, int]]:
     """Pairs of faces that look at each other, in the order of their blocks, whose boxes meet."""
     low = np.array([side.corners.min(axis=0) for side in sides]) - near / 2.0
     high = np.array([side.corners.max(axis=0) for side in sides]) + near / 2.0

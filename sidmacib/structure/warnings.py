@@ -73,7 +73,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
         remedy = f"tolerance: {tolerance_for(gap, size)} takes them as touching"
     yield (
         f"{len(touch)} pairs of blocks touch ({math.fsum(touch.values()):.3g} m2); faces of "
-        f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are at most "
+        f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are up to "
         f"{gap:.2g} m apart; {remedy}"
     )
 

@@ -90,7 +90,7 @@ def read_compas(
 
 
 def content_of(path: Path) -> Any:
-    """What a JSON file of COMPAS holds, of an analysis its model; ValueError, by the file's name."""
+    """What a JSON file of COMPAS holds, of an analysis its model; ValueError by its name."""
     content = json_in(path)
     if isinstance(content, dict) and content.get("dtype") == ANALYSIS:
         return key_of(path.name, data_of(path.name, content), "model")
@@ -147,7 +147,9 @@ def _elements(
     elements = _by_identity(f"{file}: elements", key_of(file, model, "elements"))
     materials = _by_identity(f"{file}: materials", model.get("materials") or {})
     made_of = mapping(f"{file}: element_material", model.get("element_material") or {})
-    tree = mapping(f"{file}: tree", key_of(file, mapping(file, key_of(file, model, "tree")), "root"))
+    tree = mapping(
+        f"{file}: tree", key_of(file, mapping(file, key_of(file, model, "tree")), "root")
+    )
     whole = matrix_of(f"{file}: transformation", model.get("transformation"))
     above = dict(_matrices(f"{file}: tree", tree, elements, whole))
     for node, value in nodes.items():

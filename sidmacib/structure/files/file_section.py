@@ -99,7 +99,9 @@ class FileSection(Keys):
             if isinstance(self.fixed, bool):
                 raise refused("fixed", self.fixed, "a list of nodes")
             return list(read_compas(path, self.density, self.fixed, name, self._frame))
-        bodies = blocks_from_mesh(path, self.density, np.array(UPWARDS[self.up], float), self.length)
+        bodies = blocks_from_mesh(
+            path, self.density, np.array(UPWARDS[self.up], float), self.length
+        )
         alone = len(bodies) == 1
         named = [replace(b, name=name if alone else f"{name}-{k}") for k, b in bodies.items()]
         return named if "*" in self.file else self._fixed(name, named)

@@ -22,9 +22,7 @@ SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart 
 INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
 
 
-def repaired(
-    name: str, places: Floats, faces: Sequence[Sequence[int]], density: float
-) -> Block:
+def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density: float) -> Block:
     """The block that closed ``faces`` bound, however a program has written them.
 
     ``places`` of vertices (m), (V, 3); ``faces``: numbers of their vertices; ``density`` in kg/m3.
