@@ -160,7 +160,7 @@ def _elements(
             continue
         element = data_of(name, given, ELEMENTS)
         geometry = "shape" if "shape" in element else "geometry"  # the first of older versions
-        mesh = data_of(f"{name}: {geometry}", key_of(name, element, geometry), (MESH, BLOCK))
+        mesh = data_of(f"{name}: {geometry}", key_of(name, element, geometry))
         own = matrix_of(f"{name}: transformation", element.get("transformation"))
         density = material = None
         law_of = element.get("material") or made_of.get(identity)
