@@ -236,7 +236,9 @@ def test_bad_geometry_is_refused_by_name(change: dict[str, object], words: str) 
 
 def test_a_block_behind_a_gap_is_refused_by_name() -> None:
     floating = box("floating", (0.0, 0.0, 0.01), (0.4, 0.6, 1.0), 2e3)
-    with pytest.raises(ValueError, match=r"floating: touches no other block; the nearest is 0.01 m away"):
+    with pytest.raises(
+        ValueError, match=r"floating: touches no other block; the nearest is 0.01 m away"
+    ):
         structure([GROUND, floating], dry(0.5))
 
 
@@ -251,7 +253,9 @@ def test_blocks_that_overlap_are_refused_by_name() -> None:
     with pytest.raises(ValueError, match=r"^blocks: block and inside overlap by 0\.2 m$"):
         structure([GROUND, BLOCK, inside], dry(0.5))
     sunk = moved(BLOCK, Rotation.identity(), (0.0, 0.0, -0.01))
-    with pytest.raises(ValueError, match=r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "):
+    with pytest.raises(
+        ValueError, match=r"^blocks: ground and block overlap by 0\.01 m; tolerance: 0\.009 "
+    ):
         structure([GROUND, sunk], dry(0.5))
 
 
