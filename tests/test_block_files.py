@@ -89,9 +89,16 @@ def test_a_face_whose_vertex_is_missing_is_refused(vertex: int, tmp_path: Path) 
         assert str(error.value).endswith(f"has a face with vertex {vertex}; it has 0 to 3")
 
 
-def test_bodies_that_share_corners_in_an_stl_file_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"share corners need an OBJ file with an object for each"):
-        blocks_from_mesh(write(tmp_path / "b.stl", [LOW, HIGH]), 2e3)
+def test_a_block_of_too_many_faces_is_refused_before_they_are_checked(tmp_path: Path) -> None:
+    path = tmp_path / "ball.ply"
+    trimesh.creation.icosphere(subdivisions=5).export(path)
+    with pytest.raises(ValueError, match=r"has 20480 plane faces; at most 5000 are allowed"):
+        blocks_from_mesh(path, 2e3)
+
+
+def test_bodies_that_touch_in_an_stl_file_are_told_apart(tmp_path: Path) -> None:
+    found = blocks_from_mesh(write(tmp_path / "b.stl", [LOW, HIGH]), 2e3)
+    assert [block.volume for block in found.values()] == pytest.approx([1.0, 1.0])
 
 
 def test_a_body_with_a_groove_keeps_its_faces_and_one_with_a_hole_its_volume(

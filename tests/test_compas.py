@@ -13,7 +13,8 @@ from scipy.spatial.transform import Rotation
 from structures import dry, moved
 
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas
+from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 from sidmacib.structure.interfaces import interfaces
 from sidmacib.structure.structure import structure
@@ -129,12 +130,18 @@ def test_messages_name_blocks_as_answers_do(path: Path) -> None:
         structure_of(described, folder=path.parent)
 
 
-def test_a_model_with_groups_is_refused(path: Path) -> None:
+def test_blocks_of_a_group_are_where_it_is(path: Path) -> None:
     given = model()
-    given["data"]["tree"]["root"]["children"].append({"children": [{"element": "c"}]})
+    matrix = [[1, 0, 0, 5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    moved = {"dtype": "compas.geometry/Transformation", "data": {"matrix": matrix}}
     path.write_text(json.dumps(given))
-    with pytest.raises(ValueError, match=r"assembly.json: tree: must have no groups"):
-        read_compas(path, 2e3)
+    before = read_compas(path, 2e3)[1].centre
+    group = {"dtype": "compas_model.elements/Group", "data": {"transformation": moved}}
+    given["data"]["elements"]["group"] = group
+    root = given["data"]["tree"]["root"]
+    root["children"] = [{"element": "g"}, {"element": "group", "children": [{"element": "c"}]}]
+    path.write_text(json.dumps(given))
+    assert read_compas(path, 2e3)[1].centre - before == pytest.approx([5.0, 0.0, 0.0])
 
 
 @pytest.mark.parametrize("content", [assembly, model])
@@ -162,7 +169,7 @@ def test_blocks_of_a_structure_come_from_a_model_in_other_units(path: Path) -> N
     assert (ground.name, cube.name, ground.fixed) == ("vault-0", "vault-3", True)
     assert cube.mass == pytest.approx(1e-3 * 2500 * CUBE.volume)
     with pytest.raises(
-        ValueError, match=r"blocks\.vault\.fixed: 7 is not allowed; it must be a node"
+        ValueError, match=r"blocks\.vault\.fixed: '7' is not allowed; it must be a node"
     ):
         structure_of(described | {"blocks": {"vault": given | {"fixed": [7]}}}, folder=path.parent)
 
@@ -212,7 +219,7 @@ def test_what_is_not_understood_is_named_in_one_line(
 @pytest.mark.parametrize(
     ("keys", "value", "words"),
     [
-        (("tree", "root", "children"), "x", "tree: must have no groups"),
+        (("tree", "root", "children"), "x", "tree: children must be a list"),
         (("graph", "node", "3", "element"), [1], "elements: lacks the key"),
         (("elements", "c", "data", "is_support"), "false", "block-3: is_support: 'false' is not"),
         (

@@ -388,30 +388,45 @@ def inverse(
     help="Print the forces at each interface instead, at the load of the static model.",
 )
 @click.option(
+    "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
+)
+@click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
+@click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
+@click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
+@click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
+@click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
+@click.option(
     "--compas",
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
 )
 @_format
-def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
+def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any) -> None:
     """Compute the load capacity of a block structure.
 
-    FILE describes the blocks, the interfaces and the load in YAML. It may also be a model of
-    compas_dem or an assembly of compas_cra in JSON; a YAML file of the same name beside it then has
-    the interfaces, locks and load.
+    FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
+    PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML file of the same name beside it,
+    then add what it lacks: --fixed, --friction, locks, a load other than a push along x.
 
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
     both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
     """
     with refused_in_one_line():
-        from sidmacib.command.structures import interface_rows, limit_of, structure_rows
-        from sidmacib.structure.files.structure_file import read_structure
-        from sidmacib.structure.warnings import structure_warnings
+        from sidmacib.command.structures import (
+            added_keys,
+            interface_rows,
+            limit_of,
+            structure_notes,
+            structure_rows,
+        )
+        from sidmacib.structure.files.structure_file import description_in, structure_of
 
-        problem = read_structure(file)
-        for warning in structure_warnings(problem.assembly):
-            click.echo(f"Note: {warning}", err=True)
+        description = description_in(file, added_keys(**options))
+        problem = structure_of(description, file.parent)
+        for note in structure_notes(problem, description):
+            click.echo(f"Note: {note}", err=True)
         limit = None if interfaces and compas is None else limit_of(problem)
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))

@@ -1,6 +1,7 @@
 """Output of the command for structures of blocks."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
@@ -13,7 +14,35 @@ from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.tilt import Tilt, moves_most
+from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.loads import free_weight
+from sidmacib.structure.warnings import structure_warnings
+
+
+def added_keys(
+    *,
+    fixed: str | None = None,
+    friction: float | None = None,
+    tolerance: float | None = None,
+    from_file: bool = False,
+    **of_blocks: object,
+) -> dict[str, Any]:
+    """Options of the command as keys of a structure's file: those that are given."""
+    if fixed is not None:
+        of_blocks["fixed"] = [name.strip() for name in fixed.split(",")]
+    laws = {"friction": friction, "from_file": from_file or None}
+    added = {"blocks": _given(of_blocks), "interfaces": _given(laws), "tolerance": tolerance}
+    return {key: value for key, value in added.items() if value}
+
+
+def _given(values: Mapping[str, object]) -> dict[str, object]:
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def structure_notes(problem: Problem, description: Any) -> list[str]:
+    """One line each for what looks wrong in a structure and the ``description`` that it is of."""
+    given = StructureFile.read(description)
+    return structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
 
 
 def limit_of(problem: Problem) -> LimitState | CapacityError | None:

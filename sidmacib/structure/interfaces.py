@@ -7,13 +7,15 @@ from itertools import combinations
 
 import numpy as np
 import shapely
-from scipy.spatial import cKDTree
 
 from sidmacib.mechanics.assembly import Floats, Vector
 from sidmacib.structure.blocks import Block, normal_of
-from sidmacib.structure.overlaps import require_apart
+from sidmacib.structure.overlaps import WIDEST, require_apart, tolerance_for
+from sidmacib.validation import refused
 
 NEAR = 1e-6  # over the mean size of the blocks: how far faces in one plane may be apart
+EDGE = 1e-3  # likewise, at the most: regions that are narrower are edges
+ALONG = 0.9  # least cosine between the normals of faces that touch
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,17 +51,31 @@ def interfaces(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, 
     A pair of fixed blocks has none. ValueError, with their names, for blocks that overlap by more,
     and for a free block that touches nothing.
     """
-    require_apart(blocks, near * mean_size(blocks))
+    size = mean_size(blocks)
+    if near > EDGE and near > (most := most_near(blocks)):
+        raise refused("tolerance", near, f"at most {most:.2g}, half the thinnest block")
+    require_apart(blocks, near * size, size)
     found = touching(blocks, near)
     touched = {end for each in found for end in (each.below, each.above)}
     for number, block in enumerate(blocks):
         if not block.fixed and number not in touched:
-            raise ValueError(
-                f"{block.name}: touches no other block; a gap may be at most "
-                f"{near * mean_size(blocks):g} m (tolerance {near:g} of the blocks' mean size)"
-            )
+            raise ValueError(f"{block.name}: touches no other block; {_nearest(blocks, number)}")
     _require_once(blocks, found, near * mean_size(blocks))
     return found
+
+
+def _nearest(blocks: Sequence[Block], number: int) -> str:
+    """How far the faces are that are nearest to a block's, and the tolerance that takes them."""
+    size = mean_size(blocks)
+    near = [
+        abs(gap)
+        for gap, each in close(blocks, most_near(blocks) * size)
+        if number in (each.below, each.above)
+    ]
+    if not near:
+        return "no face that looks at one of its own is near"
+    gap = min(near)
+    return f"the nearest is {gap:.2g} m away; tolerance: {tolerance_for(gap, size)} takes it"
 
 
 def _require_once(blocks: Sequence[Block], found: Sequence[Interface], near: float) -> None:
@@ -89,13 +105,13 @@ def _shared(one: Interface, other: Interface, near: float) -> bool:
 
 def touching(blocks: Sequence[Block], near: float = NEAR) -> tuple[Interface, ...]:
     """`interfaces`, whether or not every block touches another."""
-    size = mean_size(blocks)
-    return tuple(
-        sorted(
-            _touching(blocks, size, near * size),
-            key=lambda each: (each.below, each.above, each.middle),
-        )
-    )
+    return tuple(each for _, each in close(blocks, near * mean_size(blocks)))
+
+
+def most_near(blocks: Sequence[Block]) -> float:
+    """The largest tolerance at which no face meets another through a block, at most `WIDEST`."""
+    thin = min(float(np.ptp(block.places @ block.normals.T, axis=0).min()) for block in blocks)
+    return min(WIDEST, thin / 2.0 / mean_size(blocks))
 
 
 def mean_size(blocks: Sequence[Block]) -> float:
@@ -164,7 +180,12 @@ def _united(outlines: Sequence[shapely.Polygon], near: float) -> shapely.Geometr
     return shapely.union_all(outlines, grid_size=near)
 
 
-def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Interface]:
+def close(blocks: Sequence[Block], near: float) -> list[tuple[float, Interface]]:
+    """Regions in which faces of two ``blocks`` are ``near`` (m) or nearer, with their distance.
+
+    That is the largest within the region (m), negative where blocks overlap. Not of two fixed ones.
+    """
+    size = mean_size(blocks)
     centre = np.mean([block.places.mean(axis=0) for block in blocks], axis=0)
     sides = [
         _Side(
@@ -176,34 +197,51 @@ def _touching(blocks: Sequence[Block], size: float, near: float) -> Iterator[Int
         for number, block in enumerate(blocks)
         for corners in block.outlines
     ]
-    low = np.array([side.corners.min(axis=0) for side in sides]) - near
-    high = np.array([side.corners.max(axis=0) for side in sides]) + near
-    reach = float(np.abs([low, high]).max())
-    # Planes as points: a normal that is off by an angle moves corners by it times the block's size.
-    planes = np.array([[*(side.normal * size), side.offset] for side in sides])
-    opposite = cKDTree(planes).query_ball_point(-planes, near * (1.0 + reach / size))
-    for number, others in enumerate(opposite):
-        one = sides[number]
-        later = np.array([k for k in others if sides[k].block > one.block], dtype=int)
-        boxes = (low[later] <= high[number]).all(axis=1) & (low[number] <= high[later]).all(axis=1)
-        for other in later[boxes].tolist():
-            if blocks[one.block].fixed and blocks[sides[other].block].fixed:
-                continue
-            yield from _overlap(one, sides[other], near, centre)
+    edge = min(near, EDGE * size)
+    found: list[tuple[float, Interface]] = []
+    for one, other in _facing(sides, [block.fixed for block in blocks], near):
+        found += _overlap(sides[one], sides[other], near, edge, centre)
+    return sorted(found, key=lambda each: (each[1].below, each[1].above, each[1].middle))
 
 
-def _overlap(one: _Side, other: _Side, near: float, centre: Floats) -> Iterator[Interface]:
-    if np.abs(other.corners @ one.normal - one.offset).max() > near:
+def _facing(sides: Sequence[_Side], fixed: Sequence[bool], near: float) -> list[tuple[int, int]]:
+    """Pairs of faces that look at each other, in the order of their blocks, whose boxes meet."""
+    low = np.array([side.corners.min(axis=0) for side in sides]) - near / 2.0
+    high = np.array([side.corners.max(axis=0) for side in sides]) + near / 2.0
+    block = np.array([side.block for side in sides])
+    normal, held = np.array([side.normal for side in sides]), np.array(fixed)
+    u, v = np.argsort(high.max(axis=0) - low.min(axis=0))[1:]  # the plane with the fewest overlaps
+    boxes = shapely.box(low[:, u], low[:, v], high[:, u], high[:, v])
+    one, other = shapely.STRtree(boxes).query(boxes)
+    kept = (block[one] < block[other]) & ~(held[block[one]] & held[block[other]])
+    one, other = one[kept], other[kept]
+    kept = (low[one] <= high[other]).all(axis=1) & (low[other] <= high[one]).all(axis=1)
+    kept &= np.einsum("ij,ij->i", normal[one], normal[other]) < -ALONG
+    return list(zip(one[kept].tolist(), other[kept].tolist(), strict=True))
+
+
+def _overlap(
+    one: _Side, other: _Side, near: float, edge: float, centre: Floats
+) -> Iterator[tuple[float, Interface]]:
+    along = float(one.normal @ other.normal)
+    apart = other.corners @ one.normal - one.offset
+    if apart.min() > near or apart.max() < -near:
         return
     axes = np.array([one.normal, *tangents(one.normal)])
     first, second = (shapely.Polygon(side.corners @ axes[1:].T) for side in (one, other))
-    for part in shapely.get_parts(common(first, second, near)):
-        if part.geom_type != "Polygon" or part.area <= near * part.length:  # a touching edge
+    for part in shapely.get_parts(common(first, second, edge)):
+        if part.geom_type != "Polygon" or part.area <= edge * part.length:  # a touching edge
+            continue
+        on_one = shapely.get_coordinates(part) @ axes[1:] + one.offset * one.normal
+        gaps = (other.offset - on_one @ other.normal) / along
+        gap = float(gaps[np.abs(gaps).argmax()])
+        if abs(gap) > near:
             continue
         flat = shapely.get_coordinates(part.centroid)[0]
-        outline = shapely.affinity.translate(_plain(part, near), *(-flat))
+        outline = shapely.affinity.translate(_plain(part, edge), *(-flat))
         x, y, z = centre + one.offset * one.normal + flat @ axes[1:]
-        yield Interface(one.block, other.block, axes, (float(x), float(y), float(z)), outline)
+        middle = (float(x), float(y), float(z))
+        yield gap, Interface(one.block, other.block, axes, middle, outline)
 
 
 def common(one: shapely.Polygon, other: shapely.Polygon, near: float) -> shapely.Geometry:

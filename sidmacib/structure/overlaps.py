@@ -1,5 +1,6 @@
 """Whether blocks overlap: convex ones if no plane parts them, others by the volume they share."""
 
+import math
 from collections.abc import Iterator, Sequence
 
 import manifold3d
@@ -9,21 +10,36 @@ from scipy.spatial import cKDTree
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.blocks import Block
 
+WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
 
-def require_apart(blocks: Sequence[Block], near: float) -> None:
+def require_apart(blocks: Sequence[Block], near: float, size: float) -> None:
     """ValueError, with their names, for two blocks that overlap by more than ``near`` (m).
 
     Pairs of fixed blocks may overlap. Blocks that are not convex overlap if the volume that they
-    share is more than a layer of that thickness on the smaller one.
+    share is more than a layer of that thickness on the smaller one. ``size`` (m): of blocks, which
+    the tolerance is over.
     """
     for one, other in _candidates(blocks, near):
         if one.reentrant is None and other.reentrant is None:
-            if (depth := overlap(one, other, near)) > near:
-                raise ValueError(f"blocks: {one.name} and {other.name} overlap by {depth:.3g} m")
-        elif (volume := shared_volume(one, other)) > near * min(_surface(one), _surface(other)):
-            raise ValueError(f"blocks: {one.name} and {other.name} overlap by {volume:.3g} m3")
+            depth = overlap(one, other, near)
+            words = f"{depth:.3g} m"
+        else:
+            volume = shared_volume(one, other)
+            depth, words = volume / min(_surface(one), _surface(other)), f"{volume:.3g} m3"
+        if depth > near:
+            remedy = ""
+            if depth <= WIDEST * size:
+                remedy = f"; tolerance: {tolerance_for(depth, size)} takes them as touching"
+            raise ValueError(f"blocks: {one.name} and {other.name} overlap by {words}{remedy}")
+
+
+def tolerance_for(gap: float, size: float) -> float:
+    """The tolerance, of one digit, that takes faces as touching which are ``gap`` (m) apart."""
+    share = gap * (1.0 + 1e-9) / size
+    digit = 10.0 ** math.floor(math.log10(share))
+    return float(f"{math.ceil(share / digit) * digit:.1g}")
 
 
 def shared_volume(one: Block, other: Block) -> float:

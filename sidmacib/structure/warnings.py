@@ -1,67 +1,92 @@
 """Warnings about a structure: numbers that look as if in another unit, faces that nearly touch."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator
+from itertools import pairwise
 
 from sidmacib.joint.unit_warnings import beyond, material_warnings
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
 from sidmacib.structure.blocks import Block, Compound
-from sidmacib.structure.interfaces import mean_size, touching
+from sidmacib.structure.interfaces import NEAR, close, mean_size, most_near
+from sidmacib.structure.overlaps import tolerance_for
 
 BLOCK = Number(unit="m", likely=(1e-3, 50.0))  # diagonal of a block
 DENSITY = Number(unit="kg/m3", likely=(100.0, 3e4))  # below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
-NEARLY = 1e-3  # over the mean size of the blocks: faces no further apart nearly touch
+LEAST = 1e-3  # over the square of the blocks' mean size: less area does not matter
+STEP = 3.0  # times a gap: a larger one is meant
+Pair = tuple[int, int]
 
 
-def structure_warnings(assembly: Assembly) -> list[str]:
-    """One line each for numbers of free blocks and of interfaces, and for pairs that nearly touch.
+def structure_warnings(
+    assembly: Assembly, near: float = NEAR, from_file: bool = False
+) -> list[str]:
+    """One line each for numbers of free blocks and of interfaces, and one for what nearly touches.
 
-    The first few of each kind.
+    The first few numbers. ``near``: the tolerance that interfaces were found with; ``from_file``:
+    whether they were not found but are those of a file.
     """
     values: list[tuple[str, float, Number]] = []
-    large = []
     for piece in assembly.pieces:
         if isinstance(piece, Block) and not piece.fixed:
-            if piece.size > BLOCK.likely[1]:
-                large.append(
-                    f"{piece.name}: block diagonal {piece.size:.4g} m; if its mesh file is in "
-                    'millimetres, add "scale: 0.001"'
-                )
-            else:
-                values.append((f"{piece.name}: block diagonal", piece.size, BLOCK))
+            values.append((f"{piece.name}: diagonal", piece.size, BLOCK))
             values.append((f"{piece.name}: density", piece.density, DENSITY))
-    units = [*large, *beyond(values), *_of_faces(assembly)]
-    return [*units[:MOST], *list(_near_misses(assembly))[:MOST]]
+    units = [*beyond(values), *_of_faces(assembly)]
+    return [*units[:MOST], *_near_misses(assembly, near, from_file)]
 
 
-def _near_misses(assembly: Assembly) -> Iterator[str]:
-    """Pairs of pieces with more area close to each other than their interfaces have."""
+def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[str]:
+    """How much touches, and how much nearly does, of pieces that are not of one block."""
     solids: list[Block] = []
     owner: list[int] = []
     for number, piece in enumerate(assembly.pieces):
         parts = piece.solids if isinstance(piece, Compound) else (piece,)
         solids += [part for part in parts if isinstance(part, Block)]
         owner += [number] * (len(solids) - len(owner))
-    apart: Counter[tuple[int, int]] = Counter()  # m2
-    for each in touching(solids, NEARLY):
-        apart[_pair(owner[each.below], owner[each.above])] += each.outline.area
+    touch: Counter[Pair] = Counter()  # m2
     for face in assembly.faces:
         if isinstance(face, Polygon):
-            apart[_pair(face.below, face.above)] -= face.outline.area
+            touch[_pair(face.below, face.above)] += face.outline.area
     size = mean_size(solids)
-    for pair, area in apart.items():
-        if pair[0] != pair[1] and area > NEARLY * size**2:
-            one, other = (assembly.pieces[number].name for number in pair)
-            yield (
-                f"{one} and {other}: {area:.2g} m2 of their faces do not touch, but are less than "
-                f"{NEARLY * size:.2g} m apart"
-            )
+    apart: dict[Pair, list[tuple[float, float]]] = {}
+    for gap, each in close(solids, most_near(solids) * size):
+        pair = _pair(owner[each.below], owner[each.above])
+        taken = pair in touch if from_file else abs(gap) <= near * size * (1.0 + 1e-9)
+        if not taken and pair[0] != pair[1]:
+            apart.setdefault(pair, []).append((abs(gap), each.outline.area))
+    nearly = {
+        pair: max(gap for gap, _ in regions)
+        for pair, regions in apart.items()
+        if math.fsum(area for _, area in regions) > LEAST * size**2
+    }
+    if not nearly:
+        return
+    gap = _next_step(sorted(nearly.values()))
+    pairs = [pair for pair, of in nearly.items() if of <= gap]
+    area = math.fsum(area for pair in pairs for _, area in apart[pair])
+    one, other = (assembly.pieces[number].name for number in pairs[0])
+    remedy = "they have no interface in the file"
+    if not from_file:
+        remedy = f"tolerance: {tolerance_for(gap, size)} takes them as touching"
+    yield (
+        f"{len(touch)} pairs of blocks touch ({math.fsum(touch.values()):.3g} m2); faces of "
+        f"{len(pairs)} more ({area:.3g} m2), such as {one} and {other}, do not, but are up to "
+        f"{gap:.2g} m apart; {remedy}"
+    )
 
 
-def _pair(one: int, other: int) -> tuple[int, int]:
+def _next_step(gaps: list[float]) -> float:
+    """The last of sorted ``gaps`` before one that is several times as large."""
+    for gap, after in pairwise(gaps):
+        if after > STEP * gap:
+            return gap
+    return gaps[-1]
+
+
+def _pair(one: int, other: int) -> Pair:
     return min(one, other), max(one, other)
 
 

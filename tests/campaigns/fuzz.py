@@ -29,7 +29,8 @@ from test_record import case_of, write_engine_files
 from sidmacib.command.main import main as command
 from sidmacib.engines.scripts.records import HISTORY, NODES, RESULT
 from sidmacib.mechanics.assembly import Assembly
-from sidmacib.structure.files.compas import read_compas, read_compas_interfaces
+from sidmacib.structure.files.compas import read_compas
+from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.joints.case import Case
 from workflow.joints.problem import problem_of

@@ -36,8 +36,8 @@ def write_compas_results(
     ValueError unless all pieces are blocks of a model of COMPAS, or locks of these.
     """
     model = _model_behind(model)
-    content = content_of(model)[0] if model.suffix == ".json" else {}
-    if content.get("dtype") not in (MODEL, *ASSEMBLIES):
+    content = content_of(model) if model.suffix == ".json" else {}
+    if not isinstance(content, dict) or content.get("dtype") not in (MODEL, *ASSEMBLIES):
         raise refused("compas", model.name, f"for a {MODEL} or {ASSEMBLIES[1]} in JSON")
     if content["dtype"] == MODEL and not isinstance(content.get("guid"), str):
         raise ValueError(f"{model.name}: lacks the key guid, which results refer to")

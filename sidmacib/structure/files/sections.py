@@ -19,12 +19,11 @@ from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, chan
 from sidmacib.rule.law import RULES
 from sidmacib.structure.analysis.tilt import Tilt, tilting
 from sidmacib.structure.blocks import Block, box, prism
-from sidmacib.structure.files.compas import DENSITIES, read_compas
-from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.compas import DENSITIES
+from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.selection import Between
 from sidmacib.structure.loads import acceleration, force_at
 from sidmacib.structure.locks import ALL, Condensed, Locks
-from sidmacib.validation import refused
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
 NUMBERS = (
@@ -40,7 +39,7 @@ class _Numbers(Keys):
     @property
     def material(self) -> FaceMaterial:
         """The material of a face."""
-        return FaceMaterial(**self.model_dump())
+        return FaceMaterial(**self.model_dump(include={*NUMBERS}))
 
 
 _INTERFACE: Any = section_of(INTERFACE, *NUMBERS)
@@ -49,12 +48,23 @@ _DRY: Any = section_of(DRY, *NUMBERS)
 _CHANGES: Any = changes_to(_INTERFACE)
 
 
+FROM_FILE = "from_file"
+
+
 class InterfaceSection(_INTERFACE, _Numbers):
     """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
 
     Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
     failed; ``bond_friction``: of a bond while it holds, c + μσ.
     """
+
+    from_file: StrictBool = False
+    """whether interfaces are those that files of COMPAS bring, and not found by faces that touch"""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, value: Any) -> Any:
+        return {FROM_FILE: True} if value == FROM_FILE else value
 
 
 class InnerSection(_INNER, _Numbers):
@@ -201,62 +211,6 @@ class ShapeSection(Keys):
         return [replace(made, material=self.material)]
 
 
-def _held(value: Any) -> Any:
-    if not isinstance(value, bool | list | tuple):
-        raise ValueError(f"{shown(value)} is not allowed; it must be true, false, or a list")
-    return value
-
-
-class FileSection(Keys):
-    """Blocks from an OBJ, PLY or STL file, or from the JSON of COMPAS."""
-
-    file: Text
-    """its path, from the folder of this file"""
-    scale: Positive = 1.0
-    """m per unit of the file"""
-    density: _Density = 2000.0
-    fixed: Annotated[StrictBool | tuple[Text, ...], BeforeValidator(_held)] | None = None
-    """whether the blocks cannot move, or those that cannot; of COMPAS by default its supports"""
-
-    def blocks(self, name: str, folder: Path) -> list[Block]:
-        """The blocks, whose names begin with ``name``; ValueError."""
-        path = folder / self.file
-        try:
-            return self._of_compas(name, path) if path.suffix == ".json" else self._of(name, path)
-        except ValueError as error:
-            raise ValueError(f"blocks.{name}.{error}") from None
-
-    def _of(self, name: str, path: Path) -> list[Block]:
-        bodies = blocks_from_mesh(path, self.density, self.scale)
-        held = bodies if self.fixed is True else self.fixed or ()
-        if not {*held} <= {*bodies}:
-            raise refused("fixed", list(held), f"true, false, or a list of {', '.join(bodies)}")
-        return [
-            replace(body, name=name if len(bodies) == 1 else f"{name}-{each}", fixed=each in held)
-            for each, body in bodies.items()
-        ]
-
-    def _of_compas(self, name: str, path: Path) -> list[Block]:
-        if not path.is_file():
-            raise refused("file", self.file, "a file that is there")
-        if isinstance(self.fixed, bool):
-            raise refused("fixed", self.fixed, "a list of nodes")
-        fixed = None
-        if self.fixed is not None:
-            try:
-                fixed = [int(Number(at_least=0, whole=True).read(node)) for node in self.fixed]
-            except ValueError as error:
-                raise ValueError(f"fixed: {error}") from None
-        scale = self.scale
-        return [
-            replace(
-                block,
-                vertices=tuple((scale * x, scale * y, scale * z) for x, y, z in block.vertices),
-            )
-            for block in read_compas(path, self.density, fixed, name)
-        ]
-
-
 def _block(value: Any) -> Any:
     if isinstance(value, Section):
         return value
@@ -333,7 +287,7 @@ class StructureFile(Keys):
     """largest cell; by default one cell for each interface"""
     nodes: NodeLayout | None = None
     """layout of the nodes on a cell; by default `lobatto` if anything is bonded, else `vertices`"""
-    tolerance: Annotated[float, Number(above=0, at_most=0.01)] = 1e-6
+    tolerance: Annotated[float, Number(above=0, at_most=0.1)] = 1e-6
     """largest gap between faces that touch, over the mean size of the free blocks"""
     design: Any = None
     """the task of `multilock design`; the other commands ignore it"""

@@ -1,54 +1,70 @@
 """A structure and its load from a YAML file; every fault in one line that names the key."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
 from sidmacib.problem import Problem
+from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import NAME
+from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.meshes import SUFFIXES
 from sidmacib.structure.files.sections import (
-    FileSection,
+    FROM_FILE,
     LoadSection,
     LocksSection,
     SpecialSection,
     StructureFile,
 )
 from sidmacib.structure.files.selection import Pair, Selection
-from sidmacib.structure.interfaces import interfaces
+from sidmacib.structure.interfaces import Interface, interfaces, touching
 from sidmacib.structure.locks import Locks
 from sidmacib.structure.structure import structure
 from sidmacib.yaml_text import read_yaml
 
 
-def read_structure(path: Path) -> Problem:
-    """The structure and its load or tilt in a YAML file, or in a JSON file of COMPAS.
+def read_structure(path: Path, more: Mapping[str, Any] | None = None) -> Problem:
+    """The structure and its load or tilt in a YAML file, or in one of COMPAS, Rhino, or meshes.
 
-    `sidmacib.yaml_text.TextError`, or ValueError that names the key, if it is not one.
+    ``more``: as in `description_in`. `sidmacib.yaml_text.TextError`, or ValueError that names the
+    key, if it is not one.
     """
-    return structure_of(description_in(path), path.parent)
+    return structure_of(description_in(path, more), path.parent)
 
 
-def description_in(path: Path) -> Any:
-    """What is in a file; of a model of COMPAS with what the YAML file beside it adds.
+def description_in(path: Path, more: Mapping[str, Any] | None = None) -> Any:
+    """What is in a file; of one of COMPAS, Rhino or meshes with what the YAML beside it adds.
 
-    By default such a model is pushed along x.
+    By default such blocks are pushed along x. ``more``: keys that are added to those of the file,
+    and `blocks` with keys for the blocks of a file that is no YAML.
     """
-    if path.suffix.lower() in SUFFIXES:
-        raise ValueError(
-            f"{path.name} is a mesh. Refer to it from a YAML file: "
-            f"blocks: {{{path.stem}: {{file: {path.name}, scale: 0.001}}}}"
-        )
-    if path.suffix != ".json":
-        return read_yaml(path)
-    beside = path.with_suffix(".yaml")
-    more = read_yaml(beside) if beside.is_file() else {}
-    if isinstance(more, dict) and "blocks" in more:
-        raise ValueError(f"{beside.name}: blocks: must not be there, as {path.name} has them")
-    model = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
-    return model | more if isinstance(more, dict) else more
+    more = dict(more or {})
+    of_blocks = more.pop("blocks", {})
+    if path.suffix.lower() in (".json", *SUFFIXES):
+        beside = path.with_suffix(".yaml")
+        given = read_yaml(beside) if beside.is_file() else {}
+        if isinstance(given, dict) and "blocks" in given:
+            raise ValueError(f"{beside.name}: blocks: must not be there, as {path.name} has them")
+        own = {"blocks": {NAME: {"file": path.name}}, "load": {"acceleration": [1, 0, 0]}}
+        given = own | given if isinstance(given, dict) else given
+    else:
+        given = read_yaml(path)
+    if not isinstance(given, dict):
+        return given
+    if of_blocks and path.suffix.lower() not in (".json", *SUFFIXES):
+        raise ValueError(f"{', '.join(of_blocks)}: must be in {path.name}, which has the blocks")
+    if of_blocks:
+        given["blocks"] = {NAME: {**given["blocks"][NAME], **of_blocks}}
+    for key, value in more.items():
+        held = given.get(key)
+        both = isinstance(held, dict) and isinstance(value, dict)
+        given[key] = {**held, **value} if both and held else value
+    return given
 
 
 def structure_of(description: Any, folder: Path = Path()) -> Problem:
@@ -66,8 +82,11 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     """The structure of a ``description``; arguments and errors of `structure_of`."""
     given = StructureFile.read(description)
-    blocks = [b for name, each in given.blocks.items() for b in each.blocks(name, folder)]
+    made = [each.blocks(name, folder) for name, each in given.blocks.items()]
+    blocks = [block for each in made for block in each]
     chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
+    if given.interfaces.from_file:
+        chosen.found = _of_files(given, folder, made)
     material = given.interfaces.material
     special = _special(given.special, material, chosen)
     locked = _locked(given.locks, chosen)
@@ -83,6 +102,33 @@ def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
     )
 
 
+def _of_files(
+    given: StructureFile, folder: Path, made: Sequence[Sequence[Block]]
+) -> tuple[Interface, ...]:
+    """Interfaces that files bring between their blocks, and those found between all others.
+
+    ``made``: the blocks of each entry. ValueError if no file brings any.
+    """
+    found: list[Interface] = []
+    entry = np.repeat(np.arange(len(made)), [len(each) for each in made])
+    brings = set()
+    for number, (section, blocks) in enumerate(zip(given.blocks.values(), made, strict=True)):
+        if isinstance(section, FileSection) and section.is_compas:
+            start = int(np.searchsorted(entry, number))
+            brings.add(number)
+            found += [
+                replace(each, below=start + each.below, above=start + each.above)
+                for each in section.interfaces(folder, blocks)
+            ]
+    if not found:
+        raise ValueError("interfaces.from_file: no file brings interfaces; leave it out")
+    if len(made) > 1:
+        for each in touching([block for blocks in made for block in blocks], given.tolerance):
+            if entry[each.below] != entry[each.above] or entry[each.below] not in brings:
+                found.append(each)
+    return tuple(sorted(found, key=lambda each: (each.below, each.above, each.middle)))
+
+
 def loads_of(assembly: Assembly, value: Any) -> Loads:
     """The weight of ``assembly`` and the load that a file's key ``load`` gives; ValueError."""
     return LoadSection.read(value, "load").on(assembly)
@@ -95,6 +141,9 @@ def with_bodies(description: Any, folder: Path) -> Any:
     """
     if not isinstance(description, dict) or not isinstance(description.get("blocks"), dict):
         return description
+    laws = description.get("interfaces")
+    if laws == FROM_FILE or (isinstance(laws, dict) and laws.get(FROM_FILE)):
+        raise ValueError("interfaces.from_file: is for multilock assembly, not for studies")
     blocks: dict[str, Any] = {}
     for name, value in description["blocks"].items():
         if not isinstance(value, dict) or "file" not in value:

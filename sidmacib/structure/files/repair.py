@@ -1,0 +1,348 @@
+"""Blocks from surfaces as files have them: welded, closed, turned outwards, of plane faces."""
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from fnmatch import fnmatchcase
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from sidmacib.mechanics.assembly import Floats, Integers
+from sidmacib.structure.blocks import FLAT, Block, normal_of, off_plane, require_few_faces
+from sidmacib.structure.crossing import grouped
+from sidmacib.validation import refused
+
+MOST_NAMES = 8  # in a message
+Face = tuple[int, ...]
+Edge = tuple[int, int]
+Surface = tuple[Floats, list[Face]]  # vertices, (V, 3), and faces: numbers of these
+AS_IT_IS: Floats = np.eye(3)
+SAME = 1e-7  # over the size of all bodies of a file: vertices no further apart are one
+INSIDE = 0.5  # least part of all directions in which a surface is seen from a point inside it
+
+
+def repaired(name: str, places: Floats, faces: Sequence[Sequence[int]], density: float) -> Block:
+    """The block that closed ``faces`` bound, however a program has written them.
+
+    ``places`` of vertices (m), (V, 3); ``faces``: numbers of their vertices; ``density`` in kg/m3.
+    Vertices at one place are joined, and those that no face has left out; faces that are there
+    twice count once; where a vertex lies on an edge, that is divided. Faces are turned outwards, or
+    inwards where they close a cavity. Those in one plane become one. ValueError, which begins with
+    ``name``, for what is not closed: with the place and a remedy.
+    """
+    places, faces = _welded(places, faces, FLAT)
+    if not faces:
+        raise ValueError(f"{name}: has no faces with an area")
+    size = float(np.linalg.norm(np.ptp(places, axis=0)))
+    thick = [face for face in faces if _thickness(places[list(face)]) > FLAT * size]
+    kept = _divided(_once(thick), places, FLAT * size)
+    kept = [plane for face in kept for plane in planes(face, places, size)]
+    kept = _outwards(name, kept, places)
+    places, kept = _compact(places, _in_planes(name, kept, places, size))
+    vertices = tuple((float(x), float(y), float(z)) for x, y, z in places)
+    return Block(name, vertices, tuple(kept), density)
+
+
+def chosen(asked: Sequence[object], names: Sequence[str], allowed: str) -> set[str]:
+    """Those of ``names`` that are ``asked`` for by name or by a pattern with `*`; ValueError.
+
+    ``allowed``: begins what an error says is allowed.
+    """
+    held: set[str] = set()
+    for each in map(str, asked):
+        fit = [name for name in names if fnmatchcase(name, each)]
+        if not fit:
+            some = ", ".join(names[:MOST_NAMES]) + ", ..." * (len(names) > MOST_NAMES)
+            raise refused("fixed", each, f"{allowed} {some}")
+        held |= set(fit)
+    return held
+
+
+def bodies_in(places: Floats, faces: Sequence[Face]) -> tuple[Floats, list[list[Face]]]:
+    """The vertices (m), (W, 3), and the faces of each body that ``faces`` bound, in their order.
+
+    ``places`` of vertices (m), (V, 3). Faces that share vertices are of one body, if all bodies are
+    closed so. Else vertices at one place are joined, and a body ends where all edges are in an even
+    number of its faces, so that bodies which follow each other may touch; where that leads to no
+    end, faces that share an edge with no third one are of one body. A surface inside a body is a
+    cavity of it; one that is there twice counts once.
+    """
+    surfaces = _connected(faces)
+    if not all(len(sides) == 2 for part in surfaces for sides in _sides(part).values()):
+        places, faces = _welded(places, faces, SAME)
+        surfaces = _in_order(faces) or _connected(_once(faces))
+    once = {frozenset(map(frozenset, surface)): surface for surface in reversed(surfaces)}
+    return places, _with_cavities(list(once.values())[::-1], places)
+
+
+def _joined(places: Floats, faces: Sequence[Sequence[int]], near: float) -> tuple[Floats, Integers]:
+    """Vertices no nearer to each other than ``near`` over the size of all that faces have, (W, 3).
+
+    And the number among them of each in ``places``, (V,).
+    """
+    used = places[np.unique(np.concatenate([np.array(face, int) for face in faces]))]
+    size = float(np.linalg.norm(np.ptp(used, axis=0)))
+    label = grouped(len(places), cKDTree(places).query_pairs(near * size, output_type="ndarray"))
+    return places[np.unique(label, return_index=True)[1]], label
+
+
+def _welded(
+    places: Floats, faces: Sequence[Sequence[int]], near: float
+) -> tuple[Floats, list[Face]]:
+    """Vertices without those at one place, see `_joined`, and those faces that have an area."""
+    if not faces:
+        return places, []
+    same, label = _joined(places, faces, near)
+    cleaned = (_without_repeats([int(label[vertex]) for vertex in face]) for face in faces)
+    return same, [face for face in cleaned if len(set(face)) > 2]
+
+
+def planes(face: Face, places: Floats, size: float) -> list[Face]:
+    """The face itself if it is plane, otherwise triangles from its first vertex."""
+    if len(face) > 3 and off_plane(places[list(face)]) > FLAT * size:
+        first, *rest = face
+        return [(first, one, other) for one, other in pairwise(rest)]
+    return [face]
+
+
+def _thickness(corners: Floats) -> float:
+    """Twice the area of a face over its longest edge (m)."""
+    around = np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)
+    longest = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1).max()
+    return float(np.linalg.norm(around) / longest)
+
+
+def _without_repeats(face: list[int]) -> Face:
+    """A face without vertices that follow themselves, and without spikes."""
+    length = 0
+    while length != len(face):
+        length = len(face)
+        face = [v for k, v in enumerate(face) if v != face[k - 1] or len(face) == 1]
+        spike = next((k for k in range(len(face)) if face[k - 2] == face[k]), None)
+        if spike is not None and len(face) > 2:
+            face = [v for k, v in enumerate(face) if k not in (spike, (spike - 1) % len(face))]
+    return tuple(face)
+
+
+def _once(faces: Sequence[Face]) -> list[Face]:
+    """Faces without those that have the vertices of one before."""
+    return list({frozenset(face): face for face in reversed(faces)}.values())[::-1]
+
+
+def _edges(face: Face) -> Iterator[Edge]:
+    return zip(face, (*face[1:], face[0]), strict=True)
+
+
+def _sides(faces: Sequence[Face]) -> dict[Edge, list[tuple[int, bool]]]:
+    """The faces at each edge, and whether they run from its lower to its higher vertex."""
+    sides: dict[Edge, list[tuple[int, bool]]] = {}
+    for number, face in enumerate(faces):
+        for one, other in _edges(face):
+            sides.setdefault((min(one, other), max(one, other)), []).append((number, one < other))
+    return sides
+
+
+def _divided(faces: list[Face], places: Floats, near: float) -> list[Face]:
+    """Faces whose open edges are divided by the vertices of others that lie on them."""
+    open_edges = [edge for edge, beside in _sides(faces).items() if len(beside) == 1]
+    if not open_edges:
+        return faces
+    ends = np.unique(open_edges)
+    between: dict[Edge, list[int]] = {}
+    for low, high in open_edges:
+        along = places[high] - places[low]
+        length = float(np.linalg.norm(along))
+        arms = places[ends] - places[low]
+        at = arms @ along / length
+        beside = np.linalg.norm(arms - np.outer(at, along / length), axis=1)
+        on = (at > near) & (at < length - near) & (beside <= near)
+        if on.any():
+            between[low, high] = [int(v) for v in ends[on][np.argsort(at[on])]]
+    divided = []
+    for face in faces:
+        whole: list[int] = []
+        for one, other in _edges(face):
+            more = between.get((min(one, other), max(one, other)), [])
+            whole += [one, *(more if one < other else more[::-1])]
+        divided.append(tuple(whole))
+    return divided
+
+
+def _connected(faces: Sequence[Face]) -> list[list[Face]]:
+    """Parts of a surface that hang together by edges of two faces."""
+    pairs = [(b[0][0], b[1][0]) for b in _sides(faces).values() if len(b) == 2]
+    label = grouped(len(faces), np.array(pairs, int).reshape(-1, 2))
+    parts: dict[int, list[Face]] = {}
+    for number, face in enumerate(faces):
+        parts.setdefault(int(label[number]), []).append(face)
+    return list(parts.values())
+
+
+def _in_order(faces: Sequence[Face]) -> list[list[Face]]:
+    """Closed surfaces that follow each other; none if that is not how ``faces`` are written."""
+    found: list[list[Face]] = []
+    surface: list[Face] = []
+    once: set[Edge] = set()  # edges that an odd number of faces have
+    for face in faces:
+        surface.append(face)
+        for one, other in _edges(face):
+            once ^= {(min(one, other), max(one, other))}
+        if not once:
+            if len(_once(surface)) < 4:
+                return []
+            found.append(surface)
+            surface = []
+    return [] if surface else found
+
+
+def _with_cavities(surfaces: list[list[Face]], places: Floats) -> list[list[Face]]:
+    """Surfaces, those within an odd number of others as part of the smallest of these."""
+    corners = [places[sorted({v for face in each for v in face})] for each in surfaces]
+    low = np.array([each.min(axis=0) for each in corners])
+    high = np.array([each.max(axis=0) for each in corners])
+    bodies = {number: list(surface) for number, surface in enumerate(surfaces)}
+    for number, around in enumerate(corners):
+        boxes = (low < low[number]).all(axis=1) & (high > high[number]).all(axis=1)
+        outside = [
+            int(k)
+            for k in np.flatnonzero(boxes)
+            if all(_is_inside(point, surfaces[k], places) for point in around)
+        ]
+        if len(outside) % 2:
+            smallest = min(outside, key=lambda k: float(np.prod(high[k] - low[k])))
+            bodies[smallest] += bodies.pop(number)
+    return list(bodies.values())
+
+
+def _is_inside(point: Floats, faces: Sequence[Face], places: Floats) -> bool:
+    """Whether a ``point`` (m) is in what closed ``faces`` bound, which may be turned either way."""
+    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
+    one, two, three = np.moveaxis(places[fans] - point, 1, 0)  # van Oosterom and Strackee
+    a, b, c = (np.linalg.norm(each, axis=1) for each in (one, two, three))
+    volume = np.einsum("ij,ij->i", one, np.cross(two, three))
+    dots = [np.einsum("ij,ij->i", x, y) for x, y in ((one, two), (two, three), (three, one))]
+    angle = 2.0 * np.arctan2(volume, a * b * c + dots[0] * c + dots[1] * a + dots[2] * b)
+    return bool(abs(angle.sum()) > 4.0 * np.pi * INSIDE)
+
+
+def _outwards(name: str, faces: list[Face], places: Floats) -> list[Face]:
+    """Closed faces with their vertices anticlockwise seen from outside; ValueError."""
+    beside: dict[int, list[tuple[int, bool]]] = {}
+    for (one, other), sides in _sides(faces).items():
+        if len(sides) != 2:
+            where = f"the edge between {_place(places[one])} and {_place(places[other])}"
+            fault = f"{where} {_fault(len(sides))}"
+            raise ValueError(f"{name}: its faces must close a volume; {fault}")
+        (first, along), (second, back) = sides
+        beside.setdefault(first, []).append((second, along == back))
+        beside.setdefault(second, []).append((first, along == back))
+    turned: dict[int, bool] = {}
+    parts: list[list[int]] = []
+    for start in range(len(faces)):
+        if start in turned:
+            continue
+        turned[start], ahead, part = False, deque([start]), [start]
+        while ahead:
+            number = ahead.popleft()
+            for other, against in beside[number]:
+                if other not in turned:
+                    turned[other] = turned[number] ^ against
+                    ahead.append(other)
+                    part.append(other)
+        parts.append(part)
+    ordered = [face[::-1] if turned[k] else face for k, face in enumerate(faces)]
+    for part in parts:
+        others = [[ordered[k] for k in each] for each in parts if each is not part]
+        point = places[ordered[part[0]][0]]
+        hollow = sum(_is_inside(point, each, places) for each in others) % 2 == 1
+        if (_volume([ordered[k] for k in part], places) < 0.0) != hollow:
+            for k in part:
+                ordered[k] = ordered[k][::-1]
+    return ordered
+
+
+def _fault(count: int) -> str:
+    """What is wrong with an edge of ``count`` faces, and what helps."""
+    if count == 1:
+        return "is of one face only: close the hole there"
+    return f"is of {count} faces: bodies that touch there must be objects of their own"
+
+
+def _place(point: Floats) -> str:
+    return f"({', '.join(f'{value:.6g}' for value in point)})"
+
+
+def _volume(faces: Sequence[Face], places: Floats) -> float:
+    """The volume that closed faces bound, in m3; negative if they are seen from inside."""
+    middle = places[list(faces[0])].mean(axis=0)
+    fans = np.array([(f[0], a, b) for f in faces for a, b in pairwise(f[1:])])
+    one, two, three = np.moveaxis(places[fans] - middle, 1, 0)
+    return float(np.einsum("ij,ij->", one, np.cross(two, three)) / 6.0)
+
+
+def _in_planes(name: str, faces: list[Face], places: Floats, size: float) -> list[Face]:
+    """Faces of which those in one plane are one, without vertices on straight edges."""
+    pairs = [
+        (sides[0][0], sides[1][0])
+        for sides in _sides(faces).values()
+        if _in_one_plane(places[list(faces[sides[0][0]])], places[list(faces[sides[1][0]])], size)
+    ]
+    if not pairs:
+        require_few_faces(name, len(faces))
+        return faces
+    label = grouped(len(faces), np.array(pairs, int))
+    require_few_faces(name, len(np.unique(label)))
+    groups: dict[int, list[Face]] = {}
+    for number, face in enumerate(faces):
+        groups.setdefault(int(label[number]), []).append(face)
+    joined = [face for group in groups.values() for face in _outline(group, places, size)]
+    return _without_straight(joined, places, size)
+
+
+def _in_one_plane(one: Floats, other: Floats, size: float) -> bool:
+    """Whether a face beside another continues it; the plane is that of the larger."""
+    first, second = normal_of(one), normal_of(other)
+    if float(first @ second) <= 0.0:
+        return False
+    if np.ptp(one, axis=0).max() < np.ptp(other, axis=0).max():
+        one, other, first = other, one, second
+    return float(np.abs((other - one.mean(axis=0)) @ first).max()) <= FLAT * size
+
+
+def _outline(faces: list[Face], places: Floats, size: float) -> list[Face]:
+    """The outline of faces; these themselves if it has a hole or is not plane."""
+    if len(faces) == 1:
+        return faces
+    edges = {edge for face in faces for edge in _edges(face)}
+    border = [(a, b) for a, b in edges if (b, a) not in edges]
+    onward, outline = dict(border), [min(a for a, _ in border or edges)]
+    while len(outline) < len(border) and (after := onward[outline[-1]]) != outline[0]:
+        outline.append(after)
+    whole = len(outline) == len(border) == len(onward) and onward[outline[-1]] == outline[0]
+    if whole and off_plane(places[outline]) <= FLAT * size:
+        return [tuple(outline)]
+    return faces
+
+
+def _without_straight(faces: list[Face], places: Floats, size: float) -> list[Face]:
+    """Faces without vertices on a straight edge of the only two faces that have them."""
+    count = np.bincount([v for face in faces for v in face], minlength=len(places))
+    straight: set[int] = set()
+    for face in faces:
+        around = zip((face[-1], *face[:-1]), face, (*face[1:], face[0]), strict=True)
+        for before, vertex, after in around:
+            if count[vertex] == 2:
+                along = places[after] - places[before]
+                away = np.cross(places[vertex] - places[before], along)
+                if np.linalg.norm(away) <= FLAT * size * np.linalg.norm(along):
+                    straight.add(vertex)
+    shorter = [tuple(v for v in face if v not in straight) for face in faces]
+    return shorter if all(len(face) > 2 for face in shorter) else faces
+
+
+def _compact(places: Floats, faces: list[Face]) -> tuple[Floats, list[Face]]:
+    """The vertices that faces have, and the faces with their new numbers."""
+    used = sorted({vertex for face in faces for vertex in face})
+    number = {vertex: new for new, vertex in enumerate(used)}
+    return places[used], [tuple(number[vertex] for vertex in face) for face in faces]

@@ -1,0 +1,150 @@
+"""Files as other programs write them give the answer of the same blocks written plainly."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from command_runner import answers, run
+from structures import dry
+
+from sidmacib.structure.blocks import box
+from sidmacib.structure.files.meshes import blocks_from_mesh
+from sidmacib.structure.files.repair import bodies_in, repaired
+from sidmacib.structure.files.structure_file import structure_of
+from sidmacib.structure.interfaces import interfaces
+from sidmacib.structure.structure import structure
+from sidmacib.structure.warnings import structure_warnings
+
+CASES = Path(__file__).parent / "cases" / "geometry"
+CUBE = box("cube", (0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 2e3)
+GROUND = {"low": [-1, -1, -0.2], "high": [2, 2, 0], "fixed": True}
+LINTEL: dict[str, Any] = {
+    "ground": {"low": [-1, -1, -0.2], "high": [3, 2, 0], "fixed": True},
+    "left": {"low": [0, 0, 0], "high": [0.4, 0.4, 1]},
+    "lintel": {"low": [0, 0, 1], "high": [2, 0.4, 1.4]},
+}
+
+
+def limit(*command: str) -> float:
+    rows = answers("assembly", *command)
+    return float(rows[0]["load (N)"])
+
+
+@pytest.mark.parametrize("name", ["face_centre", "subdivided", "double_faces"])
+def test_a_cube_slides_at_friction_times_weight_however_its_faces_are_cut(name: str) -> None:
+    (cube,) = blocks_from_mesh(CASES / f"{name}.obj", 2e3).values()
+    assert (len(cube.vertices), len(cube.faces)) == (8, 6)
+    blocks = {"ground": GROUND, "cube": {"file": f"{name}.obj"}}
+    text = {"blocks": blocks, "load": {"acceleration": [1, 0, 0]}}
+    (face,) = structure_of(text, CASES).assembly.faces
+    assert face.outline.area == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("name", ["cra_plain", "cra_flipped", "cra_unwelded", "dem_group"])
+def test_a_model_has_the_load_of_its_blocks_however_it_is_written(name: str) -> None:
+    assert limit(str(CASES / f"{name}.json")) == pytest.approx(0.7 * 2e3 * 9.81, rel=1e-3)
+
+
+def test_a_list_of_meshes_needs_only_the_fixed_ones() -> None:
+    found = limit(str(CASES / "mesh_list.json"), "--fixed", "0", "--friction", "0.4")
+    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
+
+
+def test_y_may_be_up() -> None:
+    found = limit(str(CASES / "yup.obj"), "--up", "y", "--fixed", "gr*", "--friction", "0.4")
+    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
+
+
+def test_millimetres_are_asked_for_and_not_taken_as_metres() -> None:
+    ended = run("assembly", str(CASES / "mm.obj"), "--fixed", "ground")
+    assert ended.exit_code == 1
+    assert "would be 1732 m across; say unit: mm" in ended.output.splitlines()[-1]
+    found = limit(str(CASES / "mm.obj"), "--fixed", "ground", "--unit", "mm", "--friction", "0.4")
+    assert found == pytest.approx(0.4 * 2e3 * 9.81, rel=1e-3)
+
+
+@pytest.mark.parametrize("gap", [0.0005, 0.005, -0.005])
+def test_a_lintel_with_a_gap_or_an_overlap_below_it_stands_by_the_tolerance(gap: float) -> None:
+    right = {"low": [1.6, 0, 0], "high": [2, 0.4, 1 - gap]}
+    text = {"blocks": LINTEL | {"right": right}, "load": {"acceleration": [1, 0, 0]}}
+    faces = structure_of(text | {"tolerance": 0.01}).assembly.faces
+    assert len(faces) == 4
+    if gap < 0.0:
+        with pytest.raises(ValueError, match=r"overlap by 0\.005 m; tolerance: 0\.004 takes them"):
+            structure_of(text)
+        return
+    (note,) = structure_warnings(structure_of(text).assembly)
+    assert note.startswith("3 pairs of blocks touch (0.48 m2); faces of 1 more (0.16 m2)")
+    assert note.endswith(f"tolerance: {0.0004 if gap < 0.001 else 0.004} takes them as touching")
+    assert structure_warnings(structure_of(text | {"tolerance": 0.01}).assembly, 0.01) == []
+
+
+def test_a_block_that_touches_nothing_is_told_the_tolerance() -> None:
+    above = box("above", (0.0, 0.0, 1.01), (1.0, 1.0, 2.01), 2e3)
+    with pytest.raises(ValueError, match=r"touches no other block; .* 0\.01 m away; tolerance: 0"):
+        interfaces([CUBE, above])
+
+
+def test_no_tolerance_reaches_through_a_block() -> None:
+    plate = box("plate", (0.0, 0.0, 1.0), (1.0, 1.0, 1.02), 2e3)
+    with pytest.raises(ValueError, match=r"tolerance: 0\.1 is not allowed; .*thinnest block"):
+        structure([CUBE, plate], dry(0.5), near=0.1)
+
+
+def test_a_cavity_is_told_by_its_place_and_not_by_the_sense_of_its_faces() -> None:
+    outer, inner = trimesh.creation.box((2, 2, 2)), trimesh.creation.box((1, 1, 1))
+    both = trimesh.util.concatenate([outer, inner])
+    faces = [tuple(face) for face in both.faces.tolist()]
+    places, (body,) = bodies_in(np.asarray(both.vertices), faces)
+    assert repaired("hollow", places, body, 2e3).volume == pytest.approx(7.0)
+
+
+def test_a_vertex_on_an_edge_divides_it() -> None:
+    """As at a T-junction of polysurfaces: the face beside it has one edge for two."""
+    middle = (*CUBE.vertices, (0.5, 0.0, 0.0))
+    ends = {0, 1}
+    low = next(face for face in CUBE.faces if {v for v in face if CUBE.vertices[v][2] == 0} >= ends)
+    one, other = next(
+        (a, b)
+        for a, b in zip(low, (*low[1:], low[0]), strict=True)
+        if {CUBE.vertices[a], CUBE.vertices[b]} == {(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)}
+    )
+    cut = tuple(v for a in low for v in ((a, 8) if a == one else (a,)))
+    faces = [cut if face == low else face for face in CUBE.faces]
+    assert other in cut
+    assert repaired("cube", np.array(middle), faces, 2e3).volume == pytest.approx(1.0)
+
+
+def test_an_open_body_is_named_with_the_place_and_a_remedy() -> None:
+    with pytest.raises(
+        ValueError, match=r"^cube: .*edge between \(.*\) and \(.*\) .*close the hole"
+    ):
+        repaired("cube", CUBE.places, CUBE.faces[1:], 2e3)
+
+
+def test_interfaces_of_a_file_count_where_blocks_have_gaps(tmp_path: Path) -> None:
+    given = json.loads((CASES / "cra_plain.json").read_text())
+    graph = given["data"]["graph"]["data"]
+    for vertex in graph["node"]["1"]["block"]["data"]["vertex"].values():
+        vertex["z"] += 0.05
+    corners = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    contact = {"dtype": "compas_assembly.datastructures/Interface", "data": {"points": corners}}
+    graph["edge"] = {"0": {"1": {"interfaces": [contact]}}, "1": {}}
+    path = tmp_path / "gap.json"
+    path.write_text(json.dumps(given))
+    assert run("assembly", str(path)).exit_code == 1
+    assert limit(str(path), "--from-file") == pytest.approx(0.7 * 2e3 * 9.81, rel=1e-3)
+
+
+def test_all_files_that_fit_a_pattern_are_blocks(tmp_path: Path) -> None:
+    for k in range(2):
+        mesh = trimesh.creation.box((1, 1, 1))
+        mesh.apply_translation((0, 0, k))
+        mesh.export(tmp_path / f"stone_{k}.ply")
+    blocks = {"wall": {"file": "stone_*.ply", "fixed": ["stone_0"]}}
+    made = structure_of({"blocks": blocks, "load": {"acceleration": [1, 0, 0]}}, tmp_path)
+    assert [piece.name for piece in made.assembly.pieces] == ["wall-stone_0", "wall-stone_1"]
+    assert [piece.fixed for piece in made.assembly.pieces] == [True, False]
