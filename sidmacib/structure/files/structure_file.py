@@ -7,6 +7,7 @@ from typing import Any
 
 from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads
 from sidmacib.problem import Problem
+from sidmacib.structure.blocks import Block
 from sidmacib.structure.files.compas import NAME
 from sidmacib.structure.files.sections import (
     FileSection,
@@ -17,8 +18,8 @@ from sidmacib.structure.files.sections import (
 )
 from sidmacib.structure.files.selection import Pair, Selection
 from sidmacib.structure.interfaces import interfaces
-from sidmacib.structure.locks import Locks
-from sidmacib.structure.structure import structure
+from sidmacib.structure.locks import Locks, Row
+from sidmacib.structure.structure import rows_of, structure
 from sidmacib.yaml_text import read_yaml
 
 
@@ -55,6 +56,19 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
         raise ValueError("load: missing; this key is required")
     assembly = assembly_of(given, folder)
     return Problem(assembly, given.load.on(assembly))
+
+
+def blocks_and_rows(description: Any, folder: Path = Path()) -> tuple[list[Block], dict[Pair, Row]]:
+    """The blocks of a ``description``, and where their locks are; arguments of `structure_of`.
+
+    Needs no load. ValueError that names the key.
+    """
+    given = StructureFile.read(description)
+    blocks = [b for name, each in given.blocks.items() for b in each.blocks(name, folder)]
+    chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
+    locked = _locked(given.locks, chosen)
+    found = interfaces(blocks, given.tolerance) if chosen.found is None else chosen.found
+    return blocks, rows_of(blocks, locked, found)
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
