@@ -64,7 +64,7 @@ class Solid:
     @cached_property
     def manifold(self) -> manifold3d.Manifold:
         """The solid for operations with others, in m."""
-        mesh = manifold3d.Mesh64(self.places, self.triangles.astype(np.uint64))
+        mesh = manifold3d.Mesh64(np.array(self.places), np.array(self.triangles, np.uint64))
         return manifold3d.Manifold(mesh)
 
     @property
@@ -114,9 +114,7 @@ def solids(
                     words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
                     raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
                 corners = _grown(lock, growth[owner])
-                locks[owner].append(
-                    corners if owner == name else _rooted(corners, row, side, near)
-                )
+                locks[owner].append(corners if owner == name else _rooted(corners, row, side, near))
     made = []
     for number, block in enumerate(blocks, start=1):
         parts_of = [_grown(part, growth[block.name]) for part in left[block.name]]

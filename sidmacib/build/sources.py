@@ -1,16 +1,31 @@
 """What is to be built: the two blocks of a joint, or the blocks of a structure's file."""
 
+from pathlib import Path
+
 from sidmacib.joint.joint import Joint
 from sidmacib.structure.blocks import Block, box
-from sidmacib.structure.interfaces import interfaces
+from sidmacib.structure.files.structure_file import blocks_and_rows, description_in
+from sidmacib.structure.interfaces import NEAR, interfaces
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import Pair, rows_of
 from sidmacib.validation import refused
 
+Found = tuple[list[Block], dict[Pair, Row], float]  # with the tolerance of interfaces
 LOWER, UPPER = "lower", "upper"
 
 
-def joint_blocks(joint: Joint) -> tuple[list[Block], dict[Pair, Row]]:
+def blocks_of_file(path: Path) -> Found | None:
+    """The blocks of a structure's file and where its locks are; None if it describes a joint.
+
+    ValueError, or `sidmacib.yaml_text.TextError`, if it is neither.
+    """
+    description = description_in(path)
+    if isinstance(description, dict) and "blocks" not in description:
+        return None
+    return blocks_and_rows(description, path.parent)
+
+
+def joint_blocks(joint: Joint) -> Found:
     """The lower and the upper block of ``joint``, and where its locks are.
 
     The lower body, whose thickness no model needs, is as high as the upper one; columns are parts
@@ -31,4 +46,5 @@ def joint_blocks(joint: Joint) -> tuple[list[Block], dict[Pair, Row]]:
         first=str(joint.first),
         widths=tuple(map(joint.width, joint.numbers)),
     )
-    return blocks, rows_of(blocks, {frozenset((LOWER, UPPER)): locks}, interfaces(blocks))
+    rows = rows_of(blocks, {frozenset((LOWER, UPPER)): locks}, interfaces(blocks))
+    return blocks, rows, NEAR

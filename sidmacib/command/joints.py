@@ -14,6 +14,7 @@ from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_paramet
 from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
+from sidmacib.units import with_unit
 
 DEFAULT = Joint(5)
 SLENDER = 100  # largest size over the shorter side of a lock: the models' cells are about as long
@@ -52,7 +53,26 @@ class HoldDownType(click.ParamType[HoldDown]):
             return HoldDown(self.fail(f"{value!r} is not one of {allowed}", param, ctx))
 
 
-def _flag(name: str) -> str:
+class QuantityType(click.ParamType[float]):
+    """A number in SI units, or one with a unit such as 80mm."""
+
+    name = "float"
+
+    def __init__(self, number: Number) -> None:
+        self.number = number
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """The number, as click reads it; with a unit, in the unit of plain numbers."""
+        if with_unit(str(value)) is None:
+            return float(click.FLOAT.convert(value, param, ctx))
+        try:
+            return self.number.read(value)
+        except ValueError as error:
+            name = param.opts[0] if param is not None else ""
+            raise click.UsageError(f"{name}: {error}", ctx) from None
+
+
+def flag_of(name: str) -> str:
     """The flag of a parameter, as messages name it."""
     return f"-{name}" if len(name) == 1 else f"--{name.replace('_', '-')}"
 
@@ -60,11 +80,11 @@ def _flag(name: str) -> str:
 def _option(parameter: Parameter) -> Callable[..., Any]:
     """The flag of a parameter, with its unit and its default."""
     names = ["-n"] if parameter.name == "locks" else []
-    names += [_flag(parameter.name), parameter.name]
+    names += [flag_of(parameter.name), parameter.name]
     words, default = parameter.words, parameter.of(DEFAULT)
     kind: Any = HoldDownType()
     if parameter.number:
-        kind = int if parameter.number.whole else float
+        kind = int if parameter.number.whole else QuantityType(parameter.number)
         words += f", {parameter.number.unit}" if parameter.number.unit else ""
         default = {"young": "rigid pieces", "poisson": Elastic.poisson}.get(parameter.name, default)
     elif parameter.choices:
@@ -115,7 +135,7 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
             read[key] = LOCKS.read(value) if key == "locks" else PARAMETERS[key].read(value)
         except ValueError as error:
             if key in flags:
-                raise click.UsageError(f"{_flag(key)}: {error}") from None
+                raise click.UsageError(f"{flag_of(key)}: {error}") from None
             raise _in_file(path, f"{key}: {error}") from None
     try:
         joint = with_parameters(DEFAULT, read)

@@ -9,14 +9,23 @@ from typing import Any
 
 import click
 
-from sidmacib.command.joints import EccentricityType, joint_of, joint_options
+from sidmacib.command.joints import (
+    EccentricityType,
+    QuantityType,
+    flag_of,
+    joint_of,
+    joint_options,
+)
 from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.loading import Push
+from sidmacib.quantities import Number
 
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 100}
 
+FORCE, TORQUE, GAP = Number(unit="N"), Number(unit="N m"), Number(at_least=0, unit="m")
+_EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 _format = click.option(
     "--format", "form", type=click.Choice(FORMATS), default="table", show_default=True
 )
@@ -42,8 +51,10 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock joint -V 200 -e 0.3          the fewest locks that carry V = 200 N at e = 0.3 a
   multilock assembly arch.yaml           what an arch or a wall of blocks carries
   multilock design vault.yaml            the locks that an arch or a vault needs
+  multilock build -n 5 -o blocks         its blocks as solids, for a printer or a workshop
 
-Lengths are in m, forces in N, stresses in Pa. What is not given is as in the published study. For
+Lengths are in m, forces in N, stresses in Pa, unless a unit follows, as in 80mm, 5kN or 0.3MPa.
+What is not given is as in the published study. For
 completion in bash: eval "$(_MULTILOCK_COMPLETE=bash_source multilock)".
 """
 
@@ -217,8 +228,12 @@ def law(form: str, push: str, **flags: Any) -> None:
 
 @main.command("joint")
 @joint_options
-@click.option("-V", "--shear", type=float, default=0.0, help="Shear force to carry, N.")
-@click.option("-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.")
+@click.option(
+    "-V", "--shear", type=QuantityType(FORCE), default=0.0, help="Shear force to carry, N."
+)
+@click.option(
+    "-M", "--torque", type=QuantityType(TORQUE), default=0.0, help="Torque to carry, N m."
+)
 @click.option("-e", "--eccentricity", "ratio", type=float, help="e / a of V, in place of -M.")
 @click.option(
     "--vary",
@@ -279,7 +294,7 @@ def inverse(
 
 
 @main.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", type=_EXISTING)
 @click.option("--interfaces", is_flag=True, help="What each interface carries at the static peak.")
 @click.option(
     "--compas",
@@ -317,7 +332,7 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
 
 
 @main.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.argument("file", type=_EXISTING)
 @click.option(
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
@@ -354,3 +369,81 @@ def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
                 click.echo(f"\n{name}\n{text_of(rows, form)}")
     if not found.passes:
         sys.exit(1)
+
+
+@main.command()
+@click.argument("source", metavar="[FILE]", required=False, type=_EXISTING)
+@joint_options
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    required=True,
+    help="Folder for the files; those of the same names are replaced.",
+)
+@click.option(
+    "--clearance",
+    type=QuantityType(GAP),
+    default=0.0,
+    help="Gap at flanks and ends of locks, m, such as 0.5mm.  [default: 0]",
+)
+@click.option(
+    "--head-clearance",
+    type=QuantityType(GAP),
+    default=0.0,
+    help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(("mm", "m")),
+    default="mm",
+    show_default=True,
+    help="Unit of the files and drawings.",
+)
+@click.option(
+    "--drawings",
+    type=click.Choice(("svg", "pdf")),
+    default="svg",
+    show_default=True,
+    help="Kind of the drawings.",
+)
+@_format
+def build(
+    source: Path | None,
+    output: Path,
+    clearance: float,
+    head_clearance: float,
+    unit: str,
+    drawings: str,
+    form: str,
+    push: str,
+    **flags: Any,
+) -> None:
+    """Blocks with their locks as solids: STL, 3MF, OBJ, a table and drawings.
+
+    FILE is a structure as for assembly, with or without a load, or a joint's file. Without FILE
+    the options describe a joint. Each lock is added to its own block and cut out of the other;
+    clearance makes locks smaller. Ends with an error if a solid would not be closed, or would
+    overlap another.
+    """
+    with _refused_in_one_line(), status_line() as progress:
+        from sidmacib.build.kinds import kinds
+        from sidmacib.build.solids import Clearance, solids
+        from sidmacib.build.sources import blocks_of_file, joint_blocks
+        from sidmacib.command.build import table, write_all
+
+        given = [name for name, value in flags.items() if value is not None]
+        found = None if source is None else blocks_of_file(source)
+        if found is None:
+            if source is not None and flags["file"] is not None:
+                raise click.UsageError("--file: must not be given beside FILE, which is a joint's")
+            joint = joint_of(flags if source is None else {**flags, "file": source})
+            found = joint_blocks(joint)
+        elif given:
+            raise click.UsageError(f"{flag_of(given[0])}: is for a joint; {source} is a structure")
+        gaps = Clearance(clearance, head_clearance)
+        blocks, rows, near = found
+        made = solids(blocks, rows, gaps, near)
+        of = kinds(made)
+        write_all(made, of, rows, gaps, output, unit, drawings, progress)
+    click.echo(text_of(table(made, of, unit), form))

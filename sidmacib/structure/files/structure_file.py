@@ -58,17 +58,19 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
     return Problem(assembly, given.load.on(assembly))
 
 
-def blocks_and_rows(description: Any, folder: Path = Path()) -> tuple[list[Block], dict[Pair, Row]]:
-    """The blocks of a ``description``, and where their locks are; arguments of `structure_of`.
+def blocks_and_rows(
+    description: Any, folder: Path = Path()
+) -> tuple[list[Block], dict[Pair, Row], float]:
+    """The blocks of a ``description``, where their locks are, and the tolerance of interfaces.
 
-    Needs no load. ValueError that names the key.
+    Arguments as of `structure_of`, but without a load. ValueError that names the key.
     """
     given = StructureFile.read(description)
     blocks = [b for name, each in given.blocks.items() for b in each.blocks(name, folder)]
     chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
     locked = _locked(given.locks, chosen)
     found = interfaces(blocks, given.tolerance) if chosen.found is None else chosen.found
-    return blocks, rows_of(blocks, locked, found)
+    return blocks, rows_of(blocks, locked, found), given.tolerance
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:
