@@ -7,7 +7,7 @@ import manifold3d
 import numpy as np
 import trimesh
 
-from sidmacib.build.solids import Solid
+from sidmacib.build.solids import Solid, simplified
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.structure.locks import Row
 from sidmacib.structure.structure import Pair
@@ -86,7 +86,7 @@ def distinct(values: Floats) -> list[float]:
 def smooth(solid: Solid) -> Solid:
     """``solid`` without steps far smaller than it."""
     size = float(np.ptp(solid.places, axis=0).max())
-    mesh = solid.manifold.as_original().simplify(SMOOTH * size).to_mesh64()
+    mesh = simplified(solid.manifold.as_original(), SMOOTH * size).to_mesh64()
     places = np.asarray(mesh.vert_properties)[:, :3]
     return replace(solid, places=places, triangles=np.asarray(mesh.tri_verts).astype(np.int64))
 
@@ -102,7 +102,7 @@ def view(solid: Solid, axes: Floats) -> View:
     size = float(np.ptp(solid.places, axis=0).max())
     edges = edges_of(solid) @ axes.T
     triangles = (solid.places @ axes.T)[solid.triangles]
-    visible, hidden = [], []
+    seen: dict[bool, list[Floats]] = {False: [], True: []}
     for edge in edges:
         places = _crossings(edge, edges)
         if not len(places):
@@ -111,8 +111,9 @@ def view(solid: Solid, axes: Floats) -> View:
         middle = (ends[:-1] + ends[1:]) / 2
         behind = _covered(middle, triangles, BEHIND * size)
         for start, end, out_of_sight in zip(ends[:-1], ends[1:], behind, strict=True):
-            (hidden if out_of_sight else visible).append((start[:2], end[:2]))
-    return View(*(np.array(lines).reshape(-1, 2, 2) for lines in (visible, hidden)))
+            seen[bool(out_of_sight)].append(np.array([start[:2], end[:2]]))
+    visible, hidden = (np.array(lines).reshape(-1, 2, 2) for lines in seen.values())
+    return View(visible, hidden)
 
 
 def section(solid: Solid, place: float) -> View:
