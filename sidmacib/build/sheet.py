@@ -26,7 +26,7 @@ from sidmacib.structure.structure import Pair
 
 WIDTH, HEIGHT, BORDER, STRIP = 297.0, 210.0, 8.0, 20.0  # A4; the strip has the words
 ROOM = 26.0  # mm of paper between views, for dimensions and titles
-SCALES = (0.1, 0.2, 0.5, 1, 2, 2.5, 5, 10, 15, 20, 25)
+SCALES: tuple[float, ...] = (0.1, 0.2, 0.5, 1, 2, 2.5, 5, 10, 15, 20, 25)
 SCALES += (50, 75, 100, 150, 200, 250, 500, 1000, 2000, 5000, 10000)
 MOST = 12  # dimensions in a chain: more have no room
 LEAST = 2.2  # mm of paper: shorter ones have none

@@ -104,6 +104,12 @@ def solids(
             left[name], cuts[side] = cut_off(row, left[name], side)
             if not left[name]:
                 raise refused(f"{name}: height of locks", row.locks.height, "less than the block's")
+        heights = [
+            np.abs((part.solid.places - row.middle) @ row.interface.axes[0])
+            for part in (*cuts[-1.0], *cuts[1.0])
+        ]
+        gap = max((float(h[h <= near].max(initial=0.0)) for h in heights), default=0.0)
+        reach = 2.0 * (gap + max(growth[below], growth[above]))
         for side, name in ((-1.0, below), (1.0, above)):
             for part in cuts[side]:
                 owner = owners[part.number % 2]
@@ -114,7 +120,9 @@ def solids(
                     words = f"lock {part.number + 1} of {below} and {above}: a clearance of "
                     raise ValueError(f"{words}{gaps.sides:g} m leaves nothing of it")
                 corners = _grown(lock, growth[owner])
-                locks[owner].append(corners if owner == name else _rooted(corners, row, side, near))
+                locks[owner].append(
+                    corners if owner == name else _rooted(corners, row, side, near, reach)
+                )
     made = []
     for number, block in enumerate(blocks, start=1):
         parts_of = [_grown(part, growth[block.name]) for part in left[block.name]]
@@ -172,11 +180,11 @@ def _grown(part: Block, by: float) -> Floats:
     return np.asarray(part.places + by * outwards)
 
 
-def _rooted(corners: Floats, row: Row, side: float, near: float) -> Floats:
-    """A lock in the other block that reaches into its own, across a gap of at most ``near``."""
+def _rooted(corners: Floats, row: Row, side: float, near: float, reach: float) -> Floats:
+    """A lock in the other block that goes by ``reach`` (m) into its own across a gap of ``near``."""
     normal = side * row.interface.axes[0]
     height = (corners - row.middle) @ normal
-    return np.asarray(corners - np.outer(np.where(height <= near, height + 2 * near, 0.0), normal))
+    return np.asarray(corners - np.outer(np.where(height <= near, height + reach, 0.0), normal))
 
 
 def _united(number: int, block: Block, parts: Sequence[Floats]) -> Solid:
@@ -243,7 +251,7 @@ def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
 def shared_volume(one: Solid, other: Solid, most: float = 0.0) -> float:
     """The volume (m3) that two solids share, to rounding; another way if it is above ``most``.
 
-    Where faces touch, Manifold (3.5) may find 1e-3 of a block in one order and nothing in the other.
+    Where faces touch, Manifold (3.5) may find a part of a block in one order, none in the other.
     """
     first, second = one.manifold, other.manifold
     for pair in ((first, second), (second, first)):
