@@ -181,7 +181,7 @@ def _grown(part: Block, by: float) -> Floats:
 
 
 def _rooted(corners: Floats, row: Row, side: float, near: float, reach: float) -> Floats:
-    """A lock in the other block that goes by ``reach`` (m) into its own across a gap of ``near``."""
+    """A lock in the other block that goes ``reach`` (m) into its own across a gap of ``near``."""
     normal = side * row.interface.axes[0]
     height = (corners - row.middle) @ normal
     return np.asarray(corners - np.outer(np.where(height <= near, height + reach, 0.0), normal))
