@@ -12,6 +12,7 @@ from enum import StrEnum
 from numbers import Integral
 from typing import Annotated, Any, TypeVar
 
+from sidmacib.units import MEASURED_IN, size_of, with_unit
 from sidmacib.validation import is_number
 
 Choice = TypeVar("Choice", bound=StrEnum)
@@ -113,14 +114,22 @@ class Number(Read):
         """``value``, from a file or a command line, as a number; ValueError if it is not allowed.
 
         Text that spells a decimal number counts as the number: some YAML readers take 6e-2 for
-        text, and every value on a command line is text.
+        text, and every value on a command line is text. So does a number with a unit, as in 80mm.
         """
-        number: Any = number_in(value) if isinstance(value, str) else value
+        number: Any = self._spelled(value) if isinstance(value, str) else value
         if not is_number(number):
             raise ValueError(f"{shown(value)} is not a number; it must be {self.range(kind=True)}")
         if not self._holds(number):
             raise ValueError(f"{shown(value)} is not allowed; it must be {self.range(self.whole)}")
         return int(number) if self.whole else float(number) + 0.0  # no negative zero
+
+    def _spelled(self, text: str) -> float | None:
+        """The number in ``text``, in `unit`; ValueError for a unit of something else."""
+        number, found = number_in(text), with_unit(text)
+        if number is not None or found is None or (number := number_in(found[0])) is None:
+            return number
+        size = size_of(text.strip(), found[1], self.unit)
+        return float(f"{number * size:.15g}")  # 70 mm are 0.07 m
 
     def require(self, name: str, value: Any) -> None:
         """ValueError, which begins with ``name``, unless ``value`` is such a number in Python."""
@@ -168,8 +177,9 @@ class Number(Read):
             "maximum": self.at_most,
             "exclusiveMaximum": self.below,
         }
+        kind: Any = "integer" if self.whole else "number"
         return {
-            "type": "integer" if self.whole else "number",
+            "type": [kind, "string"] if self.unit in MEASURED_IN else kind,  # with a unit
             **{key: bound for key, bound in bounds.items() if math.isfinite(bound)},
             "allowed": self.range(kind=True),
         }

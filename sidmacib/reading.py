@@ -82,6 +82,7 @@ def changes_to(section: type[Section]) -> Any:
 
 
 _Component = Annotated[float, Number(at_least=-LARGE, at_most=LARGE)]
+_Coordinate = Annotated[float, Number(at_least=-LARGE, at_most=LARGE, unit="m")]
 
 
 def _three(value: Any) -> Any:
@@ -96,12 +97,12 @@ def _way(value: tuple[float, float, float]) -> tuple[float, float, float]:
     return value
 
 
-Vector = Annotated[
-    tuple[_Component, _Component, _Component],
+_THREE: Any = (
     BeforeValidator(_three),
     Field(json_schema_extra={"allowed": "a list of three numbers"}),
-]
-Way = Annotated[Vector, AfterValidator(_way)]
+)
+Vector = Annotated[tuple[_Coordinate, _Coordinate, _Coordinate], *_THREE]  # m
+Way = Annotated[tuple[_Component, _Component, _Component], *_THREE, AfterValidator(_way)]
 
 
 class Keys(Section):

@@ -5,8 +5,8 @@ import re
 import pytest
 from command_runner import answers, run
 
-from sidmacib.command.groups import GROUPS, Grouped
 from sidmacib.command.main import main
+from sidmacib.command.options import GROUPS, Grouped
 
 COLUMNS = 80
 

@@ -80,7 +80,9 @@ def _steps(parts: Sequence[str], number: Number) -> tuple[float, ...]:
     low, high = number.read(parts[0]), number.read(parts[1])
     if len(parts) == 2 and not number.whole:
         raise ValueError("must have a step, as in 0.04:0.12:0.01")
-    step = Number(above=0, whole=number.whole).read(parts[2] if len(parts) == 3 else "1")
+    step = Number(above=0, whole=number.whole, unit=number.unit).read(
+        parts[2] if len(parts) == 3 else "1"
+    )
     count = math.floor((high - low) / step * (1.0 + 1e-12) + 1e-9) + 1
     if not 0 < count <= MOST:
         raise ValueError(f"has {max(count, 0)} values; it must have from 1 to {MOST}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from sidmacib.command.groups import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
+from sidmacib.command.options import GEOMETRY, LOAD, MATERIAL, OUTPUT, Grouped
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Push
@@ -15,6 +15,7 @@ from sidmacib.joint.parameters import PARAMETERS, SIZES, Parameter, with_paramet
 from sidmacib.joint.unit_warnings import unit_warnings
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.quantities import Number, shown
+from sidmacib.units import with_unit
 
 if TYPE_CHECKING:
     from sidmacib.rule.resistance import Reliability
@@ -59,7 +60,26 @@ class HoldDownType(click.ParamType[HoldDown]):
             return HoldDown(self.fail(f"{value!r} is not one of {allowed}", param, ctx))
 
 
-def _flag(name: str) -> str:
+class QuantityType(click.ParamType[float]):
+    """A number in SI units, or one with a unit such as 80mm."""
+
+    name = "float"
+
+    def __init__(self, number: Number) -> None:
+        self.number = number
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> float:
+        """The number, as click reads it; with a unit, in the unit of plain numbers."""
+        if with_unit(str(value)) is None:
+            return float(click.FLOAT.convert(value, param, ctx))
+        try:
+            return self.number.read(value)
+        except ValueError as error:
+            name = param.opts[0] if param is not None else ""
+            raise click.UsageError(f"{name}: {error}", ctx) from None
+
+
+def flag_of(name: str) -> str:
     """The flag of a parameter, as messages name it."""
     return f"-{name}" if len(name) == 1 else f"--{name.replace('_', '-')}"
 
@@ -67,11 +87,11 @@ def _flag(name: str) -> str:
 def _option(parameter: Parameter) -> Callable[..., Any]:
     """The flag of a parameter, with its unit and its default."""
     names = ["-n"] if parameter.name == "locks" else []
-    names += [_flag(parameter.name), *LONG.get(parameter.name, ()), parameter.name]
+    names += [flag_of(parameter.name), *LONG.get(parameter.name, ()), parameter.name]
     words, default = parameter.words, parameter.of(DEFAULT)
     kind: Any = HoldDownType()
     if parameter.number:
-        kind = int if parameter.number.whole else float
+        kind = int if parameter.number.whole else QuantityType(parameter.number)
         words += f", {parameter.number.unit}" if parameter.number.unit else ""
         default = {"young": "rigid pieces", "poisson": Elastic.poisson}.get(parameter.name, default)
     elif parameter.choices:
@@ -162,7 +182,7 @@ def joint_of(given: Mapping[str, Any]) -> Joint:
             read[key] = LOCKS.read(value) if key == "locks" else PARAMETERS[key].read(value)
         except ValueError as error:
             if key in flags:
-                raise click.UsageError(f"{_flag(key)}: {error}") from None
+                raise click.UsageError(f"{flag_of(key)}: {error}") from None
             raise _in_file(path, f"{key}: {error}") from None
     try:
         joint = with_parameters(DEFAULT, read)

@@ -1,62 +1,40 @@
 """The command `multilock`."""
 
-import json
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import click
 
-from sidmacib.command.groups import LOAD, OUTPUT, Grouped, GroupedCommand
+from sidmacib.command.blocks import assembly, build, design
 from sidmacib.command.joints import (
     EccentricityType,
+    QuantityType,
     joint_of,
     joint_options,
     reliability_of,
     reliability_options,
 )
+from sidmacib.command.options import LOAD, Grouped, Once, format_option, note_option, picture_option
 from sidmacib.command.output import (
-    FORMATS,
     bars,
     curves,
     draw,
     note_of,
     refused_in_one_line,
+    require_answer,
     status_line,
     text_of,
 )
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.joint import Direction
 from sidmacib.joint.loading import Push
+from sidmacib.quantities import Number
 
 MODELS = ("safe", "law", "static", "limit", "sidmacib")
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
-_format = click.option(
-    "--format",
-    "form",
-    type=click.Choice(FORMATS),
-    default="table",
-    show_default=True,
-    help="Format of the printed answer; json and csv have all digits.",
-    cls=Grouped,
-    group=OUTPUT,
-)
-_picture = click.option(
-    "--picture",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Draw the answer into this file: .png, .svg or .pdf.",
-    cls=Grouped,
-    group=OUTPUT,
-)
-_note = click.option(
-    "--note",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Write a calculation note into this file: .html, to be printed or sent.",
-    cls=Grouped,
-    group=OUTPUT,
-)
+FORCE, TORQUE = Number(unit="N"), Number(unit="N m")
 _models = click.option(
     "-m",
     "--model",
@@ -79,27 +57,14 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock joint -V 200 -e 0.3        fewest locks that carry V = 200 N
   multilock assembly arch.yaml         capacity of an arch or a wall of blocks
   multilock design vault.yaml          locks that an arch or a vault needs
+  multilock build -n 5 -o blocks       blocks as solids, for a printer or workshop
 
-Lengths in m, forces in N, stresses in Pa. Defaults are those of the published
-study. "multilock COMMAND --help" describes a command. For completion in bash:
+Lengths in m, forces in N, stresses in Pa, unless a unit follows: 80mm, 5kN.
+Defaults are those of the published study. "multilock COMMAND --help" describes
+a command. For completion in bash:
 eval "$(_MULTILOCK_COMPLETE=bash_source multilock)" (zsh, fish: zsh_source,
 fish_source).
 """
-
-
-class Once(GroupedCommand):
-    """A command that refuses an option given twice, of which click would take the last."""
-
-    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """As click does; `click.UsageError` for an option that is there twice."""
-        if not ctx.resilient_parsing:  # of completion
-            _, _, order = self.make_parser(ctx).parse_args(list(args))
-            for option in order:
-                once = isinstance(option, click.Option) and not option.multiple
-                if once and order.count(option) > 1:
-                    words = "is given more than once; it must be given once"
-                    raise click.UsageError(f"{option.opts[0]} {words}", ctx)
-        return super().parse_args(ctx, args)
 
 
 class Commands(click.Group):
@@ -129,9 +94,9 @@ def main() -> None:
 )
 @_models
 @reliability_options
-@_format
-@_picture
-@_note
+@format_option
+@picture_option
+@note_option
 def capacity(
     ratios: Sequence[float],
     models: Sequence[str],
@@ -176,26 +141,20 @@ def capacity(
     click.echo(text_of(rows, form))
     if form == "table":
         click.echo(meaning(reliability))
-    _require_answer(rows)
+    require_answer(rows)
 
 
 def _show(rows: Sequence[dict[str, Any]], form: str) -> None:
     """Print loads; an exit code of 1 if no model gives any."""
     click.echo(text_of(rows, form))
-    _require_answer(rows)
-
-
-def _require_answer(rows: Sequence[dict[str, Any]]) -> None:
-    """End with status 1 if no model has a number."""
-    if all(row[key] is None for row in rows for key in row.keys() - {"e/a", "model", "note"}):
-        sys.exit(1)
+    require_answer(rows)
 
 
 @main.command()
 @joint_options
 @_models
-@_format
-@_picture
+@format_option
+@picture_option
 def envelope(
     models: Sequence[str], form: str, picture: Path | None, push: str, **flags: Any
 ) -> None:
@@ -223,8 +182,8 @@ def envelope(
     cls=Grouped,
     group=LOAD,
 )
-@_format
-@_picture
+@format_option
+@picture_option
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
     """Compute the load of each lock / its strength (static model)."""
     from sidmacib.command.answers import weight_rows
@@ -249,7 +208,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
     cls=Grouped,
     group=LOAD,
 )
-@_format
+@format_option
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """Compute the effect of each size on the first failure.
 
@@ -272,7 +231,7 @@ def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
 
 @main.command()
 @joint_options
-@_format
+@format_option
 def law(form: str, push: str, **flags: Any) -> None:
     """Compute the effective number of locks in pure shear."""
     from sidmacib.command.answers import law_rows
@@ -287,14 +246,20 @@ def law(form: str, push: str, **flags: Any) -> None:
 @click.option(
     "-V",
     "--shear",
-    type=float,
+    type=QuantityType(FORCE),
     default=0.0,
     help="Shear force to carry, N.",
     cls=Grouped,
     group=LOAD,
 )
 @click.option(
-    "-M", "--torque", type=float, default=0.0, help="Torque to carry, N m.", cls=Grouped, group=LOAD
+    "-M",
+    "--torque",
+    type=QuantityType(TORQUE),
+    default=0.0,
+    help="Torque to carry, N m.",
+    cls=Grouped,
+    group=LOAD,
 )
 @click.option(
     "-e",
@@ -321,9 +286,9 @@ def law(form: str, push: str, **flags: Any) -> None:
 )
 @click.option("--all", "every", is_flag=True, help="List all joints of --vary.")
 @reliability_options
-@_format
-@_picture
-@_note
+@format_option
+@picture_option
+@note_option
 def inverse(
     shear: float,
     torque: float,
@@ -380,99 +345,5 @@ def inverse(
         raise click.ClickException(answers.why_none(tried))
 
 
-@main.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option(
-    "--interfaces",
-    is_flag=True,
-    help="Print the forces at each interface instead, at the load of the static model.",
-)
-@click.option(
-    "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
-)
-@click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
-@click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
-@click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
-@click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
-@click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
-@click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
-@click.option(
-    "--compas",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
-)
-@_format
-def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any) -> None:
-    """Compute the load capacity of a block structure.
-
-    FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
-    PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML file of the same name beside it,
-    then add what it lacks: --fixed, --friction, locks, a load other than a push along x.
-
-    limit: limit analysis with associated friction; may overestimate. static: raises the load on
-    elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
-    both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
-    """
-    with refused_in_one_line():
-        from sidmacib.command.structures import (
-            added_keys,
-            interface_rows,
-            limit_of,
-            structure_notes,
-            structure_rows,
-        )
-        from sidmacib.structure.files.structure_file import description_in, structure_of
-
-        description = description_in(file, added_keys(**options))
-        problem = structure_of(description, file.parent)
-        for note in structure_notes(problem, description):
-            click.echo(f"Note: {note}", err=True)
-        limit = None if interfaces and compas is None else limit_of(problem)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
-        click.echo(text_of(rows, form))
-        if compas is not None:
-            from sidmacib.structure.files.compas_results import write_compas_results
-
-            write_compas_results(problem, file, compas, limit)
-    _require_answer(rows)
-
-
-@main.command()
-@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option(
-    "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the structure with its locks and the load of the first case into this YAML file, "
-    "for multilock assembly; each other case goes into a file beside it.",
-)
-@click.option("--quiet", is_flag=True, help="Print no progress.")
-@click.option(
-    "--format", "form", type=click.Choice(("table", "json")), default="table", show_default=True
-)
-def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
-    """Design the locks of a block structure.
-
-    Finds the number and the direction of the locks in each interface. FILE is a structure as for
-    assembly, with a key design: load cases, locks, candidate directions. The design is checked by
-    limit analysis and by the static model with the locks modelled as solids, and comes with an
-    order in which the blocks can be placed. The exit status is 1 if a check fails.
-    """
-    with refused_in_one_line():
-        from sidmacib.command.designs import design_tables, verdict
-        from sidmacib.design.designed import design_of
-        from sidmacib.design.file import read_task, write_designed
-
-        task = read_task(file)
-        found = design_of(task, lambda line: None if quiet else click.echo(line, err=True))
-        if output is not None:
-            write_designed(task, found.choice, output)
-    tables = design_tables(found)
-    if form == "json":
-        click.echo(json.dumps({"verdict": verdict(found), **tables}, indent=1))
-    else:
-        click.echo(verdict(found))
-        for name, rows in tables.items():
-            if rows:
-                click.echo(f"\n{name}\n{text_of(rows, form)}")
-    if not found.passes:
-        sys.exit(1)
+for command in (assembly, design, build):
+    main.add_command(command)

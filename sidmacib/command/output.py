@@ -161,3 +161,9 @@ def note_of(joint: "Joint") -> str:
     """Sizes of a joint whose capacities are drawn, and which of the picture is computed."""
     sizes = ", ".join(f"{name} = {1e3 * getattr(joint, name):g}" for name in ("a", "b", "h", "H"))
     return f"{sizes} mm; T0 = {joint.T0:.4g} N; M = V e.\nOnly the points are computed."
+
+
+def require_answer(rows: Sequence[dict[str, Any]]) -> None:
+    """End with status 1 if no model has a number."""
+    if all(row[key] is None for row in rows for key in row.keys() - {"e/a", "model", "note"}):
+        sys.exit(1)

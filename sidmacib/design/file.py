@@ -45,7 +45,7 @@ class CaseSection(Keys):
     """as in `load`"""
     force: ForceSection | None = None
     """as in `load`"""
-    newtons: Positive | None = None
+    newtons: Annotated[float, Number(above=0, unit="N")] | None = None
     """how much is to be carried, N"""
     over_weight: Positive | None = None
     """or that over the weight of what can move"""
@@ -142,7 +142,7 @@ class DesignSection(Keys):
     """how often more may be demanded after a check that fails"""
     gap: Annotated[float, Number(at_least=1e-6, at_most=1)] = 0.01
     """largest distance of the cost from the least"""
-    time_limit: Positive = 60.0
+    time_limit: Annotated[float, Number(above=0, unit="s")] = 60.0
     """longest time of a search, s"""
     option: Option = "option3"
     """where the forces of locks act"""

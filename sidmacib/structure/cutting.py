@@ -1,5 +1,6 @@
 """Convex blocks cut by planes."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -85,6 +86,23 @@ def _part(
     )
 
 
+Plane = tuple[Floats, Floats]  # a point (m) and the unit normal, (3,) each
+
+
+def sides(block: Block, corners: Floats, normal: Floats) -> Iterator[Plane]:
+    """The planes, with outward normals, in which `clipped` cuts."""
+    in_plane = np.abs((block.places - corners[0]) @ normal) <= NEAR * block.size
+    for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        outward = np.cross(other - one, normal)
+        length = float(np.linalg.norm(outward))
+        if length <= CLOSE * block.size:
+            continue
+        outward /= length
+        here = block.places[in_plane]
+        if not len(here) or float(((here - one) @ outward).max()) > NEAR * block.size:
+            yield one, outward
+
+
 def clipped(block: Block, corners: Floats, normal: Floats) -> tuple[Block | None, list[Block]]:
     """The part of a convex ``block`` above and below a convex outline, and the parts beside it.
 
@@ -92,18 +110,11 @@ def clipped(block: Block, corners: Floats, normal: Floats) -> tuple[Block | None
     edges of the block's own face in the outline's plane nothing is cut, so that a block which
     widens away from it keeps its sides.
     """
-    in_plane = np.abs((block.places - corners[0]) @ normal) <= NEAR * block.size
     inside: Block | None = block
     beside: list[Block] = []
-    for one, other in zip(corners, np.roll(corners, -1, axis=0), strict=True):
-        outward = np.cross(other - one, normal)
-        length = float(np.linalg.norm(outward))
-        if length <= CLOSE * block.size or inside is None:
-            continue
-        outward /= length
-        here = block.places[in_plane]
-        if len(here) and float(((here - one) @ outward).max()) <= NEAR * block.size:
-            continue
-        inside, outside = cut(inside, one, outward)
+    for point, outward in sides(block, corners, normal):
+        if inside is None:
+            break
+        inside, outside = cut(inside, point, outward)
         beside += [outside] if outside else []
     return inside, beside

@@ -18,7 +18,7 @@ from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import FaceMaterial, Floats, Vector
 from sidmacib.rule.law import RULES
 from sidmacib.structure.blocks import Block
-from sidmacib.structure.cutting import clipped, cut, require_convex
+from sidmacib.structure.cutting import Plane, clipped, cut, require_convex, sides
 from sidmacib.structure.interfaces import Interface
 from sidmacib.validation import refused, require_direction, require_positive, require_whole
 
@@ -158,6 +158,45 @@ class Row:
         return [*found, (self.locks.count - 1, rest)] if rest else found
 
 
+@dataclass(frozen=True)
+class LockPart:
+    """The part of a lock, with its number from 0, that lies in one of the two blocks.
+
+    ``beside``: planes across which it meets the rest of that block, with outward normals.
+    """
+
+    number: int
+    solid: Block
+    beside: tuple[Plane, ...]
+
+
+def cut_off(row: Row, solids: list[Block], side: float) -> tuple[list[Block], list[LockPart]]:
+    """What remains of the ``solids`` of a block, and the parts of locks that lie in it.
+
+    ``side``: -1 of the block below the interface, 1 of that above. ValueError unless they are
+    convex.
+    """
+    normal, half = row.interface.axes[0], row.locks.height / 2
+    corners = shapely.get_coordinates(row.interface.outline.exterior)[:-1]
+    if not shapely.is_ccw(row.interface.outline.exterior):
+        corners = corners[::-1]
+    outline = row.middle + corners @ row.interface.axes[1:]
+    left: list[Block] = []
+    parts: list[LockPart] = []
+    for solid in solids:
+        require_convex(solid)
+        near, far = cut(solid, row.middle + side * half * normal, side * normal)
+        left += [far] if far else []
+        if near is None:
+            continue
+        beside = tuple(sides(near, outline, normal))
+        inside, others = clipped(near, outline, normal)
+        left += others
+        for number, part in row.strips(inside) if inside else ():
+            parts.append(LockPart(number, part, beside))
+    return left, parts
+
+
 def cut_out(
     row: Row, below: list[Block], above: list[Block]
 ) -> tuple[list[Block], list[Block], list[list[Block]]]:
@@ -165,28 +204,12 @@ def cut_out(
 
     ValueError unless both blocks are convex, and the locks lower than the blocks.
     """
-    normal, half = row.interface.axes[0], row.locks.height / 2
-    corners = shapely.get_coordinates(row.interface.outline.exterior)[:-1]
-    if not shapely.is_ccw(row.interface.outline.exterior):
-        corners = corners[::-1]
-    outline = row.middle + corners @ row.interface.axes[1:]
+    below, in_below = cut_off(row, below, -1.0)
+    above, in_above = cut_off(row, above, 1.0)
     locks: list[list[Block]] = [[] for _ in range(row.locks.count)]
-
-    def cut_off(solids: list[Block], side: float) -> list[Block]:
-        left = []
-        for solid in solids:
-            require_convex(solid)
-            near, far = cut(solid, row.middle + side * half * normal, side * normal)
-            left += [far] if far else []
-            if near is None:
-                continue
-            inside, beside = clipped(near, outline, normal)
-            left += beside
-            for number, part in row.strips(inside) if inside else ():
-                locks[number].append(part)
-        return left
-
-    return cut_off(below, -1.0), cut_off(above, 1.0), locks
+    for part in (*in_below, *in_above):
+        locks[part.number].append(part.solid)
+    return below, above, locks
 
 
 def condensed_points(row: Row, condensed: Condensed) -> tuple[Floats, Floats]:

@@ -45,12 +45,12 @@ def tolerance_for(gap: float, size: float) -> float:
 def shared_volume(one: Block, other: Block) -> float:
     """The volume (m3) that two blocks share, convex or not."""
     middle, size = one.places.mean(axis=0), one.size
-    first, second = (_solid(block, middle, size) for block in (one, other))
+    first, second = (solid_of(block, middle, size) for block in (one, other))
     return float((first ^ second).volume()) * size**3
 
 
-def _solid(block: Block, middle: Floats, size: float) -> manifold3d.Manifold:
-    """``block`` about ``middle`` (m), in units of ``size`` (m)."""
+def solid_of(block: Block, middle: Floats, size: float) -> manifold3d.Manifold:
+    """``block`` about ``middle`` (m), (3,), in units of ``size`` (m)."""
     triangles = []
     for face, corners, normal in zip(block.faces, block.outlines, block.normals, strict=True):
         along = corners[1] - corners[0]

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -62,20 +62,13 @@ def structure(
     free = [block.size for block in blocks if not block.fixed]
     if not free:
         raise ValueError("blocks: at least one must be free to move")
-    special, rows = dict(special or {}), {}
+    special = dict(special or {})
     found = interfaces(blocks, near) if regions is None else tuple(regions)
-    pairs = [frozenset((names[each.below], names[each.above])) for each in found]
-    for key, given in (("special", special), ("locks", locked or {})):
-        for pair in given:
-            if pair not in pairs:
-                raise refused(key, " and ".join(sorted(pair)), "two blocks that touch")
+    _require_touching("special", special, _pairs(found, names))
     for pair in special.keys() & (locked or {}).keys():
         allowed = "two blocks without locks, which have materials of their own"
         raise refused("special", " and ".join(sorted(pair)), allowed)
-    for pair, locks in (locked or {}).items():
-        rows[pair] = _row(
-            pair, locks, [each for each, p in zip(found, pairs, strict=True) if p == pair], names
-        )
+    rows = rows_of(blocks, locked or {}, found)
     parts = _Parts.of(blocks, rows)
     if len(parts.solids) > len(blocks):
         size = near * mean_size(parts.solids)
@@ -126,6 +119,34 @@ def refined(assembly: Assembly, divided: int = 2) -> Assembly:
     faces = tuple(face for face in assembly.faces if isinstance(face, Polygon))
     nodes = polygon_nodes(faces, assembly.mesh, assembly.layout, divided)
     return replace(assembly, nodes=nodes, mesh=assembly.mesh / divided)
+
+
+def rows_of(
+    blocks: Sequence[Block], locked: Mapping[Pair, Locks], found: Sequence[Interface]
+) -> dict[Pair, Row]:
+    """Where the locks of each pair are on the interfaces ``found``.
+
+    ValueError for a pair that does not touch, or not in one region, and for locks without room.
+    """
+    names = [block.name for block in blocks]
+    pairs = _pairs(found, names)
+    _require_touching("locks", locked, pairs)
+    return {
+        pair: _row(
+            pair, locks, [each for each, p in zip(found, pairs, strict=True) if p == pair], names
+        )
+        for pair, locks in locked.items()
+    }
+
+
+def _pairs(found: Sequence[Interface], names: Sequence[str]) -> list[Pair]:
+    return [frozenset((names[each.below], names[each.above])) for each in found]
+
+
+def _require_touching(key: str, given: Iterable[Pair], pairs: Sequence[Pair]) -> None:
+    for pair in given:
+        if pair not in pairs:
+            raise refused(key, " and ".join(sorted(pair)), "two blocks that touch")
 
 
 def _row(pair: Pair, locks: Locks, found: list[Interface], names: list[str]) -> Row:

@@ -23,8 +23,8 @@ from sidmacib.structure.files.sections import (
 )
 from sidmacib.structure.files.selection import Pair, Selection
 from sidmacib.structure.interfaces import Interface, interfaces, touching
-from sidmacib.structure.locks import Locks
-from sidmacib.structure.structure import structure
+from sidmacib.structure.locks import Locks, Row
+from sidmacib.structure.structure import rows_of, structure
 from sidmacib.yaml_text import read_yaml
 
 
@@ -77,6 +77,21 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
         raise ValueError("load: missing; this key is required")
     assembly = assembly_of(given, folder)
     return Problem(assembly, given.load.on(assembly))
+
+
+def blocks_and_rows(
+    description: Any, folder: Path = Path()
+) -> tuple[list[Block], dict[Pair, Row], float]:
+    """The blocks of a ``description``, where their locks are, and the tolerance of interfaces.
+
+    Arguments as of `structure_of`, but without a load. ValueError that names the key.
+    """
+    given = StructureFile.read(description)
+    blocks = [b for name, each in given.blocks.items() for b in each.blocks(name, folder)]
+    chosen = Selection(blocks, lambda: interfaces(blocks, given.tolerance))
+    locked = _locked(given.locks, chosen)
+    found = interfaces(blocks, given.tolerance) if chosen.found is None else chosen.found
+    return blocks, rows_of(blocks, locked, found), given.tolerance
 
 
 def assembly_of(description: Any, folder: Path = Path()) -> Assembly:

@@ -1,0 +1,1 @@
+"""Blocks with their locks as solids: shapes, files for printers and mills, drawings."""

@@ -1,0 +1,274 @@
+"""A sheet for the workshop: plan, elevation, section and dimensions of one kind of block.
+
+All is drawn to a scale in one pair of axes, whose unit is a mm of paper.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch, Rectangle
+from matplotlib.path import Path as Outline
+
+from sidmacib.build.formats import UNITS, label
+from sidmacib.build.kinds import Kind
+from sidmacib.build.views import Detail, View, cut_place, details, distinct, section, smooth, view
+from sidmacib.drawing import BLACK, GREY, VERMILION
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.structure.locks import Row
+from sidmacib.structure.structure import Pair
+
+WIDTH, HEIGHT, BORDER, STRIP = 297.0, 210.0, 8.0, 20.0  # A4; the strip has the words
+ROOM = 26.0  # mm of paper between views, for dimensions and titles
+SCALES: tuple[float, ...] = (0.1, 0.2, 0.5, 1, 2, 2.5, 5, 10, 15, 20, 25)
+SCALES += (50, 75, 100, 150, 200, 250, 500, 1000, 2000, 5000, 10000)
+MOST = 12  # dimensions in a chain: more have no room
+LEAST = 2.2  # mm of paper: shorter ones have none
+KEPT = 0.6  # of all stops: a chain without more of them would tell too little
+MOST_DETAILS = 3
+FRONT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])  # to the right, up, towards the viewer
+ABOVE = np.eye(3)
+BELOW = np.array([[1.0, 0, 0], [0, -1, 0], [0, 0, -1]])
+TILTED = np.array([[0.8, 0.6, 0], [-0.3, 0.4, 0.8660254], [0.519615, -0.69282, 0.5]])
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A view, its title, and where the lower left corner of what it shows is on paper, in mm."""
+
+    title: str
+    view: View
+    corner: tuple[float, float]
+    scale: float  # mm of paper for each m
+
+    def on_paper(self, points: Floats) -> Floats:
+        """``points`` (m), (..., 2), in mm of paper."""
+        low = self.view.visible.reshape(-1, 2).min(axis=0)
+        return np.asarray((points - low) * self.scale + self.corner)
+
+
+@dataclass(frozen=True)
+class Region:
+    """A part of the paper, in mm."""
+
+    left: float
+    low: float
+    right: float
+    top: float
+
+    @property
+    def wide(self) -> float:
+        """Its width in mm."""
+        return max(self.right - self.left, 1.0)
+
+    @property
+    def high(self) -> float:
+        """Its height in mm."""
+        return max(self.top - self.low, 1.0)
+
+    @property
+    def area(self) -> float:
+        """In mm2."""
+        return self.wide * self.high
+
+
+def draw_sheet(kind: Kind, rows: Mapping[Pair, Row], count: int, unit: str, note: str) -> Figure:
+    """The sheet of ``kind``, one of whose blocks is one of ``count``; dimensions in ``unit``.
+
+    ``rows``: all locks; ``note``: what else is to be known, such as the clearance.
+    """
+    solid = smooth(kind.drawn)
+    place = cut_place(solid)
+    size = solid.places.max(axis=0)
+    ratio, columns, levels = _arranged(size)
+    scale = 1e3 / ratio
+    front = Placed("elevation", view(solid, FRONT), (columns[0], levels[1]), scale)
+    views = [
+        front,
+        Placed("section A\N{EN DASH}A", section(solid, place), (columns[1], levels[1]), scale),
+        Placed("plan", view(solid, ABOVE), (columns[0], levels[0]), scale),
+        Placed("from below", view(solid, BELOW), (columns[1], levels[0]), scale),
+    ]
+    figure = Figure(figsize=(WIDTH / 25.4, HEIGHT / 25.4))
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    axes.set(xlim=(0, WIDTH), ylim=(0, HEIGHT))
+    axes.set_axis_off()
+    for each in views:
+        _draw(axes, each)
+        _dimensions(axes, each, unit)
+    for each in (front, views[2]):
+        x = each.corner[0] + place * scale
+        top = each.on_paper(each.view.visible.reshape(-1, 2)).max(axis=0)[1]
+        ends = (each.corner[1] - 1.5, top + 3)
+        axes.plot((x, x), ends, color=VERMILION, lw=0.8, ls=(0, (12, 3, 2, 3)))
+        axes.text(x + 1, ends[1], "A", color=VERMILION, fontsize=8, va="bottom")
+    above = Region(columns[2], levels[1], WIDTH - BORDER - 4, HEIGHT - BORDER - 8)
+    beside = columns[1] + size[0] * scale + ROOM
+    below = Region(beside, levels[0] - 12, WIDTH - BORDER - 4, levels[1] - ROOM + 6)
+    least, most = sorted((above, below), key=lambda region: region.area)
+    found = details(kind.solids[0], rows)
+    if found and least.high < 45.0:
+        least = replace(most, top=most.low + 0.4 * most.high)
+        most = replace(most, low=least.top + 4.0)
+    _tilted(axes, view(solid, TILTED), most)
+    _details(axes, found, least, unit)
+    _words(axes, kind, count, unit, ratio, note)
+    return figure
+
+
+def write_sheet(figure: Figure, path: Path) -> None:
+    """Write the sheet as SVG or PDF, always the same bytes."""
+    date = {"Date": None} if path.suffix == ".svg" else {"CreationDate": None}
+    with mpl.rc_context({"svg.hashsalt": "multilock", "hatch.linewidth": 0.4}):
+        figure.savefig(path, metadata=date)
+
+
+def _arranged(size: Floats) -> tuple[float, list[float], list[float]]:
+    """The scale, 1 : the first number, and the left and lower edges of columns and rows, in mm."""
+    x, y, z = 1e3 * size
+    second = max(x, y)
+    wide, high = WIDTH - 2 * BORDER - 3 * ROOM - 55.0, HEIGHT - 2 * BORDER - STRIP - 2 * ROOM
+    ratio = next(
+        (s for s in SCALES if (x + second) / s <= wide and (y + z) / s <= high), SCALES[-1]
+    )
+    columns = [BORDER + ROOM / 2, BORDER + 1.5 * ROOM + x / ratio]
+    columns.append(columns[1] + second / ratio + ROOM)
+    low = BORDER + STRIP + ROOM - 8
+    return ratio, columns, [low, low + y / ratio + ROOM]
+
+
+def _draw(axes: Axes, each: Placed) -> None:
+    """Lines, the section's hatch, and the title."""
+    if each.view.cut:
+        corners, codes = [], []
+        for outline in each.view.cut:
+            closed = each.on_paper(np.vstack([outline, outline[:1]]))
+            corners.append(closed)
+            codes += [Outline.MOVETO, *[Outline.LINETO] * (len(outline) - 1), Outline.CLOSEPOLY]
+        shape = Outline(np.concatenate(corners), codes)
+        axes.add_patch(PathPatch(shape, fc="#e8e8e8", ec=BLACK, lw=1.1, hatch="////"))
+    hidden, visible = (each.on_paper(lines) for lines in (each.view.hidden, each.view.visible))
+    axes.add_collection(LineCollection(hidden, colors=GREY, lw=0.4, ls=(0, (4, 2.5))))
+    axes.add_collection(LineCollection(visible, colors=BLACK, lw=0.8, capstyle="round"))
+    top = visible.reshape(-1, 2).max(axis=0)[1]
+    axes.text(each.corner[0], top + 7.5, each.title, fontsize=8, style="italic")
+
+
+def _dimensions(axes: Axes, each: Placed, unit: str) -> None:
+    """A chain below and one on the right, of all corners, and one of the whole."""
+    points = each.view.visible.reshape(-1, 2)
+    low, high = each.on_paper(points.min(axis=0)), each.on_paper(points.max(axis=0))
+    for axis in (0, 1):
+        stops = distinct(np.concatenate([points[:, axis], each.view.hidden[..., axis].ravel()]))
+        apart = _apart(stops, LEAST / each.scale)
+        room = 2 < len(apart) <= MOST + 1 and len(apart) >= KEPT * len(stops)
+        chains = [apart] if room else []
+        for number, chain in enumerate([*chains, [stops[0], stops[-1]]]):
+            off = 4.5 + 5.5 * number
+            across = low[1] - off if axis == 0 else high[0] + off
+            _chain(axes, each, axis, chain, across, unit)
+
+
+def _apart(stops: Sequence[float], least: float) -> list[float]:
+    """``stops`` without those nearer than ``least`` to the one before, or to the last one."""
+    kept = [stops[0]]
+    for stop in stops[1:-1]:
+        if stop - kept[-1] >= least and stops[-1] - stop >= least:
+            kept.append(stop)
+    return [*kept, stops[-1]]
+
+
+def _chain(
+    axes: Axes, each: Placed, axis: int, stops: Sequence[float], across: float, unit: str
+) -> None:
+    """A line with a stroke at each stop and the distances between them."""
+    pairs = np.zeros((len(stops), 2))
+    pairs[:, axis] = stops
+    along = each.on_paper(pairs)[:, axis]
+    ends, level = (along[0], along[-1]), (across, across)
+    axes.plot(*((ends, level) if axis == 0 else (level, ends)), color=BLACK, lw=0.4)
+    for place in along:
+        stroke = ((place - 0.8, place + 0.8), (across - 0.8, across + 0.8))
+        axes.plot(*(stroke if axis == 0 else stroke[::-1]), color=BLACK, lw=0.7)
+    for number, (start, end) in enumerate(pairwise(along)):
+        words = spelled(UNITS[unit] * (stops[number + 1] - stops[number]))
+        close = end - start < 0.9 * len(words) + 1.5 and number % 2 == 1
+        off = -0.5 if close else 0.5
+        place = ((start + end) / 2, across + off)
+        look = {"va": "top" if close else "bottom"}
+        if axis == 1:
+            place, look = (across - off, place[0]), {"ha": "left" if close else "right"}
+        aligned = {"ha": "center", "va": "center", "rotation": 90.0 * axis, **look}
+        axes.text(*place, words, fontsize=5.5, rotation_mode="default", **aligned)
+
+
+def spelled(number: float) -> str:
+    """A dimension with at most two digits behind the point, or four significant ones."""
+    return f"{number:.2f}".rstrip("0").rstrip(".") if number >= 10 else f"{number:.4g}"
+
+
+def _tilted(axes: Axes, seen: View, region: Region) -> None:
+    """A view from a corner, not to scale."""
+    extent = np.ptp(seen.visible.reshape(-1, 2), axis=0)
+    scale = min(region.wide / extent[0], (region.high - 6) / extent[1])
+    shown = Placed("from a corner, not to scale", seen, (region.left, region.low), scale)
+    _draw(axes, Placed(shown.title, View(seen.visible, seen.hidden[:0]), shown.corner, scale))
+
+
+def _details(axes: Axes, found: Sequence[Detail], region: Region, unit: str) -> None:
+    """Profiles of locks, as large as there is room for."""
+    if not found:
+        return
+    shown = found[:MOST_DETAILS]
+    parts = len(shown)
+    beside = region.wide > 1.5 * region.high
+    wide, high = region.wide / (parts if beside else 1), region.high / (1 if beside else parts)
+    for number, each in enumerate(shown):
+        size = np.ptp(np.concatenate(each.outlines), axis=0)
+        scale = min((wide - 20) / size[0], (high - 22) / size[1])
+        left = region.left + (number * wide if beside else 0.0)
+        low = region.top - high * (1 if beside else number + 1) + 10
+        lines = [np.stack([o, np.roll(o, -1, axis=0)], axis=1) for o in each.outlines]
+        seen = View(np.concatenate(lines), np.zeros((0, 2, 2)), each.outlines)
+        placed = Placed(each.title, seen, (left, low), scale)
+        _draw(axes, placed)
+        stops = np.array([[x, each.low] for x in each.stops])
+        _chain(axes, placed, 0, each.stops, placed.on_paper(stops)[0, 1] - 4.5, unit)
+        ends = placed.on_paper(np.array([[each.stops[-1], each.low]]))
+        _chain(axes, placed, 1, each.heights, float(ends[0, 0]) + 7, unit)
+    if more := len(found) - len(shown):
+        words = f"and {more} more joints with locks: see the files of the solid"
+        axes.text(region.left, region.low, words, fontsize=6.5, style="italic")
+
+
+def _words(axes: Axes, kind: Kind, count: int, unit: str, ratio: float, note: str) -> None:
+    """The frame, and what the sheet is of."""
+    axes.add_patch(
+        Rectangle((BORDER, BORDER), WIDTH - 2 * BORDER, HEIGHT - 2 * BORDER, fill=False, lw=0.8)
+    )
+    axes.plot((BORDER, WIDTH - BORDER), (BORDER + STRIP,) * 2, color=BLACK, lw=0.8)
+    first = kind.solids[0]
+    names = ", ".join(label(each, count) for each in kind.solids)
+    if len(names) > 90:
+        names = f"{names[:90].rsplit(',', 1)[0]} and others, see blocks.csv"
+    many = len(kind.solids)
+    left, top = BORDER + 3, BORDER + STRIP - 6
+    axes.text(left, top, f"Kind {kind.name}", fontsize=13, weight="bold", va="center")
+    axes.text(left + 32, top + 0.5, f"{many} block{'s' if many > 1 else ''}: {names}", fontsize=7.5)
+    mass = f"{first.volume:.6g} m\N{SUPERSCRIPT THREE}, {first.mass:.5g} kg each"
+    axes.text(
+        left + 32, top - 5, f"{mass} ({first.density:g} kg/m\N{SUPERSCRIPT THREE})", fontsize=7.5
+    )
+    axes.text(left + 32, top - 10, note, fontsize=7.5)
+    scale = f"1 : {ratio:g}" if ratio >= 1 else f"{1 / ratio:g} : 1"
+    right = WIDTH - BORDER - 3
+    for number, words in enumerate(
+        (f"scale {scale} on A4", f"dimensions in {unit}", "first-angle projection")
+    ):
+        axes.text(right, top + 0.5 - 5 * number, words, fontsize=7.5, ha="right")

@@ -1,0 +1,191 @@
+"""The commands on blocks: what they carry, their locks, their solids."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
+from sidmacib.command.options import EXISTING, Once, format_option
+from sidmacib.command.output import refused_in_one_line, require_answer, status_line, text_of
+from sidmacib.quantities import Number
+
+GAP = Number(at_least=0, unit="m")
+
+
+@click.command(cls=Once)
+@click.argument("file", type=EXISTING)
+@click.option(
+    "--interfaces",
+    is_flag=True,
+    help="Print the forces at each interface instead, at the load of the static model.",
+)
+@click.option(
+    "--fixed", help="Blocks that cannot move, by names, numbers or patterns: 'left,base*'."
+)
+@click.option("--friction", type=float, help="Coefficient of friction of all interfaces.")
+@click.option("--density", type=float, help="In kg/m3, of blocks whose material has none.")
+@click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
+@click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
+@click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
+@click.option(
+    "--compas",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
+)
+@format_option
+def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any) -> None:
+    """Compute the load capacity of a block structure.
+
+    FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
+    PLY, OFF, Rhino's 3dm, or JSON of COMPAS. Options, or a YAML file of the same name beside it,
+    then add what it lacks: --fixed, --friction, locks, a load other than a push along x.
+
+    limit: limit analysis with associated friction; may overestimate. static: raises the load on
+    elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
+    both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
+    """
+    with refused_in_one_line():
+        from sidmacib.command.structures import (
+            added_keys,
+            interface_rows,
+            limit_of,
+            structure_notes,
+            structure_rows,
+        )
+        from sidmacib.structure.files.structure_file import description_in, structure_of
+
+        description = description_in(file, added_keys(**options))
+        problem = structure_of(description, file.parent)
+        for note in structure_notes(problem, description):
+            click.echo(f"Note: {note}", err=True)
+        limit = None if interfaces and compas is None else limit_of(problem)
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
+        click.echo(text_of(rows, form))
+        if compas is not None:
+            from sidmacib.structure.files.compas_results import write_compas_results
+
+            write_compas_results(problem, file, compas, limit)
+    require_answer(rows)
+
+
+@click.command(cls=Once)
+@click.argument("file", type=EXISTING)
+@click.option(
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write the structure with its locks and the load of the first case into this YAML file, "
+    "for multilock assembly; each other case goes into a file beside it.",
+)
+@click.option("--quiet", is_flag=True, help="Print no progress.")
+@click.option(
+    "--format", "form", type=click.Choice(("table", "json")), default="table", show_default=True
+)
+def design(file: Path, output: Path | None, quiet: bool, form: str) -> None:
+    """Design the locks of a block structure.
+
+    Finds the number and the direction of the locks in each interface. FILE is a structure as for
+    assembly, with a key design: load cases, locks, candidate directions. The design is checked by
+    limit analysis and by the static model with the locks modelled as solids, and comes with an
+    order in which the blocks can be placed. The exit status is 1 if a check fails.
+    """
+    with refused_in_one_line():
+        from sidmacib.command.designs import design_tables, verdict
+        from sidmacib.design.designed import design_of
+        from sidmacib.design.file import read_task, write_designed
+
+        task = read_task(file)
+        found = design_of(task, lambda line: None if quiet else click.echo(line, err=True))
+        if output is not None:
+            write_designed(task, found.choice, output)
+    tables = design_tables(found)
+    if form == "json":
+        click.echo(json.dumps({"verdict": verdict(found), **tables}, indent=1))
+    else:
+        click.echo(verdict(found))
+        for name, rows in tables.items():
+            if rows:
+                click.echo(f"\n{name}\n{text_of(rows, form)}")
+    if not found.passes:
+        sys.exit(1)
+
+
+@click.command(cls=Once)
+@click.argument("source", metavar="[FILE]", required=False, type=EXISTING)
+@joint_options
+@click.option(
+    "-o",
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    required=True,
+    help="Folder for the files; those of the same names are replaced.",
+)
+@click.option(
+    "--clearance",
+    type=QuantityType(GAP),
+    default=0.0,
+    help="Gap at flanks and ends of locks, m, such as 0.5mm.  [default: 0]",
+)
+@click.option(
+    "--head-clearance",
+    type=QuantityType(GAP),
+    default=0.0,
+    help="Gap at the heads of locks, m.  [default: 0: the joint bears there]",
+)
+@click.option(
+    "--unit",
+    type=click.Choice(("mm", "m")),
+    default="mm",
+    show_default=True,
+    help="Unit of the files and drawings.",
+)
+@click.option(
+    "--drawings",
+    type=click.Choice(("svg", "pdf")),
+    default="svg",
+    show_default=True,
+    help="Kind of the drawings.",
+)
+@format_option
+def build(
+    source: Path | None,
+    output: Path,
+    clearance: float,
+    head_clearance: float,
+    unit: str,
+    drawings: str,
+    form: str,
+    push: str,
+    **flags: Any,
+) -> None:
+    """Blocks with their locks as solids: STL, 3MF, OBJ, a table and drawings.
+
+    FILE is a structure as for assembly, with or without a load, or a joint's file. Without FILE
+    the options describe a joint. Each lock is added to its own block and cut out of the other;
+    clearance makes locks smaller. Ends with an error if a solid would not be closed, or would
+    overlap another.
+    """
+    with refused_in_one_line(), status_line() as progress:
+        from sidmacib.build.kinds import kinds
+        from sidmacib.build.solids import Clearance, solids
+        from sidmacib.build.sources import blocks_of_file, joint_blocks
+        from sidmacib.command.build import table, write_all
+
+        given = [name for name, value in flags.items() if value is not None]
+        found = None if source is None else blocks_of_file(source)
+        if found is None:
+            if source is not None and flags["file"] is not None:
+                raise click.UsageError("--file: must not be given beside FILE, which is a joint's")
+            joint = joint_of(flags if source is None else {**flags, "file": source})
+            found = joint_blocks(joint)
+        elif given:
+            raise click.UsageError(f"{flag_of(given[0])}: is for a joint; {source} is a structure")
+        gaps = Clearance(clearance, head_clearance)
+        blocks, rows, near = found
+        made = solids(blocks, rows, gaps, near)
+        of = kinds(made)
+        write_all(made, of, rows, gaps, output, unit, drawings, progress)
+    click.echo(text_of(table(made, of, unit), form))

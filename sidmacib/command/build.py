@@ -1,0 +1,69 @@
+"""Solids of a joint or a structure, written into a folder: files, table and drawings."""
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import click
+import numpy as np
+
+from sidmacib.build.formats import UNITS, file_name, obj_text, stl, threemf
+from sidmacib.build.kinds import Kind, laid, own_axes
+from sidmacib.build.sheet import draw_sheet, spelled, write_sheet
+from sidmacib.build.solids import Clearance, Solid
+from sidmacib.command.answers import Row
+from sidmacib.command.output import text_of
+from sidmacib.structure.locks import Row as LockRow
+from sidmacib.structure.structure import Pair
+
+SHEETS = 40  # kinds that are drawn: of a heap of stones each is one
+
+
+def table(made: Sequence[Solid], of: Sequence[Kind], unit: str) -> list[Row]:
+    """Number, name, kind, size along its own axes, volume and mass of each solid."""
+    named = {each.number: kind.name for kind in of for each in kind.solids}
+    rows: list[Row] = []
+    for each in made:
+        size = np.round(UNITS[unit] * laid(each, own_axes(each)).places.max(axis=0), 6)
+        rows.append(
+            {
+                "number": each.number,
+                "block": each.name,
+                "kind": named[each.number],
+                **{f"{k} ({unit})": float(x) for k, x in zip("xyz", size, strict=True)},
+                "volume (m3)": each.volume,
+                "mass (kg)": each.mass,
+            }
+        )
+    return rows
+
+
+def write_all(
+    made: Sequence[Solid],
+    of: Sequence[Kind],
+    locked: Mapping[Pair, LockRow],
+    clearance: Clearance,
+    folder: Path,
+    unit: str,
+    drawings: str,
+    progress: Callable[[str], object] = str,
+) -> None:
+    """Write files, table and drawings into ``folder``; `click.UsageError` if that fails."""
+    gaps = [f"{spelled(UNITS[unit] * gap)} {unit}" for gap in (clearance.sides, clearance.heads)]
+    note = f"Clearance: {gaps[0]} at flanks and ends of locks, {gaps[1]} at their heads"
+    note = note if locked else "No locks"
+    try:
+        for name in ("stl", "drawings"):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        (folder / "blocks.3mf").write_bytes(threemf(made, unit))
+        (folder / "blocks.obj").write_text(obj_text(made, unit), encoding="utf-8")
+        (folder / "blocks.csv").write_text(text_of(table(made, of, unit), "csv") + "\n", "utf-8")
+        for each in made:
+            (folder / "stl" / f"{file_name(each, len(made))}.stl").write_bytes(stl(each, unit))
+        for kind in of[:SHEETS]:
+            progress(f"drawing {kind.name} of {of[min(len(of), SHEETS) - 1].name}")
+            sheet = draw_sheet(kind, locked, len(made), unit, note)
+            write_sheet(sheet, folder / "drawings" / f"{kind.name}.{drawings}")
+    except OSError as error:
+        raise click.UsageError(f"--output {folder}: {error.strerror or error}") from None
+    if len(of) > SHEETS:
+        click.echo(f"Note: of {len(of)} kinds the first {SHEETS} are drawn", err=True)

@@ -1,0 +1,78 @@
+"""Options that commands share, and the headings that they stand under in the help."""
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from sidmacib.command.output import FORMATS
+
+# In the order of the help; options without a group come first.
+OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT = "Options", "Load", "Geometry", "Material", "Input, output"
+GROUPS = (OWN, LOAD, GEOMETRY, MATERIAL, OUTPUT)
+
+
+class Grouped(click.Option):
+    """An option under one of the `GROUPS`."""
+
+    def __init__(self, *names: Any, group: str, **more: Any) -> None:
+        super().__init__(*names, **more)
+        self.group = group
+
+
+class GroupedCommand(click.Command):
+    """A command whose help has its options under their headings."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options, group by group."""
+        found: dict[str, list[tuple[str, str]]] = {group: [] for group in GROUPS}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if record is not None:
+                found[getattr(param, "group", OWN)].append(record)
+        for group, records in found.items():
+            if records:
+                with formatter.section(group):
+                    formatter.write_dl(records)
+
+
+class Once(GroupedCommand):
+    """A command that refuses an option given twice, of which click would take the last."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """As click does; `click.UsageError` for an option that is there twice."""
+        if not ctx.resilient_parsing:  # of completion
+            _, _, order = self.make_parser(ctx).parse_args(list(args))
+            for option in order:
+                once = isinstance(option, click.Option) and not option.multiple
+                if once and order.count(option) > 1:
+                    words = "is given more than once; it must be given once"
+                    raise click.UsageError(f"{option.opts[0]} {words}", ctx)
+        return super().parse_args(ctx, args)
+
+
+EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
+format_option = click.option(
+    "--format",
+    "form",
+    type=click.Choice(FORMATS),
+    default="table",
+    show_default=True,
+    help="Format of the printed answer; json and csv have all digits.",
+    cls=Grouped,
+    group=OUTPUT,
+)
+picture_option = click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the answer into this file: .png, .svg or .pdf.",
+    cls=Grouped,
+    group=OUTPUT,
+)
+note_option = click.option(
+    "--note",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write a calculation note into this file: .html, to be printed or sent.",
+    cls=Grouped,
+    group=OUTPUT,
+)

@@ -1,0 +1,315 @@
+"""Blocks as solids: closed, of the model's volume, apart by the clearance, and their files."""
+
+import csv
+import io
+import math
+import zipfile
+from itertools import combinations
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from click.testing import CliRunner
+from conftest import ROOT
+from matplotlib.figure import Figure
+
+from sidmacib.build.formats import obj_text, stl, threemf
+from sidmacib.build.kinds import kinds, laid, letters, own_axes
+from sidmacib.build.sheet import draw_sheet, spelled
+from sidmacib.build.solids import Clearance, Solid, shared_volume, solids
+from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
+from sidmacib.build.views import cut_place, section, view
+from sidmacib.command.main import main
+from sidmacib.joint.joint import Joint, OwnLock, Side
+from sidmacib.joint.pieces import cut_pieces
+from sidmacib.mechanics.assembly import Cuboid
+from sidmacib.structure.blocks import Block, prism
+from sidmacib.structure.files.structure_file import assembly_of, blocks_and_rows
+from sidmacib.yaml_text import read_yaml
+
+ARCH = ROOT / "studies" / "arch" / "arch_with_locks.yaml"
+GAPS = Clearance(5e-4, 1e-4)
+LARGER_BASE = {
+    "blocks": {
+        "base": {"low": [-0.1, -0.2, -0.3], "high": [0.5, 0.8, 0], "fixed": True},
+        "block": {"low": [0, 0, 0], "high": [0.4, 0.6, 0.3]},
+    },
+    "locks": [{"between": "all", "count": 3, "height": 0.02, "row": [0, 1, 0], "first": "block"}],
+}
+
+
+def made(found: Found, clearance: Clearance | None = None) -> tuple[Solid, ...]:
+    blocks, rows, near = found
+    return solids(blocks, rows, clearance, near)
+
+
+def arch() -> Found:
+    found = blocks_of_file(ARCH)
+    assert found is not None
+    return found
+
+
+def turned(joint: Joint) -> Found:
+    """The blocks of a joint as a structure that is turned in space, described by its corners."""
+    blocks, _, _ = joint_blocks(joint)
+    one, other = 0.4, 0.3
+    about_z = np.array(
+        [[math.cos(one), -math.sin(one), 0], [math.sin(one), math.cos(one), 0], [0, 0, 1]]
+    )
+    about_x = np.array(
+        [[1, 0, 0], [0, math.cos(other), -math.sin(other)], [0, math.sin(other), math.cos(other)]]
+    )
+    turn = about_z @ about_x
+    described = {
+        block.name: {
+            "vertices": (block.places @ turn.T + (3.0, -2.0, 1.0)).tolist(),
+            "faces": [list(face) for face in block.faces],
+            "density": joint.density,
+        }
+        for block in blocks
+    }
+    row = (turn @ (0.0, 1.0, 0.0)).tolist()
+    locks = {"between": "all", "count": joint.locks, "height": joint.h, "row": row}
+    return blocks_and_rows({"blocks": described, "locks": [{**locks, "first": "upper"}]})
+
+
+def model_volumes(joint: Joint) -> list[float]:
+    """Of the pieces of the lower and of the upper block."""
+
+    def volume(piece: Cuboid) -> float:
+        return float(np.prod(piece.size))
+
+    pieces = {piece.name: volume(piece) for piece in cut_pieces(joint) if piece.name != "plate"}
+    lower = pieces["lower"] + sum(pieces[f"lock{lock}"] for lock in joint.lower_locks)
+    return [lower, sum(pieces.values()) - lower]
+
+
+@pytest.mark.parametrize(
+    "joint",
+    [
+        Joint(1),
+        Joint(2, first=Side.LOWER),
+        Joint(5),
+        Joint(9, a=0.08, h=0.012),
+        Joint(4, different={2: OwnLock(width=0.02)}),
+    ],
+    ids=["one", "two", "five", "nine", "different"],
+)
+def test_the_blocks_of_a_joint_have_the_volumes_of_its_pieces(joint: Joint) -> None:
+    found = made(joint_blocks(joint))
+    assert [each.volume for each in found] == pytest.approx(model_volumes(joint), rel=1e-9)
+    assert [each.name for each in found] == ["lower", "upper"]
+
+
+def test_the_voussoirs_of_an_arch_have_the_volumes_of_its_pieces() -> None:
+    blocks, rows, near = arch()
+    assembly = assembly_of(read_yaml(ARCH))
+    volumes = dict.fromkeys((block.name for block in blocks), 0.0)
+    for piece in assembly.pieces:
+        owner = piece.name
+        if owner not in volumes:
+            pair, _, number = piece.name.rpartition("-lock")
+            row = rows[frozenset(pair.split("-"))]
+            (other,) = set(pair.split("-")) - {row.locks.first}
+            owner = str(row.locks.first) if int(number) % 2 else other
+        volumes[owner] += piece.mass / 2000.0
+    for each in solids(blocks, rows, None, near):
+        assert each.volume == pytest.approx(volumes[each.name], rel=1e-6)
+        assert each.mass == pytest.approx(2000.0 * each.volume)
+
+
+@pytest.mark.parametrize("clearance", [None, GAPS])
+@pytest.mark.parametrize(
+    "source",
+    [
+        lambda: joint_blocks(Joint(5)),
+        lambda: turned(Joint(5)),
+        arch,
+        lambda: blocks_and_rows(LARGER_BASE),
+        lambda: blocks_and_rows(read_yaml(ROOT / "studies/designed_vault/designed_stack.yaml")),
+    ],
+    ids=["joint", "turned", "arch", "larger base", "designed"],
+)
+def test_solids_are_closed_and_share_nothing_in_every_file(source, clearance) -> None:
+    found = made(source(), clearance)
+    for each in found:
+        mesh = trimesh.Trimesh(each.places, each.triangles, process=False)
+        assert mesh.is_volume and mesh.body_count == 1
+        read = trimesh.load(io.BytesIO(stl(each, "mm")), file_type="stl")
+        assert read.is_volume
+        assert read.volume == pytest.approx(1e9 * each.volume, rel=1e-5)  # of 32-bit numbers
+    read = trimesh.load_scene(io.BytesIO(obj_text(found, "m").encode()), file_type="obj")
+    volume = sum(mesh.volume for mesh in read.geometry.values())  # its reader joins objects
+    assert volume == pytest.approx(sum(each.volume for each in found), rel=1e-6)
+    for one, other in combinations(found, 2):
+        assert shared_volume(one, other) <= 1e-9 * min(one.volume, other.volume)
+
+
+@pytest.mark.parametrize("source", [lambda: joint_blocks(Joint(5)), lambda: turned(Joint(5))])
+def test_the_gap_is_the_clearance(source) -> None:
+    def gap(clearance: Clearance) -> float:
+        one, other = made(source(), clearance)
+        return float(one.manifold.min_gap(other.manifold, 1.0))
+
+    assert gap(Clearance(5e-4, 2e-3)) == pytest.approx(5e-4, rel=1e-6)  # at the flanks
+    assert gap(Clearance(2e-3, 3e-4)) == pytest.approx(3e-4, rel=1e-6)  # at the heads
+    assert gap(Clearance(5e-4)) == pytest.approx(0.0, abs=1e-9)  # heads bear
+
+
+def test_a_lock_in_a_pocket_of_a_larger_block_has_the_gap_all_around() -> None:
+    base, block = made(blocks_and_rows(LARGER_BASE), Clearance(1e-3, 2e-3))
+    assert base.manifold.min_gap(block.manifold, 1.0) == pytest.approx(1e-3, rel=1e-6)
+
+
+def test_clearance_takes_its_volume_from_the_flanks_alone() -> None:
+    joint, c = Joint(5), 5e-4
+    before, after = (made(joint_blocks(joint), each) for each in (None, Clearance(c)))
+    # Of four flanks each of two locks gives way by half of the clearance.
+    for one, other in zip(before, after, strict=True):
+        lost = 4 * joint.a * joint.h * c / 2
+        assert one.volume - other.volume == pytest.approx(lost, rel=1e-6)
+
+
+def test_condensed_locks_are_the_same_solids() -> None:
+    description = read_yaml(ROOT / "studies/structures/keyed.yaml")
+    condensed = {**description["locks"][0], "condensed": {}}
+    plain = made(blocks_and_rows(description))
+    others = made(blocks_and_rows({**description, "locks": [condensed]}))
+    for one, other in zip(plain, others, strict=True):
+        assert np.array_equal(one.places, other.places)
+
+
+@pytest.mark.parametrize(
+    ("clearance", "words"),
+    [
+        (Clearance(0.06), "lock 2 of lower and upper: a clearance of 0.06 m leaves nothing of it"),
+        (Clearance(0.0, 0.01), "leaves nothing of it"),
+    ],
+)
+def test_a_clearance_that_leaves_no_lock_is_refused(clearance: Clearance, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        made(joint_blocks(Joint(5)), clearance)
+
+
+def test_a_lock_of_another_density_is_refused() -> None:
+    with pytest.raises(ValueError, match="different: lock 2: density: 1000"):
+        joint_blocks(Joint(3, different={2: OwnLock(density=1000.0)}))
+
+
+def test_blocks_that_differ_only_in_place_are_one_kind() -> None:
+    names = [[each.name for each in kind.solids] for kind in kinds(made(arch()))]
+    four = [f"voussoir{number}" for number in (1, 2, 3, 4)]
+    assert names == [["left", "right"], four, ["voussoir5"]]
+
+
+def test_a_turned_block_is_of_the_same_kind_and_a_mirror_image_of_another() -> None:
+    corners = [(0, 0, 0), (3, 0, 0), (3, 1, 0), (1, 1, 0), (1, 2, 0), (0, 2, 0)]
+    leaning = prism("one", corners, (0.3, 0.1, 0.5), 2000.0)
+    turned_by = {"turned": lambda x, y, z: (-y, z, -x), "mirrored": lambda x, y, z: (10 - x, y, z)}
+    blocks = [leaning]
+    for name, move in turned_by.items():
+        faces = [f[::-1] if name == "mirrored" else f for f in leaning.faces]
+        places = tuple(move(*place) for place in leaning.vertices)
+        blocks.append(Block(name, places, tuple(faces), 2000.0))
+    names = [[each.name for each in kind.solids] for kind in kinds(solids(blocks, {}))]
+    assert names == [["one", "turned"], ["mirrored"]]
+
+
+def test_kinds_have_letters() -> None:
+    assert [letters(number) for number in (0, 25, 26, 701, 702)] == ["A", "Z", "AA", "ZZ", "AAA"]
+
+
+def test_a_package_of_3mf_has_the_unit_the_names_and_the_same_bytes_each_time() -> None:
+    found = made(joint_blocks(Joint(5)))
+    data = threemf(found, "mm")
+    assert data == threemf(found, "mm")
+    text = zipfile.ZipFile(io.BytesIO(data)).read("3D/3dmodel.model").decode()
+    assert 'unit="millimeter"' in text and 'name="2 upper"' in text
+    assert text.count("<triangle ") == sum(len(each.triangles) for each in found)
+
+
+def test_the_section_has_the_area_of_the_profile() -> None:
+    joint = Joint(5)
+    upper = made(joint_blocks(joint))[1]
+    drawn = laid(upper, own_axes(upper))
+    cut = section(drawn, cut_place(drawn)).cut
+    x, y = cut[0].T
+    area = abs(x @ np.roll(y, 1) - y @ np.roll(x, 1)) / 2
+    assert area == pytest.approx(joint.total_width * joint.H + 3 * joint.b * joint.h)
+
+
+def test_edges_behind_a_block_are_hidden() -> None:
+    upper = made(joint_blocks(Joint(5)))[1]
+    drawn = laid(upper, own_axes(upper))
+    above = view(drawn, np.eye(3))  # locks are on its lower side
+    length = [
+        float(np.linalg.norm(lines[:, 1] - lines[:, 0], axis=1).sum())
+        for lines in (above.visible, above.hidden)
+    ]
+    assert length[0] == pytest.approx(2 * (0.06 + 0.25))
+    flanks = [line for line in above.hidden if abs(line[0, 1] - line[1, 1]) < 1e-9]
+    assert {round(float(line[0, 1]), 6) for line in flanks} >= {0.05, 0.1, 0.15, 0.2}
+
+
+def words_on(figure: Figure) -> set[str]:
+    return {text.get_text() for text in figure.axes[0].texts}
+
+
+def test_a_sheet_has_every_size_of_the_joint() -> None:
+    blocks, rows, near = joint_blocks(Joint(5))
+    lower, _ = kinds(solids(blocks, rows, GAPS, near))
+    words = words_on(draw_sheet(lower, rows, 2, "mm", "clearance"))
+    assert {"60", "250", "49.5", "50.5"} <= words
+    assert {"Kind A", "clearance", "joint to upper: 5 locks"} <= words
+
+
+def test_numbers_of_dimensions_are_short() -> None:
+    assert [spelled(x) for x in (250.0, 49.75, 7.9, 1.23456, 60.000001)] == [
+        *("250", "49.75", "7.9", "1.235", "60")
+    ]
+
+
+def test_the_command_writes_files_table_and_drawings(tmp_path: Path) -> None:
+    words = ["build", "-n", "3", "-a", "80mm", "--clearance", "0.5mm", "-o", str(tmp_path)]
+    found = CliRunner().invoke(main, words)
+    assert found.exit_code == 0, found.output
+    files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.*")}
+    assert files == {
+        *("blocks.3mf", "blocks.obj", "blocks.csv", "stl/1-lower.stl", "stl/2-upper.stl"),
+        *("drawings/A.svg", "drawings/B.svg"),
+    }
+    with (tmp_path / "blocks.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["block"] for row in rows] == ["lower", "upper"]
+    assert float(rows[0]["x (mm)"]) == 150.0 or float(rows[0]["y (mm)"]) == 150.0
+    joint = Joint(3, a=0.08)
+    lost = 2 * joint.a * joint.h * 5e-4 / 2
+    assert float(rows[0]["volume (m3)"]) == pytest.approx(model_volumes(joint)[0] - lost)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (["--clearance", "5kN"], "--clearance: 5kN is a force; it must be a length, such as 80mm"),
+        (["--clearance", "-1mm"], "--clearance: '-1mm' is not allowed; it must be at least 0 (m)"),
+        (["--clearance", "60mm"], "a clearance of 0.06 m leaves nothing of it"),
+        ([str(ARCH), "-n", "5"], "--locks: is for a joint"),
+    ],
+)
+def test_the_command_refuses_in_one_line(words: list[str], expected: str, tmp_path: Path) -> None:
+    found = CliRunner().invoke(main, ["build", *words, "-o", str(tmp_path / "out")])
+    assert found.exit_code != 0
+    assert expected in found.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_file_of_a_joint_is_taken_as_its_flags_are(tmp_path: Path) -> None:
+    file = tmp_path / "joint.yaml"
+    file.write_text("locks: 3\na: 80mm\n")
+    printed = [
+        CliRunner().invoke(main, ["build", *words, "--format", "csv", "-o", str(tmp_path / "out")])
+        for words in ([str(file)], ["-n", "3", "-a", "0.08"], ["--file", str(file)])
+    ]
+    assert {found.exit_code for found in printed} == {0}
+    assert len({found.output for found in printed}) == 1
