@@ -161,7 +161,9 @@ def build(
     push: str,
     **flags: Any,
 ) -> None:
-    """Blocks with their locks as solids: STL, 3MF, OBJ, a table and drawings.
+    """Write the blocks with their locks as closed solids.
+
+    As STL, 3MF and OBJ, with a table of volumes and masses and drawings of each kind of block.
 
     FILE is a structure as for assembly, with or without a load, or a joint's file. Without FILE
     the options describe a joint. Each lock is added to its own block and cut out of the other;
