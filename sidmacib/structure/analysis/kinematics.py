@@ -18,25 +18,30 @@ sliding does not dilate as steps become small (Anitescu, Mathematical Programmin
 113-143, doi:10.1007/s10107-005-0590-7).
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 import cvxpy as cp
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, InfeasibleError, UnboundedError
-from sidmacib.mechanics.assembly import Assembly, Floats
-from sidmacib.mechanics.contact_law import Flags
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.structure.analysis.contacts import OVER, Contacts, Placement
+from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement
+from sidmacib.structure.loads import PointForce, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
+SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
+MOST_STEPS = 2000
 FAR = 300.0  # steps: contacts that are further open are left out
 ACCURACIES = 1e-9, 1e-7, 1e-5
 MOTION_DIGITS = 9
+PRESSED = 1e-6  # of the weight: least force of an interface that counts
+STILL = 1e-3  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
+FALL, WEDGE, REACHED = "fall", "wedge", "reached"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,103 +59,155 @@ class Freedoms:
     driving: Floats
     unit: float
 
+    @classmethod
+    def of(cls, assembly: Assembly, loads: Loads, placed: Placement) -> "Freedoms":
+        """Of the free pieces, and of the support that moves, if one does.
 
-class Drive(Protocol):
-    """A load or a support whose movement is given, in m or rad."""
-
-    def freedoms(self, assembly: Assembly, placed: Placement) -> Freedoms:
-        """What can move where the pieces are ``placed``."""
+        The driving force acts on the support then. Points where forces act move with the pieces.
+        """
+        rows, width = free_rows(assembly), 6 * len(assembly.pieces)
+        ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
+        units, permanent = row_units(assembly) * loads.scale, loads.permanent.ravel()[rows]
+        if isinstance(loads, SupportMotion):
+            moves = np.zeros((1, width))
+            motion = loads.motion(placed.centre[loads.support])
+            moves[0, 6 * loads.support : 6 * loads.support + 6] = motion
+            unit = loads.scale * (assembly.length if loads.turns else 1.0)
+            return cls(
+                vstack([ones, csr_array(moves)], format="csr"),
+                np.append(units, unit),
+                np.append(permanent, 0.0),
+                np.append(np.zeros(len(rows)), 1.0),
+                unit,
+            )
+        driving = loads.variable.copy()
+        if isinstance(loads, PointForce) and loads.arms is not None:
+            arms = np.einsum("pij,pj->pi", placed.turn, loads.arms)
+            driving[:, 3:] = np.cross(arms, driving[:, :3])
+        return cls(ones, units, permanent, driving.ravel()[rows], loads.scale)
 
 
 @dataclass(frozen=True, eq=False)
 class Position:
     """A position of the blocks, and limit analysis there.
 
-    ``load``: the driving force that balances all others, N or N m. ``motion``: how the pieces go on
-    to move per m or rad of the driving movement, (P, 6). ``force``: of the contacts, (K, 3) in N.
-    ``gap``: of the contacts, in m, (K,).
+    ``moved``: the driving movement to there, m or rad. ``load``: the driving force that balances
+    all others, N or N m. ``motion``: how the pieces go on to move per m or rad of that movement,
+    (P, 6). ``contacts``, their ``force``, (K, 3) in N, and their ``rate``, (K, 3): how the vertices
+    move from the flat sides, along the frames, per m or rad.
     """
 
     placed: Placement
+    moved: float
     load: float
     motion: Floats
+    contacts: Contacts
     force: Floats
-    gap: Floats
+    rate: Floats
+
+
+@dataclass(frozen=True)
+class Path:
+    """Positions one after the other, and why there are no more: `FALL`, `WEDGE` or `REACHED`."""
+
+    positions: tuple[Position, ...]
+    end: str
 
 
 @dataclass(frozen=True, eq=False)
 class Kinematics:
-    """The blocks of ``assembly`` and their contacts, driven by a ``drive``."""
+    """The blocks of ``assembly`` and their joints under ``loads``, which drive them."""
 
     assembly: Assembly
-    contacts: Contacts
-    drive: Drive
+    joints: Joints
+    loads: Loads
 
     @classmethod
-    def of(cls, assembly: Assembly, drive: Drive) -> "Kinematics":
-        """`CapacityError` unless all interfaces are dry."""
-        return cls(assembly, Contacts.of(assembly), drive)
+    def of(cls, assembly: Assembly, loads: Loads) -> "Kinematics":
+        """`CapacityError` where gravity turns, and unless all interfaces are dry."""
+        if loads.axis is not None:
+            raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        return cls(assembly, Joints.of(assembly), loads)
 
-    def path(self, most: float = np.inf) -> Iterator[Position]:
-        """Positions one after the other, each after a step, until the movement is ``most``.
+    def start(self) -> Position:
+        """Where the blocks were built; errors of `position`."""
+        return self.position(Placement.of(self.assembly), 0.0, 1.0)
 
-        Errors of `position`: `InfeasibleError` where the blocks fall.
+    def path(self, reached: Callable[[Position], bool]) -> Path:
+        """Positions from the start until one has ``reached`` what is sought, which is the last.
+
+        Errors of `start`, and `CapacityError` if there are too many.
         """
-        here = self.position(Placement.of(self.assembly), 1.0)
-        moved = 0.0
-        while True:
-            yield here
-            step = min(self.step(here.motion), most - moved)
-            if not step > 0.0:
-                return
-            here = self.after(here, step)
-            moved += step
+        found, end = [self.start()], REACHED
+        step = most = self.step(found[0].motion)
+        while not reached(found[-1]) and step >= SHORTEST * most:
+            if len(found) > MOST_STEPS:
+                raise CapacityError(f"{WHAT}: no end after {MOST_STEPS:,} steps")
+            try:
+                found.append(self.after(found[-1], step))
+            except (InfeasibleError, UnboundedError) as error:
+                end = FALL if isinstance(error, InfeasibleError) else WEDGE
+                step /= 2
+            else:
+                most = self.step(found[-1].motion)
+                step = min(step, most) if end != REACHED else most
+        return Path(tuple(found), end)
 
     def after(self, here: Position, step: float) -> Position:
         """The position after a ``step`` (m or rad) of the driving movement, by the midpoint rule."""
-        middle = self.position(here.placed.moved(step / 2 * here.motion), step)
-        return self.position(here.placed.moved(step * middle.motion), step)
+        half = here.placed.moved(step / 2 * here.motion)
+        middle = self.position(half, here.moved + step / 2, step)
+        return self.position(here.placed.moved(step * middle.motion), here.moved + step, step)
 
     def step(self, motion: Floats) -> float:
         """The driving movement by which a point moves by `STEP` of the assembly's length."""
         size = motion.reshape(-1, 2, 3) * np.array([1.0, self.assembly.length])[:, None]
         return STEP * self.assembly.length / float(np.linalg.norm(size, axis=2).max())
 
-    def position(self, placed: Placement, step: float) -> Position:
+    def position(self, placed: Placement, moved: float, step: float) -> Position:
         """Limit analysis where the pieces are ``placed``, over a ``step`` of the driving movement.
 
         `InfeasibleError` if no forces balance the permanent loads, `UnboundedError` if the driving
         force has no limit, as blocks wedge.
         """
-        free = self.drive.freedoms(self.assembly, placed)
-        scale, length = float(free.units.min()), self.assembly.length
-        place, frames, local = self.contacts.seen(placed)
-        gap = local[:, 0]
-        closes = step * free.unit / scale  # m of a contact, of the order of the step
-        near = self.contacts.over(local[:, 1:], OVER * length) & (gap <= FAR * closes)
-        matrix = (free.directions @ self.contacts.matrix(placed, place, frames)).tocsc()
-        used = np.flatnonzero(near)
-        columns = (3 * used[:, None] + np.arange(3)).ravel()
-        rows = matrix[:, columns].tocsr() * (scale / free.units)[:, None]
-        load, s = cp.Variable(), cp.Variable((len(used), 3))
-        balance = (
-            rows @ cp.vec(s, order="C")
-            + free.permanent / free.units
-            + load * (free.driving * free.unit / free.units)
-            == 0.0
-        )
-        friction = self.contacts.friction[used]
-        limits = [cp.norm(s[:, 1:], 2, axis=1) <= cp.multiply(friction, s[:, 0])]
-        cost = (gap[used] / closes) @ s[:, 0]
-        solve(cp.Problem(cp.Maximize(load - cost), [balance, *limits]), WHAT, *ACCURACIES)
+        free = Freedoms.of(self.assembly, self.loads, placed)
+        scale = self.loads.scale
+        closing = step * free.unit / scale  # of the order of what closes in the step, m
+        contacts = self.joints.contacts(placed).closer(FAR * closing)
+        every = contacts.matrix(placed.centre)
+        M = (free.directions @ every).multiply((scale / free.units)[:, None]).tocsr()
+        p, q = free.permanent / free.units, free.driving * free.unit / free.units
+        load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
+        s_n, s_t = s[:, 0], s[:, 1:]
+        balance = M @ cp.vec(s, order="C") + p + load * q == 0.0
+        friction = cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)
+        objective = cp.Maximize(load - contacts.gap / closing @ s_n)
+        solve(cp.Problem(objective, [balance, s_n >= 0, friction]), WHAT, *ACCURACIES)
         multipliers = balance.dual_value / free.units
         motion = free.directions.T @ (multipliers / float(multipliers @ free.driving))
-        force = np.zeros((len(gap), 3))
-        force[used] = scale * s.value
         return Position(
             placed,
+            moved,
             float(load.value) * free.unit,
             np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0,
-            force,
-            gap,
+            contacts,
+            scale * s.value,
+            np.asarray(every.T @ motion).reshape(-1, 3),
         )
+
+    def moving(self, here: Position) -> tuple[list[str], list[str]]:
+        """Names of the interfaces that are hinges at a position, and of those that slide.
+
+        They are pressed; a hinge opens on one side, one that slides moves where it is closed.
+        """
+        opening, sliding = here.rate[:, 0], np.hypot(here.rate[:, 1], here.rate[:, 2])
+        least = STILL * float(np.linalg.norm(here.rate, axis=1).max())
+        hinges, slides = [], []
+        for number, face in enumerate(self.assembly.faces):
+            on_face = here.contacts.face == number
+            pressed = on_face & (here.force[:, 0] > PRESSED * self.loads.scale)
+            if pressed.any() and sliding[pressed].min() > least:
+                slides.append(face.name)
+            elif pressed.any() and opening[on_face].max() > least:
+                hinges.append(face.name)
+        return hinges, slides
