@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.structure.analysis.kinematics import FALL, REACHED, Kinematics, Path, Position
+from sidmacib.structure.analysis.kinematics import FALL, REACHED, WEDGE, Kinematics, Path, Position
+from sidmacib.structure.loads import SupportMotion
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,7 +38,9 @@ class CapacityCurve:
             return f"the load falls to 0 at {last}"
         if self.path.end == FALL:
             return f"the blocks fall at {last}, whatever the load"
-        return f"the blocks wedge at {last}: the load grows without limit"
+        if self.path.end == WEDGE:
+            return f"the blocks wedge at {last}: the load grows without limit"
+        return f"followed to {last}"
 
 
 def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
@@ -46,7 +49,8 @@ def capacity_curve(assembly: Assembly, loads: Loads) -> CapacityCurve:
     `sidmacib.errors.CapacityError` where gravity turns, for interfaces that are not dry, and
     without a limit load. ValueError where a support moves.
     """
-    loads.require_proportional() if loads.axis is None else None
+    if isinstance(loads, SupportMotion):
+        loads.require_proportional()
     kinematics = Kinematics.of(assembly, loads)
     path = kinematics.path(lambda position: position.load <= 0.0)
     found = path.positions

@@ -25,7 +25,7 @@ import cvxpy as cp
 import numpy as np
 from scipy.sparse import csr_array, vstack
 
-from sidmacib.errors import CapacityError, InfeasibleError, UnboundedError
+from sidmacib.errors import CapacityError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
@@ -34,14 +34,14 @@ from sidmacib.structure.loads import PointForce, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
 SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
-MOST_STEPS = 2000
+MOST_STEPS = 500
 FAR = 300.0  # steps: contacts that are further open are left out
 ACCURACIES = 1e-9, 1e-7, 1e-5
 MOTION_DIGITS = 9
 PRESSED = 1e-6  # of the weight: least force of an interface that counts
 STILL = 1e-3  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
-FALL, WEDGE, REACHED = "fall", "wedge", "reached"
+FALL, WEDGE, REACHED, FURTHER = "fall", "wedge", "reached", "further"
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,10 @@ class Position:
 
 @dataclass(frozen=True)
 class Path:
-    """Positions one after the other, and why there are no more: `FALL`, `WEDGE` or `REACHED`."""
+    """Positions one after the other, and why there are no more.
+
+    ``end``: blocks `FALL` or `WEDGE`, what was sought is `REACHED`, or not within `MOST_STEPS`.
+    """
 
     positions: tuple[Position, ...]
     end: str
@@ -136,22 +139,25 @@ class Kinematics:
     def path(self, reached: Callable[[Position], bool]) -> Path:
         """Positions from the start until one has ``reached`` what is sought, which is the last.
 
-        Errors of `start`, and `CapacityError` if there are too many.
+        Errors of `start`.
         """
-        found, end = [self.start()], REACHED
-        step = most = self.step(found[0].motion)
-        while not reached(found[-1]) and step >= SHORTEST * most:
+        found, failed = [self.start()], None
+        step = first = self.step(found[0].motion)
+        while not reached(found[-1]):
             if len(found) > MOST_STEPS:
-                raise CapacityError(f"{WHAT}: no end after {MOST_STEPS:,} steps")
+                return Path(tuple(found), FURTHER)
+            if step < SHORTEST * first:  # or the blocks move ever faster
+                return Path(tuple(found), WEDGE if isinstance(failed, UnboundedError) else FALL)
             try:
                 found.append(self.after(found[-1], step))
-            except (InfeasibleError, UnboundedError) as error:
-                end = FALL if isinstance(error, InfeasibleError) else WEDGE
-                step /= 2
+            except CapacityError as error:
+                if isinstance(error, SolverError) and step < 2.0 * SHORTEST * first:
+                    raise
+                failed, step = error, step / 2
             else:
                 most = self.step(found[-1].motion)
-                step = min(step, most) if end != REACHED else most
-        return Path(tuple(found), end)
+                step = min(step, most) if failed else most
+        return Path(tuple(found), REACHED)
 
     def after(self, here: Position, step: float) -> Position:
         """The position after a ``step`` (m or rad) of the driving movement, by the midpoint rule."""
