@@ -10,7 +10,15 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import EccentricityType, joint_of, joint_options
-from sidmacib.command.output import FORMATS, bars, curves, draw, note_of, status_line, text_of
+from sidmacib.command.output import (
+    FORMATS,
+    bars,
+    curves,
+    draw,
+    note_of,
+    status_line,
+    text_of,
+)
 from sidmacib.drawing import VM_RATIOS
 from sidmacib.joint.loading import Push
 
@@ -286,8 +294,27 @@ def inverse(
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write forces and mechanism of limit analysis as Results of compas_dem, in JSON.",
 )
+@click.option(
+    "--capacity-curve",
+    "curve",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Follow the mechanism at finite displacements; write the load over the displacement, down "
+    "to no load, into this CSV file. If a support moves: its reaction over its movement.",
+)
+@click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the capacity curve into this file: .png, .svg or .pdf.",
+)
 @_format
-def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> None:
+def assembly(
+    file: Path,
+    interfaces: bool,
+    compas: Path | None,
+    curve: Path | None,
+    picture: Path | None,
+    form: str,
+) -> None:
     """Capacity of a structure of blocks of any shape; FILE describes it in YAML.
 
     Or FILE is a model of compas_dem or an assembly of compas_cra, in JSON; a YAML file of the same
@@ -295,17 +322,28 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
 
     limit assumes associated friction, which can overestimate; static follows the load on elastic
     interfaces, with the history of friction, to the first failure and the peak. If gravity turns,
-    both give the angle beyond which there is no equilibrium. Ends with status 1 if no model has an
-    answer.
+    both give the angle beyond which there is no equilibrium. If a support moves: its reaction, and
+    the movement at which the structure falls. Ends with status 1 if no model has an answer.
     """
     with _refused_in_one_line():
         from sidmacib.command.structures import interface_rows, limit_of, structure_rows
         from sidmacib.structure.files.structure_file import read_structure
+        from sidmacib.structure.loads import SupportMotion
         from sidmacib.structure.warnings import structure_warnings
 
         problem = read_structure(file)
         for warning in structure_warnings(problem.assembly):
             click.echo(f"Note: {warning}", err=True)
+        if isinstance(problem.loads, SupportMotion):
+            if interfaces or compas:
+                option = "--interfaces" if interfaces else "--compas"
+                raise click.UsageError(f"{option}: must not be given where a support moves")
+            from sidmacib.command.displacements import support_rows, write_curve
+
+            rows, moves = support_rows(problem)
+            click.echo(text_of(rows, form))
+            write_curve(moves, file.stem, curve, picture)
+            return
         limit = None if interfaces and compas is None else limit_of(problem)
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
@@ -313,6 +351,12 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str) -> No
             from sidmacib.structure.files.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas, limit)
+        if curve is not None or picture is not None:
+            from sidmacib.command.displacements import curve_rows, write_curve
+
+            moves, words = curve_rows(problem)
+            click.echo(f"Capacity curve: {words}.", err=True)
+            write_curve(moves, file.stem, curve, picture)
     _require_answer(rows)
 
 

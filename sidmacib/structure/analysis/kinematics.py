@@ -39,7 +39,7 @@ FAR = 300.0  # steps: contacts that are further open are left out
 ACCURACIES = 1e-9, 1e-7, 1e-5
 MOTION_DIGITS = 9
 PRESSED = 1e-6  # of the weight: least force of an interface that counts
-STILL = 1e-3  # of the largest relative motion: less counts as none
+STILL = 0.02  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
 FALL, WEDGE, REACHED, FURTHER = "fall", "wedge", "reached", "further"
 
@@ -160,7 +160,7 @@ class Kinematics:
         return Path(tuple(found), REACHED)
 
     def after(self, here: Position, step: float) -> Position:
-        """The position after a ``step`` (m or rad) of the driving movement, by the midpoint rule."""
+        """The position after a ``step`` (m or rad) of the movement, by the midpoint rule."""
         half = here.placed.moved(step / 2 * here.motion)
         middle = self.position(half, here.moved + step / 2, step)
         return self.position(here.placed.moved(step * middle.motion), here.moved + step, step)

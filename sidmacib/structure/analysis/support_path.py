@@ -39,6 +39,10 @@ class StaticReactions:
         """Before the support moves."""
         return float(self.reaction[0])
 
+    def dropped(self, least: float) -> bool:
+        """Whether the reaction has dropped to the ``least`` (N or N m)."""
+        return bool(self.reaction[-1] <= least + SETTLED * (self.rest - least))
+
 
 def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> StaticReactions:
     """Move the support until its reaction has dropped to the ``least`` (N or N m).
@@ -66,8 +70,7 @@ def static_reactions(assembly: Assembly, loads: SupportMotion, least: float) -> 
     step = FIRST * loads.scale / softest / (assembly.length if loads.turns else 1.0)
     found = [(0.0, reaction(point))]
     largest = SMALL * (1.0 if loads.turns else assembly.length)
-    enough = least + SETTLED * (found[0][1] - least)
-    while found[-1][0] < largest and found[-1][1] > enough:
+    while found[-1][0] < largest and found[-1][1] > least + SETTLED * (found[0][1] - least):
         try:
             point = solver.solve(found[-1][0] + step, point.unknowns, point.state, thorough=True)
         except NoEquilibriumError:
@@ -112,8 +115,6 @@ def _on_spring(assembly: Assembly, loads: SupportMotion) -> tuple[Assembly, Load
     force = stiffness * size**2 * np.concatenate([motion[:3], turning * motion[3:]])
     zero, variable = np.zeros((1, 6)), np.zeros((len(pieces), 6))
     variable[loads.support] = force
-    sprung = replace(
-        assembly, pieces=tuple(pieces), faces=(*assembly.faces, spring), nodes=nodes
-    )
+    sprung = replace(assembly, pieces=tuple(pieces), faces=(*assembly.faces, spring), nodes=nodes)
     permanent = np.concatenate([loads.permanent, zero])
     return sprung, Loads(permanent, variable, loads.scale)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sidmacib.errors import InfeasibleError, UnboundedError, DOES_NOT_STAND
+from sidmacib.errors import DOES_NOT_STAND, InfeasibleError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.structure.analysis.kinematics import (
     FALL,
