@@ -47,4 +47,9 @@ from .rule.law import law as law
 from .rule.law import safe as safe
 from .rule.pairs import Pairs as Pairs
 from .rule.pairs import pairs_of as pairs_of
+from .structure.analysis.capacity_curve import CapacityCurve as CapacityCurve
+from .structure.analysis.capacity_curve import capacity_curve as capacity_curve
+from .structure.analysis.supports import greatest_reaction as greatest_reaction
+from .structure.analysis.supports import least_reaction as least_reaction
+from .structure.analysis.supports import support_path as support_path
 from .structure.analysis.vertices import vertex_effects as vertex_effects
