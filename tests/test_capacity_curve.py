@@ -220,3 +220,19 @@ def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -
         capacity_curve(block(), tilting(block(), Tilt((0.0, 1.0, 0.0))))
     with pytest.raises(ValueError, match="a support moves"):
         capacity_curve(block(), support_moves(block(), "ground", ALONG_X))
+
+
+def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
+    gap = 0.1
+    blocks = [
+        GROUND,
+        box("block", (0, 0, 0), (WIDTH, DEPTH, HEIGHT), 2e3),
+        box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3),
+    ]
+    model = structure(blocks, dry(0.7))
+    loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
+    curve = capacity_curve(model, loads)
+    assert curve.path.met == ("block", "post")
+    assert curve.end.startswith("block and post meet at 0.1")
+    # The top corner has moved by the gap; the point of the force, at the other one, nearly so.
+    assert curve.displacement[-1] == pytest.approx(gap, abs=0.03)

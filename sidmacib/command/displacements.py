@@ -114,6 +114,8 @@ def _end(path: SupportPath) -> str:
         return f"the structure falls; {_joints(path.hinges, path.slides)}"
     if path.free:
         return "the support carries nothing more: the structure stands without it"
+    if path.path.met:
+        return f"{' and '.join(path.path.met)} meet; it was followed no further"
     return "the structure still stands; it was followed no further"
 
 

@@ -40,6 +40,8 @@ class CapacityCurve:
             return f"the blocks fall at {last}, whatever the load"
         if self.path.end == WEDGE:
             return f"the blocks wedge at {last}: the load grows without limit"
+        if self.path.met:
+            return f"{' and '.join(self.path.met)} meet at {last}, where the curve ends"
         return f"followed to {last}"
 
 

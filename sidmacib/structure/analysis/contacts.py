@@ -2,7 +2,8 @@
 
 The point of a contact stays with the vertex and its normal with the flat side. A vertex that has
 left the outline of the side carries nothing; where outlines cross, there is a contact at the
-crossing. Contacts are sought between blocks that touched when they were built.
+crossing. Contacts are sought between blocks that touched when they were built; `meeting` finds
+others.
 """
 
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.overlaps import candidates, overlap
 
 SAME = 1e-6  # of the assembly's length: planes no further apart coincide
 OVER = 1e-3  # of it: how far a vertex may hang over the edge of a side that still carries it
@@ -190,17 +192,59 @@ def _sides(assembly: Assembly, face: Polygon, near: float) -> tuple[Side, Side]:
 def _side(end: int, piece: Piece, face: Polygon, axes: Floats, near: float) -> Side:
     """The whole side of a ``piece`` that an interface is part of; `axes`: outwards from it."""
     outline = face.outline
-    if isinstance(piece, Block | Compound):
-        solids = piece.solids if isinstance(piece, Compound) else (piece,)
-        parts = []
-        for corners in (corners for solid in solids for corners in solid.outlines):
-            local = (corners - np.array(face.middle)) @ axes.T
-            if np.abs(local[:, 0]).max() <= near:
-                part = shapely.Polygon(local[:, 1:])
-                if part.intersection(face.outline).area > near * face.outline.length:
-                    parts.append(part)
+    parts = []
+    for corners in (corners for solid in _solids(piece) for corners in solid.outlines):
+        local = (corners - np.array(face.middle)) @ axes.T
+        if np.abs(local[:, 0]).max() <= near:
+            part = shapely.Polygon(local[:, 1:])
+            if part.intersection(face.outline).area > near * face.outline.length:
+                parts.append(part)
+    if parts:
         whole = parts[0] if len(parts) == 1 else shapely.union_all(parts, grid_size=near)
         outline = whole.simplify(near) if isinstance(whole, shapely.Polygon) else outline
     flat = shapely.get_coordinates(outline.exterior)[:-1]
     middle = np.array(face.middle)
     return Side(end, middle + flat @ axes[1:], axes, middle, outline)
+
+
+@dataclass(frozen=True, eq=False)
+class _Placed:
+    """A convex solid of a piece where the piece is placed; see `sidmacib.structure.overlaps`."""
+
+    piece: int
+    fixed: bool
+    places: Floats
+    normals: Floats
+    outlines: tuple[Floats, ...]
+
+
+def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
+    """Names of two pieces that did not touch when they were built, and now overlap.
+
+    Solids that are not convex are left out.
+    """
+    touching = {frozenset((face.below, face.above)) for face in assembly.faces}
+    solids = [
+        _Placed(
+            number,
+            piece.fixed,
+            placed.at(number, solid.places),
+            solid.normals @ placed.turn[number].T,
+            tuple(placed.at(number, outline) for outline in solid.outlines),
+        )
+        for number, piece in enumerate(assembly.pieces)
+        for solid in _solids(piece)
+        if solid.reentrant is None
+    ]
+    over = OVER * assembly.length
+    for one, other in candidates(solids, over):
+        apart = one.piece != other.piece and frozenset((one.piece, other.piece)) not in touching
+        if apart and overlap(one, other, over) > over:
+            return assembly.pieces[one.piece].name, assembly.pieces[other.piece].name
+    return None
+
+
+def _solids(piece: Piece) -> tuple[Block, ...]:
+    if isinstance(piece, Compound):
+        return piece.solids
+    return (piece,) if isinstance(piece, Block) else ()

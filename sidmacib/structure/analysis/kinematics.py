@@ -29,7 +29,7 @@ from sidmacib.errors import CapacityError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
-from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement
+from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
 from sidmacib.structure.loads import PointForce, SupportMotion
 
 STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
@@ -41,7 +41,7 @@ MOTION_DIGITS = 9
 PRESSED = 1e-6  # of the weight: least force of an interface that counts
 STILL = 0.02  # of the largest relative motion: less counts as none
 WHAT = "finite displacements"
-FALL, WEDGE, REACHED, FURTHER = "fall", "wedge", "reached", "further"
+FALL, WEDGE, MEET, REACHED, FURTHER = "fall", "wedge", "meet", "reached", "further"
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +110,13 @@ class Position:
 class Path:
     """Positions one after the other, and why there are no more.
 
-    ``end``: blocks `FALL` or `WEDGE`, what was sought is `REACHED`, or not within `MOST_STEPS`.
+    ``end``: blocks `FALL` or `WEDGE`, two that did not touch `MEET`, what was sought is `REACHED`,
+    or not within `MOST_STEPS`. ``met``: the names of those that meet.
     """
 
     positions: tuple[Position, ...]
     end: str
+    met: tuple[str, str] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +147,8 @@ class Kinematics:
         failed: list[CapacityError] = []
         step = first = self.step(found[0].motion)
         while not reached(found[-1]):
+            if met := meeting(self.assembly, found[-1].placed):
+                return Path(tuple(found), MEET, met)
             if len(found) > MOST_STEPS:
                 return Path(tuple(found), FURTHER)
             if step < SHORTEST * first:  # or the blocks move ever faster
