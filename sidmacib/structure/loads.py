@@ -50,7 +50,7 @@ class SupportMotion(Loads):
 
     def require_proportional(self) -> None:
         """ValueError: no load is raised."""
-        raise ValueError("loads: a support moves; use support_reactions")
+        raise ValueError("loads: a support moves; use least_reaction or support_path")
 
 
 def acceleration(assembly: Assembly, direction: Sequence[float]) -> Loads:
