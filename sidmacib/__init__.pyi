@@ -51,4 +51,9 @@ from .rule.resistance import Characteristic as Characteristic
 from .rule.resistance import Reliability as Reliability
 from .rule.resistance import characteristic as characteristic
 from .rule.resistance import design_resistance as design_resistance
+from .structure.analysis.capacity_curve import CapacityCurve as CapacityCurve
+from .structure.analysis.capacity_curve import capacity_curve as capacity_curve
+from .structure.analysis.supports import greatest_reaction as greatest_reaction
+from .structure.analysis.supports import least_reaction as least_reaction
+from .structure.analysis.supports import support_path as support_path
 from .structure.analysis.vertices import vertex_effects as vertex_effects

@@ -41,6 +41,7 @@ def test_the_command_prints_the_capacity_of_a_structure(path: Path) -> None:
     assert rows["static"]["load / weight"] == pytest.approx(0.2, rel=1e-3)
     assert rows["static"]["peak (N)"] == rows["static"]["load (N)"]
     note = "the peak counts: no bond fails before the peak; failure mode: mechanism"
+    note += "; small displacements"
     assert rows["static"]["note"] == note
 
 
@@ -76,7 +77,7 @@ def test_the_command_prints_the_angle_at_which_a_structure_slides(path: Path) ->
     assert rows["limit"]["tilt (degrees)"] == pytest.approx(slides, rel=1e-6)
     assert rows["static"]["tilt (degrees)"] == pytest.approx(slides, rel=2e-4)
     assert str(rows["static"]["note"]).endswith(
-        "failure mode: sliding; largest displacement: block"
+        "failure mode: sliding; largest displacement: block; small displacements"
     )
     (row,) = answers("assembly", str(path), "--interfaces")
     assert row["compression (N)"] == pytest.approx(
@@ -209,7 +210,7 @@ def test_locks_are_pieces_and_condensed_ones_are_refused_by_the_static_model_alo
             "condensed.working: must not be given beside rule",
         ),
         ({"locks": [LOCKS | {"condensed": {"working": 4}}]}, r"working: 4.* at most 3"),
-        ({"load": {}}, "load: must have one key, acceleration, force or tilt"),
+        ({"load": {}}, "load: must have one key, acceleration, force, tilt or support"),
         ({"load": {"tilt": {"axis": [0, 0, 1]}}}, r"load.tilt.axis: \[0.* not vertical"),
         ({"load": {"tilt": {"axis": [0, 0, 0]}}}, r"load.tilt.axis: .* not all 0"),
         ({"load": {"acceleration": [0, 0, 0]}}, r"load\.acceleration: .* not all 0"),

@@ -36,8 +36,28 @@ GAP = Number(at_least=0, unit="m")
     type=click.Path(dir_okay=False, path_type=Path),
     help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
 )
+@click.option(
+    "--capacity-curve",
+    "curve",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Follow the mechanism at finite displacements; write the load over the displacement, down "
+    "to no load, into this CSV file. If a support moves: its reaction over its movement.",
+)
+@click.option(
+    "--picture",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Draw the capacity curve into this file: .png, .svg or .pdf.",
+)
 @format_option
-def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **options: Any) -> None:
+def assembly(
+    file: Path,
+    interfaces: bool,
+    compas: Path | None,
+    curve: Path | None,
+    picture: Path | None,
+    form: str,
+    **options: Any,
+) -> None:
     """Compute the load capacity of a block structure.
 
     FILE describes the blocks, the interfaces and the load in YAML, or has the blocks: OBJ, STL,
@@ -46,7 +66,8 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **opt
 
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
-    both report the largest angle in equilibrium. The exit status is 1 if no model has a result.
+    both report the largest angle in equilibrium. If a support moves: its reaction, and the movement
+    at which the structure falls. The exit status is 1 if no model has a result.
     """
     with refused_in_one_line():
         from sidmacib.command.structures import (
@@ -57,11 +78,22 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **opt
             structure_rows,
         )
         from sidmacib.structure.files.structure_file import description_in, structure_of
+        from sidmacib.structure.loads import SupportMotion
 
         description = description_in(file, added_keys(**options))
         problem = structure_of(description, file.parent)
         for note in structure_notes(problem, description):
             click.echo(f"Note: {note}", err=True)
+        if isinstance(problem.loads, SupportMotion):
+            if interfaces or compas:
+                option = "--interfaces" if interfaces else "--compas"
+                raise click.UsageError(f"{option}: must not be given where a support moves")
+            from sidmacib.command.displacements import support_rows, write_curve
+
+            rows, moves = support_rows(problem)
+            click.echo(text_of(rows, form))
+            write_curve(moves, file.stem, curve, picture)
+            return
         limit = None if interfaces and compas is None else limit_of(problem)
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
         click.echo(text_of(rows, form))
@@ -69,6 +101,12 @@ def assembly(file: Path, interfaces: bool, compas: Path | None, form: str, **opt
             from sidmacib.structure.files.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas, limit)
+        if curve is not None or picture is not None:
+            from sidmacib.command.displacements import curve_rows, write_curve
+
+            moves, words = curve_rows(problem)
+            click.echo(f"Capacity curve: {words}.", err=True)
+            write_curve(moves, file.stem, curve, picture)
     require_answer(rows)
 
 

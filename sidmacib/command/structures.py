@@ -13,7 +13,8 @@ from sidmacib.problem import Problem
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.analysis.limit_mesh_error import limit_mesh_error
 from sidmacib.structure.analysis.limit_tilt import limit_tilt
-from sidmacib.structure.analysis.tilt import Tilt, moves_most
+from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
+from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.sections import StructureFile
 from sidmacib.structure.loads import free_weight
 from sidmacib.structure.warnings import structure_warnings
@@ -118,15 +119,30 @@ def _static(problem: Problem) -> Row:
         answer = static_answer(problem)
     except CapacityError as error:
         return _row(problem, "static", None, reason(error))
-    return _row(problem, "static", answer.load, _note(answer), answer.mesh_error, answer)
+    return _row(problem, "static", answer.load, _note(problem, answer), answer.mesh_error, answer)
 
 
-def _note(answer: StaticAnswer) -> str:
-    """The load that counts, the reason, and the end of the peak."""
+def _note(problem: Problem, answer: StaticAnswer) -> str:
+    """The load that counts, the reason, the end of the peak, and what small displacements miss."""
     moves = ""
     if answer.mechanism is not None:
         moves = f"; largest displacement: {moves_most(answer.assembly, answer.mechanism)}"
-    return f"{answer.counts}; failure mode: {answer.mode}{moves}"
+    rotation = rotation_words(_rotation_effect(problem, answer)) or "small displacements"
+    return f"{answer.counts}; failure mode: {answer.mode}{moves}; {rotation}"
+
+
+def _rotation_effect(problem: Problem, answer: StaticAnswer) -> float | None:
+    """The change of the load that counts by finite rotation, over it; None where it is unknown."""
+    assembly, loads, load = answer.assembly, problem.loads, answer.load
+    if not load > 0.0:
+        return None
+    path = [point for point in answer.path if point.load <= answer.state.load]
+    if loads.axis is None:
+        change = rotation_effect(assembly, loads, path, load)
+    else:
+        loads = turning(assembly, Tilt(loads.axis), load)
+        change, load = rotation_effect(assembly, loads, path, 0.0), load_of_tilt(load, loads)
+    return None if change is None else change / load
 
 
 def _row(

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Protocol, TypeVar
 
 import manifold3d
 import numpy as np
@@ -14,6 +15,29 @@ WIDEST = 0.1  # largest tolerance, over the mean size of the blocks
 PARALLEL = 1e-6  # least length of the cross product of two unit vectors that gives a direction
 
 
+class Convex(Protocol):
+    """What the search for overlaps sees of a convex block; see `Block`."""
+
+    @property
+    def places(self) -> Floats:
+        """Vertices in m, (V, 3)."""
+
+    @property
+    def normals(self) -> Floats:
+        """Unit normals of the faces, (F, 3)."""
+
+    @property
+    def outlines(self) -> Sequence[Floats]:
+        """Vertices of each face, (K, 3) each."""
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it cannot move."""
+
+
+_Convex = TypeVar("_Convex", bound=Convex)
+
+
 def require_apart(blocks: Sequence[Block], near: float, size: float) -> None:
     """ValueError, with their names, for two blocks that overlap by more than ``near`` (m).
 
@@ -21,7 +45,7 @@ def require_apart(blocks: Sequence[Block], near: float, size: float) -> None:
     share is more than a layer of that thickness on the smaller one. ``size`` (m): of blocks, which
     the tolerance is over.
     """
-    for one, other in _candidates(blocks, near):
+    for one, other in candidates(blocks, near):
         if one.reentrant is None and other.reentrant is None:
             depth = overlap(one, other, near)
             words = f"{depth:.3g} m"
@@ -70,7 +94,7 @@ def _surface(block: Block) -> float:
     return float(np.linalg.norm(around, axis=1).sum()) / 2
 
 
-def overlap(one: Block, other: Block, near: float = 0.0) -> float:
+def overlap(one: Convex, other: Convex, near: float = 0.0) -> float:
     """Depth (m) to which two convex blocks reach into each other; 0 or less if they do not.
 
     By separating axes: normals of faces and cross products of edges. The search ends at the first
@@ -86,7 +110,7 @@ def overlap(one: Block, other: Block, near: float = 0.0) -> float:
     return least
 
 
-def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, Block]]:
+def candidates(blocks: Sequence[_Convex], near: float) -> Iterator[tuple[_Convex, _Convex]]:
     """Pairs of blocks, one of them free, whose boxes overlap."""
     low = np.array([block.places.min(axis=0) for block in blocks])
     high = np.array([block.places.max(axis=0) for block in blocks])
@@ -107,7 +131,7 @@ def _candidates(blocks: Sequence[Block], near: float) -> Iterator[tuple[Block, B
                 yield blocks[number], blocks[other]
 
 
-def _axes(one: Block, other: Block) -> Iterator[Floats]:
+def _axes(one: Convex, other: Convex) -> Iterator[Floats]:
     yield from one.normals
     yield from other.normals
     across = np.cross(_edges(one)[:, None], _edges(other)[None]).reshape(-1, 3)
@@ -115,7 +139,7 @@ def _axes(one: Block, other: Block) -> Iterator[Floats]:
     yield from across[length > PARALLEL] / length[length > PARALLEL][:, None]
 
 
-def _edges(block: Block) -> Floats:
+def _edges(block: Convex) -> Floats:
     """Directions of the edges, each once, (E, 3)."""
     along = np.concatenate([np.roll(c, -1, axis=0) - c for c in block.outlines])
     along /= np.linalg.norm(along, axis=1, keepdims=True)

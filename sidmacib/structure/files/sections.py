@@ -22,7 +22,7 @@ from sidmacib.structure.blocks import Block, box, prism
 from sidmacib.structure.files.compas import DENSITIES
 from sidmacib.structure.files.file_section import FileSection
 from sidmacib.structure.files.selection import Between
-from sidmacib.structure.loads import acceleration, force_at
+from sidmacib.structure.loads import acceleration, force_at, support_moves, support_turns
 from sidmacib.structure.locks import ALL, Condensed, Locks
 
 INTERFACE = FaceMaterial(1e10, 1e10, friction=0.7, cohesion=0.0, tensile_strength=0.0)
@@ -239,8 +239,29 @@ class TiltSection(Keys):
         return self
 
 
+class SupportSection(Keys):
+    """A support that moves: one of displacement and rotation is needed."""
+
+    block: Text
+    """the name of a fixed block"""
+    displacement: Way | None = None
+    """the direction in which it settles or spreads; the result is in m"""
+    rotation: Way | None = None
+    """the axis about which it turns, by the right-hand rule; the result is in degrees"""
+    about: Vector | None = None
+    """a point of this axis, by default the block's centroid"""
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        if len(self.model_fields_set & {"displacement", "rotation"}) != 1:
+            raise ValueError("must have either displacement or rotation")
+        if self.about and not self.rotation:
+            raise ValueError("about: must not be given beside displacement")
+        return self
+
+
 class LoadSection(Keys):
-    """Weight always acts. One load is raised, or gravity turns."""
+    """Weight always acts. One load is raised, gravity turns, or a support moves."""
 
     acceleration: Way | None = None
     """direction of forces in proportion to the masses; the result is their sum"""
@@ -248,11 +269,13 @@ class LoadSection(Keys):
     """a force on one block"""
     tilt: TiltSection | None = None
     """gravity that turns"""
+    support: SupportSection | None = None
+    """a support that moves; for `multilock assembly` only"""
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         if len(self.model_fields_set) != 1:
-            raise ValueError("must have one key, acceleration, force or tilt")
+            raise ValueError("must have one key, acceleration, force, tilt or support")
         return self
 
     def on(self, assembly: Assembly) -> Loads:
@@ -261,11 +284,16 @@ class LoadSection(Keys):
             return tilting(assembly, Tilt(self.tilt.axis))
         if self.acceleration:
             return acceleration(assembly, self.acceleration)
-        assert self.force
+        moves, key = self.support, "support" if self.support else "force"
         try:
+            if moves and moves.displacement:
+                return support_moves(assembly, moves.block, moves.displacement)
+            if moves and moves.rotation:
+                return support_turns(assembly, moves.block, moves.rotation, moves.about)
+            assert self.force
             return force_at(assembly, self.force.block, self.force.at, self.force.direction)
         except ValueError as error:
-            raise ValueError(f"load.force.{error}") from None
+            raise ValueError(f"load.{key}.{error}") from None
 
 
 class StructureFile(Keys):

@@ -145,8 +145,14 @@ def _of_files(
 
 
 def loads_of(assembly: Assembly, value: Any) -> Loads:
-    """The weight of ``assembly`` and the load that a file's key ``load`` gives; ValueError."""
-    return LoadSection.read(value, "load").on(assembly)
+    """The weight of ``assembly`` and the load that a file's key ``load`` gives, for any model.
+
+    ValueError, for a support that moves too.
+    """
+    given = LoadSection.read(value, "load")
+    if given.support:
+        raise ValueError("load.support: is for multilock assembly only; use another load here")
+    return given.on(assembly)
 
 
 def with_bodies(description: Any, folder: Path) -> Any:

@@ -1,0 +1,234 @@
+r"""Finite motion of a structure of rigid blocks, by limit analysis on the displaced geometry.
+
+The movement of a load or a support is given, step by step. In a step of h the blocks move by
+:math:`\Delta u` so that their potential energy rises least while no contact closes beyond its gap
+g. The dual of that is limit analysis of the displaced structure, in which a force may act across a
+gap that the step can close, at a cost:
+
+.. math::
+
+    \max_{\lambda, s} \quad \lambda - \tfrac{1}{h} g^T s_n
+    \quad \text{subject to} \quad
+    M s + p + \lambda q = 0, \quad |s_t| \le \mu s_n
+
+M has the contacts where they are now, see `sidmacib.structure.analysis.contacts`. The multipliers
+of equilibrium are :math:`\Delta u / h`, normalised by :math:`q^T \Delta u = h`. Associated friction
+opens a joint that slides by at most :math:`\mu h`, once: the gap is there in the next step. So
+sliding does not dilate as steps become small (Anitescu, Mathematical Programming 105, 2006,
+113-143, doi:10.1007/s10107-005-0590-7).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import cvxpy as cp
+import numpy as np
+from scipy.sparse import csr_array, vstack
+
+from sidmacib.errors import CapacityError, SolverError, UnboundedError
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.equilibrium import free_rows, row_units
+from sidmacib.mechanics.optimisation import solve
+from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
+from sidmacib.structure.loads import PointForce, SupportMotion
+
+STEP = 0.01  # largest motion of a point in a step, over the length of the assembly
+SHORTEST = 1 / 64  # of a step: precision of the movement at which blocks fall
+MOST_STEPS = 500
+FAR = 300.0  # steps: contacts that are further open are left out
+ACCURACIES = 1e-9, 1e-7, 1e-5
+MOTION_DIGITS = 9
+PRESSED = 1e-6  # of the weight: least force of an interface that counts
+STILL = 0.02  # of the largest relative motion: less counts as none
+WHAT = "finite displacements"
+FALL, WEDGE, MEET, REACHED, FURTHER = "fall", "wedge", "meet", "reached", "further"
+
+
+@dataclass(frozen=True, eq=False)
+class Freedoms:
+    """What can move, and the forces along it.
+
+    ``directions``: of the pieces (m and rad about their centroids) per unit of each freedom,
+    (R, 6 P). ``units``: of the forces along them, in N or N m; ``permanent``: these forces;
+    ``driving``: per unit of the driving one; all (R,). ``unit``: of the driving force.
+    """
+
+    directions: csr_array
+    units: Floats
+    permanent: Floats
+    driving: Floats
+    unit: float
+
+    @classmethod
+    def of(cls, assembly: Assembly, loads: Loads, placed: Placement) -> "Freedoms":
+        """Of the free pieces, and of the support that moves, if one does.
+
+        The driving force acts on the support then. Points where forces act move with the pieces.
+        """
+        rows, width = free_rows(assembly), 6 * len(assembly.pieces)
+        ones = csr_array((np.ones(len(rows)), (np.arange(len(rows)), rows)), (len(rows), width))
+        units, permanent = row_units(assembly) * loads.scale, loads.permanent.ravel()[rows]
+        if isinstance(loads, SupportMotion):
+            moves = np.zeros((1, width))
+            motion = loads.motion(placed.centre[loads.support])
+            moves[0, 6 * loads.support : 6 * loads.support + 6] = motion
+            unit = loads.scale * (assembly.length if loads.turns else 1.0)
+            return cls(
+                vstack([ones, csr_array(moves)], format="csr"),
+                np.append(units, unit),
+                np.append(permanent, 0.0),
+                np.append(np.zeros(len(rows)), 1.0),
+                unit,
+            )
+        driving = loads.variable.copy()
+        if isinstance(loads, PointForce) and loads.arms is not None:
+            arms = np.einsum("pij,pj->pi", placed.turn, loads.arms)
+            driving[:, 3:] = np.cross(arms, driving[:, :3])
+        return cls(ones, units, permanent, driving.ravel()[rows], loads.scale)
+
+
+@dataclass(frozen=True, eq=False)
+class Position:
+    """A position of the blocks, and limit analysis there.
+
+    ``moved``: the driving movement to there, m or rad. ``load``: the driving force that balances
+    all others, N or N m. ``motion``: how the pieces go on to move per m or rad of that movement,
+    (P, 6). ``contacts``, their ``force``, (K, 3) in N, and their ``rate``, (K, 3): how the vertices
+    move from the flat sides, along the frames, per m or rad.
+    """
+
+    placed: Placement
+    moved: float
+    load: float
+    motion: Floats
+    contacts: Contacts
+    force: Floats
+    rate: Floats
+
+
+@dataclass(frozen=True)
+class Path:
+    """Positions one after the other, and why there are no more.
+
+    ``end``: blocks `FALL` or `WEDGE`, two that did not touch `MEET`, what was sought is `REACHED`,
+    or not within `MOST_STEPS`. ``met``: the names of those that meet.
+    """
+
+    positions: tuple[Position, ...]
+    end: str
+    met: tuple[str, str] | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Kinematics:
+    """The blocks of ``assembly`` and their joints under ``loads``, which drive them."""
+
+    assembly: Assembly
+    joints: Joints
+    loads: Loads
+
+    @classmethod
+    def of(cls, assembly: Assembly, loads: Loads) -> "Kinematics":
+        """`CapacityError` where gravity turns, and unless all interfaces are dry."""
+        if loads.axis is not None:
+            raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        return cls(assembly, Joints.of(assembly), loads)
+
+    def start(self) -> Position:
+        """Where the blocks were built; errors of `position`."""
+        return self.position(Placement.of(self.assembly), 0.0, 1.0)
+
+    def path(self, reached: Callable[[Position], bool]) -> Path:
+        """Positions from the start until one has ``reached`` what is sought, which is the last.
+
+        Errors of `start`.
+        """
+        found: list[Position] = [self.start()]
+        failed: list[CapacityError] = []
+        step = first = self.step(found[0].motion)
+        while not reached(found[-1]):
+            if met := meeting(self.assembly, found[-1].placed):
+                return Path(tuple(found), MEET, met)
+            if len(found) > MOST_STEPS:
+                return Path(tuple(found), FURTHER)
+            if step < SHORTEST * first:  # or the blocks move ever faster
+                return Path(tuple(found), _verdict(failed))
+            try:
+                found.append(self.after(found[-1], step))
+            except CapacityError as error:
+                failed.append(error)
+                step /= 2
+            else:
+                most = self.step(found[-1].motion)
+                step = min(step, most) if failed else most
+        return Path(tuple(found), REACHED)
+
+    def after(self, here: Position, step: float) -> Position:
+        """The position after a ``step`` (m or rad) of the movement, by the midpoint rule."""
+        half = here.placed.moved(step / 2 * here.motion)
+        middle = self.position(half, here.moved + step / 2, step)
+        return self.position(here.placed.moved(step * middle.motion), here.moved + step, step)
+
+    def step(self, motion: Floats) -> float:
+        """The driving movement by which a point moves by `STEP` of the assembly's length."""
+        size = motion.reshape(-1, 2, 3) * np.array([1.0, self.assembly.length])[:, None]
+        return STEP * self.assembly.length / float(np.linalg.norm(size, axis=2).max())
+
+    def position(self, placed: Placement, moved: float, step: float) -> Position:
+        """Limit analysis where the pieces are ``placed``, over a ``step`` of the driving movement.
+
+        `InfeasibleError` if no forces balance the permanent loads, `UnboundedError` if the driving
+        force has no limit, as blocks wedge.
+        """
+        free = Freedoms.of(self.assembly, self.loads, placed)
+        scale = self.loads.scale
+        closing = step * free.unit / scale  # of the order of what closes in the step, m
+        contacts = self.joints.contacts(placed).closer(FAR * closing)
+        every = contacts.matrix(placed.centre)
+        M = (free.directions @ every).multiply((scale / free.units)[:, None]).tocsr()
+        p, q = free.permanent / free.units, free.driving * free.unit / free.units
+        load, s = cp.Variable(), cp.Variable((len(contacts.gap), 3))
+        s_n, s_t = s[:, 0], s[:, 1:]
+        balance = M @ cp.vec(s, order="C") + p + load * q == 0.0
+        friction = cp.norm(s_t, 2, axis=1) <= cp.multiply(contacts.friction, s_n)
+        objective = cp.Maximize(load - contacts.gap / closing @ s_n)
+        solve(cp.Problem(objective, [balance, s_n >= 0, friction]), WHAT, *ACCURACIES)
+        multipliers = balance.dual_value / free.units
+        motion = free.directions.T @ (multipliers / float(multipliers @ free.driving))
+        return Position(
+            placed,
+            moved,
+            float(load.value) * free.unit,
+            np.round(motion.reshape(-1, 6), MOTION_DIGITS) + 0.0,
+            contacts,
+            scale * s.value,
+            np.asarray(every.T @ motion).reshape(-1, 3),
+        )
+
+    def moving(self, here: Position) -> tuple[list[str], list[str]]:
+        """Names of the interfaces that are hinges at a position, and of those that slide.
+
+        They are pressed; a hinge opens on one side, one that slides moves where it is closed.
+        """
+        opening, sliding = here.rate[:, 0], np.hypot(here.rate[:, 1], here.rate[:, 2])
+        least = STILL * float(np.linalg.norm(here.rate, axis=1).max())
+        hinges, slides = [], []
+        for number, face in enumerate(self.assembly.faces):
+            on_face = here.contacts.face == number
+            pressed = on_face & (here.force[:, 0] > PRESSED * self.loads.scale)
+            if pressed.any() and sliding[pressed].min() > least:
+                slides.append(face.name)
+            elif pressed.any() and opening[on_face].max() > least:
+                hinges.append(face.name)
+        return hinges, slides
+
+
+def _verdict(failed: Sequence[CapacityError]) -> str:
+    """Why no step follows, however short; the error of a solver that proved neither reason.
+
+    Close to where blocks fall, a solver may be unable to prove that they do.
+    """
+    proven = [error for error in failed if not isinstance(error, SolverError)]
+    if failed and not proven:
+        raise failed[-1]
+    return WEDGE if proven and isinstance(proven[-1], UnboundedError) else FALL

@@ -1,0 +1,73 @@
+r"""How much finite rotation would change a load of the static model, to second order (P-Delta).
+
+The static model balances forces where pieces were built. Where they have turned by :math:`\theta`,
+forces act at other places, and have moments that it leaves out. Their work in the motion
+:math:`\dot u` with which the path goes on, over that of the load, is the change of the load:
+
+.. math::
+
+    \Delta\lambda = - \frac{\sum_i \dot\theta_i \cdot
+    \sum_n (\theta_i \times r_{in}) \times f_{in}}{q \cdot \dot u}
+
+The first sum is over the pieces, the second over the forces on each, f at r from its centroid. For
+a block that rocks it is the slope of its load, :math:`W \tan(\alpha - \theta)`, times its rotation.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.solution import Equilibrium
+from sidmacib.structure.loads import PointForce
+
+MATTERS = 0.05  # of the load: a change that is worth a note
+
+
+def rotation_effect(
+    assembly: Assembly, loads: Loads, path: Sequence[Equilibrium], load: float
+) -> float | None:
+    """The change of the load by the rotations at the last equilibrium of ``path``, in N.
+
+    ``loads``: whose variable part raises the path there; ``load`` (N): the multiple of it that acts
+    beside the permanent loads. None where the path has no motion along the load.
+    """
+    earlier = [point for point in path if point.load < path[-1].load]
+    if not earlier:
+        return None
+    here, goes_on = (
+        _of_pieces(assembly, unknowns)
+        for unknowns in (path[-1].unknowns, path[-1].unknowns - earlier[-1].unknowns)
+    )
+    work = float(np.sum(loads.variable * goes_on))
+    if not work > 0.0:
+        return None
+    moments = np.zeros((len(assembly.pieces), 3))
+    on_above = np.einsum("nk,nkx->nx", path[-1].force, face_frames(assembly))
+    for side, sign in (("above", 1.0), ("below", -1.0)):
+        piece = np.array([getattr(face, side) for face in assembly.faces])[assembly.nodes.face]
+        arms = assembly.nodes.position - np.array([each.centre for each in assembly.pieces])[piece]
+        turned = np.cross(here[piece, 3:], arms)
+        np.add.at(moments, piece, np.cross(turned, sign * on_above))
+    if isinstance(loads, PointForce) and loads.arms is not None:
+        moments += np.cross(np.cross(here[:, 3:], loads.arms), load * loads.variable[:, :3])
+    return -float(np.sum(moments * goes_on[:, 3:])) / work
+
+
+def rotation_words(change: float | None) -> str:
+    """A note on a ``change`` of the load, over it; nothing if it does not matter."""
+    if change is None or abs(change) <= MATTERS:
+        return ""
+    way = "lower" if change < 0.0 else "raise"
+    return (
+        f"small displacements: finite rotation would {way} it by about {100.0 * abs(change):.2g} %"
+    )
+
+
+def _of_pieces(assembly: Assembly, unknowns: Floats) -> Floats:
+    """Displacements (m) and rotations (rad) of all pieces, (P, 6)."""
+    motion = np.zeros((len(assembly.pieces), 6))
+    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
+    motion[free] = unknowns.reshape(len(free), 6)
+    return motion

@@ -1,0 +1,238 @@
+"""Capacity curves: rigid blocks followed at finite displacements, against closed forms."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from structures import dry
+
+from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Floats
+from sidmacib.mechanics.limit import limit_load
+from sidmacib.structure.analysis.capacity_curve import CapacityCurve, capacity_curve
+from sidmacib.structure.analysis.contacts import Placement
+from sidmacib.structure.analysis.tilt import Tilt, tilting
+from sidmacib.structure.blocks import box
+from sidmacib.structure.loads import acceleration, force_at, free_weight, support_moves
+from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch
+
+GROUND = box("ground", (-2.0, -2.0, -1.0), (2.0, 2.0, 0.0), 2e3, fixed=True)
+WIDTH, DEPTH, HEIGHT = 0.4, 0.6, 1.0
+ALONG_X = (1.0, 0.0, 0.0)
+
+
+def block(friction: float = 0.7) -> Assembly:
+    return structure([GROUND, box("block", (0, 0, 0), (WIDTH, DEPTH, HEIGHT), 2e3)], dry(friction))
+
+
+def turns(curve: CapacityCurve, piece: int) -> Floats:
+    """The rotation of a piece about y at each position, in rad."""
+    matrices = [each.placed.turn[piece] for each in curve.path.positions]
+    return np.array([math.atan2(turn[0, 2], turn[0, 0]) for turn in matrices])
+
+
+def test_a_rocking_block_carries_its_weight_times_tan_of_what_is_left_of_the_angle() -> None:
+    model = block()
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    weight, alpha = free_weight(model), math.atan(WIDTH / HEIGHT)
+    expected = weight * np.tan(alpha - turns(curve, 1))
+    assert curve.load[:-1] == pytest.approx(expected[:-1], abs=1e-6 * curve.load[0])
+    # The centroid is above the edge at the end.
+    assert curve.displacement[-1] == pytest.approx(WIDTH / 2, rel=1e-4)
+    assert curve.load[-1] == 0.0
+    assert curve.end == "the load falls to 0 at 0.2 m"
+    assert curve.hinges == ("ground-block",) and not curve.slides
+
+
+def test_the_point_of_a_force_moves_with_its_block() -> None:
+    model = block()
+    loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
+    curve = capacity_curve(model, loads)
+    turn = turns(curve, 1)[:-1]
+    lever = WIDTH / 2 * np.cos(turn) - HEIGHT / 2 * np.sin(turn)
+    expected = free_weight(model) * lever / (HEIGHT * np.cos(turn) + WIDTH * np.sin(turn))
+    assert curve.load[:-1] == pytest.approx(expected, abs=1e-6 * curve.load[0])
+
+
+def test_a_block_that_slides_does_not_climb_and_tips_where_its_centroid_leaves_the_edge() -> None:
+    blocks = [
+        box("table", (-0.2, 0.0, -0.1), (0.5, DEPTH, 0.0), 2e3, fixed=True),
+        box("block", (0, 0, 0), (WIDTH, DEPTH, 0.2), 2e3),
+    ]
+    model = structure(blocks, dry(0.2))
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    slides = curve.displacement < 0.2
+    assert curve.load[slides] / free_weight(model) == pytest.approx(0.2, rel=1e-6)
+    assert curve.slides == ("table-block",)
+    assert curve.displacement[-1] == pytest.approx(0.3, abs=0.002)
+    heights = [each.placed.centre[1, 2] for each in curve.path.positions]
+    assert max(heights) == pytest.approx(0.1, abs=0.002)
+
+
+def wall(stop: float) -> tuple[Assembly, Callable[[float], tuple[Floats, Floats]]]:
+    """Two blocks that bulge between the ground and a smooth stop, and their centroids by angle.
+
+    The lower block turns about its toe, the upper one about the edge between them while its side
+    leans on the lower edge of the stop, which is ``stop`` (m) below its top.
+    """
+    t, h = 0.3, 1.0
+    blocks = [
+        GROUND,
+        box("lower", (0, 0, 0), (t, 1, h), 2e3),
+        box("upper", (0, 0, h), (t, 1, 2 * h), 2e3),
+        box("stop", (t, 0, 2 * h - stop), (1 + t, 1, 2 * h + 0.3), 2e3, fixed=True),
+    ]
+    model = structure(blocks, dry(0.7), {frozenset({"upper", "stop"}): dry(0.0)})
+
+    def centroids(angle: float) -> tuple[Floats, Floats]:
+        sine, cosine = math.sin(angle), math.cos(angle)
+        hinge = np.array([t - t * cosine + h * sine, h * cosine + t * sine])
+        x, z = t - hinge[0], 2 * h - stop - hinge[1]
+        back = math.atan2(z, x) - math.acos(t / math.hypot(x, z))
+        s, c = math.sin(back), math.cos(back)
+        lower = np.array([t - t / 2 * cosine + h / 2 * sine, h / 2 * cosine + t / 2 * sine])
+        return lower, hinge + np.array([t / 2 * c - h / 2 * s, t / 2 * s + h / 2 * c])
+
+    return model, centroids
+
+
+def by_virtual_work(centroids: Callable[[float], tuple[Floats, Floats]], angle: float) -> float:
+    """The load, as an acceleration of both, over the weight of one."""
+    step = 1e-6
+    after, before = (np.array(centroids(angle + change)) for change in (step, -step))
+    x, z = (after - before).sum(axis=0)
+    return float(2.0 * z / x)
+
+
+def test_a_wall_of_two_blocks_follows_its_three_hinges() -> None:
+    model, centroids = wall(0.1)
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    weight = free_weight(model) / 2
+    expected = [weight * by_virtual_work(centroids, angle) for angle in turns(curve, 1).tolist()]
+    assert curve.load == pytest.approx(np.array(expected), abs=3e-3 * curve.load[0])
+    # Where both centroids are as far inside the toe as the load needs, the stop is no longer
+    # pressed: the upper block falls back, at once.
+    assert curve.end.startswith("the blocks fall at")
+
+    def stop_is_pressed(angle: float) -> float:
+        """Moment of the load about the toe less that of the weights, which the stop adds to."""
+        lower, upper = centroids(angle)
+        load = by_virtual_work(centroids, angle)
+        return float(load * (lower[1] + upper[1]) / 2 - (0.6 - lower[0] - upper[0]))
+
+    last = brentq(stop_is_pressed, 0.01, 0.4)
+    assert turns(curve, 1)[-1] == pytest.approx(last, rel=0.01)
+
+
+def four_bars(points: Floats) -> Callable[[float], Floats]:
+    """The four hinges, (4, 2) in m, where the first bar has turned by an angle (rad)."""
+    a, b, c, d = points
+    coupler, rocker = np.linalg.norm(c - b), np.linalg.norm(d - c)
+
+    def at(angle: float) -> Floats:
+        turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
+        moved = a + turn @ (b - a)
+        apart = float(np.linalg.norm(d - moved))
+        along = (d - moved) / apart
+        foot = (coupler**2 - rocker**2 + apart**2) / (2 * apart)
+        side = np.array([-along[1], along[0]])
+        height = math.sqrt(coupler**2 - foot**2) * math.copysign(1.0, float((c - b) @ _left(d - b)))
+        return np.array([a, moved, moved + foot * along + height * side, d])
+
+    return at
+
+
+def _left(vector: Floats) -> Floats:
+    return np.array([-vector[1], vector[0]])
+
+
+def linked(count: int, joints: list[int], thickness: float = 0.2) -> Callable[[float], float]:
+    """The acceleration (g) of an arch whose hinges stay, by the turn of its first bar (rad)."""
+    angles = np.array(joints) * math.pi / count
+    radii = 1.0 + thickness / 2 * np.array([1.0, -1.0, 1.0, -1.0])
+    hinges = np.column_stack([radii * np.cos(angles), radii * np.sin(angles)])
+    linkage, built = four_bars(hinges), structure(arch(count, thickness), dry(1.0))
+    centres = Placement.of(built).built[2:, [0, 2]]
+    bars = [
+        (bar, centre)
+        for bar in range(3)
+        for centre in centres[joints[bar] : joints[bar + 1]].tolist()
+    ]
+
+    def centroids(angle: float) -> Floats:
+        moved, found = linkage(angle), []
+        for bar, centre in bars:
+            one, other = moved[bar : bar + 2] @ [1, 1j], hinges[bar : bar + 2] @ [1, 1j]
+            turn = (one[1] - one[0]) / (other[1] - other[0])
+            found.append(one[0] + turn / abs(turn) * (complex(*centre) - other[0]))
+        return np.array(found)
+
+    def load(angle: float) -> float:
+        change = (centroids(angle + 1e-6) - centroids(angle - 1e-6)).sum()
+        return float(change.imag / change.real)
+
+    return load
+
+
+def test_an_arch_of_three_blocks_follows_its_four_hinges() -> None:
+    model, expected = structure(arch(3, 0.2), dry(2.0)), linked(3, [0, 1, 2, 3])
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    assert len(curve.hinges) == 4
+    # Anticlockwise in the plane of x and z.
+    known = np.array([expected(-angle) for angle in turns(curve, 2).tolist()])
+    weight = free_weight(model)
+    assert curve.load[:-1] / weight == pytest.approx(known[:-1], abs=2e-3 * known[0])
+
+
+def test_hinges_of_a_thin_arch_move_and_it_carries_less_than_with_hinges_that_stay() -> None:
+    model, stay = structure(arch(15, 0.2), dry(0.8)), linked(15, [0, 4, 9, 14])
+    curve = capacity_curve(model, acceleration(model, ALONG_X))
+    assert curve.hinges == (
+        "right-voussoir0",
+        "voussoir3-voussoir4",
+        "voussoir8-voussoir9",
+        "voussoir13-voussoir14",
+    )
+    known = np.array([stay(-angle) for angle in turns(curve, 2).tolist()])
+    load = curve.load / free_weight(model)
+    first = curve.displacement < 0.016
+    assert load[first] == pytest.approx(known[first], abs=1e-3 * known[0])
+    assert (load[~first] < known[~first] + 1e-3).all()
+    assert load[-2] < known[-2] - 0.1 * known[0]
+
+
+def test_a_capacity_curve_begins_at_the_limit_load() -> None:
+    model = structure(arch(12, 0.25), dry(0.6))
+    loads = acceleration(model, ALONG_X)
+    first = capacity_curve(model, loads).load[0]
+    assert first == pytest.approx(limit_load(model, loads, friction=True).load, rel=1e-6)
+
+
+def test_bonds_gravity_that_turns_and_moving_supports_have_no_capacity_curve() -> None:
+    bonded = FaceMaterial(1e10, 1e10, 0.7, 1e4, 1e4)
+    model = structure(block().pieces, bonded)  # type: ignore[arg-type]
+    with pytest.raises(CapacityError, match="ground-block is not dry"):
+        capacity_curve(model, acceleration(model, ALONG_X))
+    with pytest.raises(CapacityError, match="gravity turns"):
+        capacity_curve(block(), tilting(block(), Tilt((0.0, 1.0, 0.0))))
+    with pytest.raises(ValueError, match="a support moves"):
+        capacity_curve(block(), support_moves(block(), "ground", ALONG_X))
+
+
+def test_a_curve_ends_where_blocks_meet_that_did_not_touch() -> None:
+    gap = 0.1
+    blocks = [
+        GROUND,
+        box("block", (0, 0, 0), (WIDTH, DEPTH, HEIGHT), 2e3),
+        box("post", (WIDTH + gap, 0, 0), (WIDTH + gap + 0.2, DEPTH, 2 * HEIGHT), 2e3),
+    ]
+    model = structure(blocks, dry(0.7))
+    loads = force_at(model, "block", (0.0, DEPTH / 2, HEIGHT), ALONG_X)
+    curve = capacity_curve(model, loads)
+    assert curve.path.met == ("block", "post")
+    assert curve.end.startswith("block and post meet at 0.1")
+    # The top corner has moved by the gap; the point of the force, at the other one, nearly so.
+    assert curve.displacement[-1] == pytest.approx(gap, abs=0.03)

@@ -1,0 +1,58 @@
+"""What finite rotation changes of a load of the static model, to second order."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_runner import answers
+
+WIDTH, HEIGHT = 0.4, 2.0
+PUSH = {"acceleration": [1, 0, 0]}
+TILT = {"tilt": {"axis": [0, 1, 0]}}
+
+
+def tower(stiffness: float, load: dict[str, Any]) -> dict[str, Any]:
+    return {
+        "blocks": {
+            "ground": {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True},
+            "tower": {"low": [0, 0, 0], "high": [WIDTH, 0.6, HEIGHT], "density": 2000},
+        },
+        "interfaces": {
+            "normal_stiffness": stiffness,
+            "shear_stiffness": stiffness,
+            "friction": 0.7,
+        },
+        "load": load,
+    }
+
+
+def static_note(path: Path, description: dict[str, Any]) -> str:
+    path.write_text(json.dumps(description))
+    return str(answers("assembly", str(path))[-1]["note"])
+
+
+@pytest.mark.parametrize("load", [PUSH, TILT])
+def test_stiff_joints_have_no_note_on_rotation(tmp_path: Path, load: dict[str, Any]) -> None:
+    note = static_note(tmp_path / "tower.yaml", tower(1e10, load))
+    assert note.endswith("; small displacements")
+
+
+@pytest.mark.parametrize("load", [PUSH, TILT])
+def test_soft_joints_let_a_tower_lean_which_lowers_its_load(
+    tmp_path: Path, load: dict[str, Any]
+) -> None:
+    stiffness = 2e7
+    note = static_note(tmp_path / "tower.yaml", tower(stiffness, load))
+    words, share = note.rsplit("; ", 1)[1].rsplit(" about ", 1)
+    assert words == "small displacements: finite rotation would lower it by"
+    # At the peak it rests on one edge, which gives by its weight until the middle row of nodes
+    # opens: the load is W tan(alpha - turn). A quarter of the area is at the edge, on cells of half
+    # the size.
+    weight = WIDTH * 0.6 * HEIGHT * 2000 * 9.81
+    turn = weight / (stiffness * WIDTH * 0.6 / 4) / (WIDTH / 2)
+    alpha = math.atan(WIDTH / HEIGHT)
+    known = 1.0 - math.tan(alpha - turn) / math.tan(alpha)
+    assert known > 0.15
+    assert float(share.removesuffix(" %")) / 100.0 == pytest.approx(known, rel=0.15)

@@ -1,0 +1,255 @@
+"""Supports that settle, spread or turn: reactions, and where structures fall."""
+
+import csv
+import json
+import math
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command_runner import answers, run
+from structures import dry
+
+from sidmacib.errors import InfeasibleError
+from sidmacib.mechanics.assembly import Assembly, Floats
+from sidmacib.structure.analysis.support_path import static_reactions
+from sidmacib.structure.analysis.supports import greatest_reaction, least_reaction, support_path
+from sidmacib.structure.blocks import Block, box
+from sidmacib.structure.files.structure_file import loads_of, structure_of
+from sidmacib.structure.loads import SupportMotion, free_weight, support_moves, support_turns
+from sidmacib.structure.structure import structure
+from studies.structures.shapes import arch
+
+COUNT, THICKNESS, HINGE = 16, 0.2, 3
+SPREADS = (1.0, 0.0, 0.0)
+
+
+def semicircle() -> tuple[Assembly, SupportMotion]:
+    model = structure(arch(COUNT, THICKNESS), dry(0.8))
+    return model, support_moves(model, "right", SPREADS)
+
+
+class HalfArch:
+    """Half of a symmetric arch on spreading supports, in 2D: see docs/howto/displacements.md.
+
+    The part above joint ``HINGE`` turns about its hinge at the intrados, while the hinge at the
+    crown, at the extrados, stays in the axis of symmetry. The part below stays upright.
+    """
+
+    def __init__(self) -> None:
+        self.joints = np.arange(COUNT // 2 + 1) * math.pi / COUNT
+        self.inner, self.outer = 1.0 - THICKNESS / 2, 1.0 + THICKNESS / 2
+        parts = [self._voussoir(one, other) for one, other in pairwise(self.joints.tolist())]
+        self.areas = np.array([area for area, _ in parts])
+        self.centres = np.array([centre for _, centre in parts])
+        self.low, self.crown = self._at(self.inner, HINGE), np.array([0.0, self.outer])
+
+    def _at(self, radius: float, joint: int) -> Floats:
+        return radius * np.array([math.cos(self.joints[joint]), math.sin(self.joints[joint])])
+
+    def _voussoir(self, one: float, other: float) -> tuple[float, Floats]:
+        corners = [(self.inner, one), (self.outer, one), (self.outer, other), (self.inner, other)]
+        x, z = np.array([(r * math.cos(p), r * math.sin(p)) for r, p in corners]).T
+        cross = x * np.roll(z, -1) - np.roll(x, -1) * z
+        area = float(cross.sum()) / 2
+        middle = [((v + np.roll(v, -1)) * cross).sum() / (6 * area) for v in (x, z)]
+        return area, np.array(middle)
+
+    def thrust(self, spread: float) -> tuple[float, bool]:
+        """The thrust over the weight of the arch, and whether it is inside all joints below."""
+        shift = np.array([spread / 2, 0.0])
+        foot, arm = self.low + shift, self.crown - self.low
+        rise = math.sqrt(float(arm @ arm) - foot[0] ** 2)
+        turn = math.atan2(rise, -foot[0]) - math.atan2(arm[1], arm[0])
+        matrix = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        centres = self.centres + shift
+        centres[HINGE:] = foot + (self.centres[HINGE:] - self.low) @ matrix.T
+        above = self.areas[HINGE:]
+        thrust = float(above @ (foot[0] - centres[HINGE:, 0])) / rise
+        crown = foot[1] + rise
+        inside = True
+        for joint in range(HINGE):
+            moments = []
+            for radius in (self.inner, self.outer):
+                x, z = self._at(radius, joint) + shift
+                weights = float(self.areas[joint:] @ (x - centres[joint:, 0]))
+                moments.append(weights - thrust * (crown - z))
+            inside &= moments[0] < 0.0 < moments[1]
+        return thrust / (2.0 * self.areas.sum()), inside
+
+    def falls(self) -> float:
+        """The spread at which the thrust leaves a joint below, m."""
+        low, high = 0.0, 0.5
+        while high - low > 1e-6:
+            middle = (low + high) / 2
+            low, high = (middle, high) if self.thrust(middle)[1] else (low, middle)
+        return low
+
+
+def test_the_least_thrust_of_an_arch_has_hinges_at_the_crown_and_the_haunches() -> None:
+    model, loads = semicircle()
+    least = least_reaction(model, loads)
+    assert least.size / free_weight(model) == pytest.approx(HalfArch().thrust(0.0)[0], rel=1e-7)
+    assert least.hinges == (
+        "voussoir2-voussoir3",
+        "voussoir7-voussoir8",
+        "voussoir12-voussoir13",
+    )
+
+
+def test_least_and_greatest_thrust_bracket_the_path_of_the_static_model() -> None:
+    model, loads = semicircle()
+    least, greatest = least_reaction(model, loads), greatest_reaction(model, loads)
+    assert greatest is not None
+    path = static_reactions(model, loads, least.size)
+    assert least.size * (1 - 1e-4) <= path.reaction.min()
+    assert path.reaction.max() < greatest.size
+    assert (np.diff(path.reaction) < 0.0).all()
+    assert path.dropped(least.size)
+    assert path.movement[-1] < 1e-3
+
+
+def test_an_arch_on_spreading_supports_falls_where_its_hinges_say() -> None:
+    model, loads = semicircle()
+    path, known = support_path(model, loads), HalfArch()
+    assert path.falls
+    assert path.movement[-1] == pytest.approx(known.falls(), rel=0.005)
+    for moved, reaction in list(zip(path.movement.tolist(), path.reaction.tolist(), strict=True))[
+        :-2:6
+    ]:
+        assert reaction / free_weight(model) == pytest.approx(known.thrust(moved)[0], rel=1e-3)
+
+
+def two_spans(friction: float = 0.7) -> Assembly:
+    """Two beams on three supports, which do not touch each other, with a wall on the right one."""
+    supports = [
+        box(name, (x, 0, -1), (x + 0.2, 0.3, 0), 2e3, fixed=True)
+        for name, x in (("left", -0.1), ("pier", 1.9), ("right", 3.9))
+    ]
+    beams = [
+        box("beam1", (-0.1, 0, 0), (1.99, 0.3, 0.3), 2e3),
+        box("beam2", (2.01, 0, 0), (4.1, 0.3, 0.3), 2e3),
+        box("wall", (2.51, 0, 0.3), (3.51, 0.3, 0.9), 2e3),
+    ]
+    return structure([*supports, *beams], dry(friction))
+
+
+def test_an_abutment_that_settles_below_a_wall_on_two_spans() -> None:
+    model = two_spans()
+    loads = support_moves(model, "right", (0, 0, -1))
+    least, greatest = least_reaction(model, loads), greatest_reaction(model, loads)
+    beam, wall = (model.pieces[number].weight for number in (4, 5))
+    # The beam turns about the edge of the pier, x = 2.1, and rests on its own end, x = 4.1.
+    by_hand = (beam * (3.055 - 2.1) + wall * (3.01 - 2.1)) / (4.1 - 2.1)
+    assert least.size == pytest.approx(by_hand, rel=1e-6)
+    assert least.hinges == ("pier-beam2", "right-beam2")
+    # Pushed up: about its other end, x = 2.01, at the inner edge of the abutment, x = 3.9.
+    by_hand = (beam * (3.055 - 2.01) + wall * (3.01 - 2.01)) / (3.9 - 2.01)
+    assert greatest is not None
+    assert greatest.size == pytest.approx(by_hand, rel=1e-6)
+    rest = static_reactions(model, loads, least.size)
+    assert least.size < rest.rest < greatest.size
+    assert rest.rest == pytest.approx((beam + wall) / 2, rel=0.05)
+
+
+def test_a_wall_slides_off_a_settling_beam_where_it_is_steeper_than_friction() -> None:
+    model = two_spans(0.2)
+    path = support_path(model, support_moves(model, "right", (0, 0, -1)))
+    # The beam's end stays where it is on the abutment, 2 m from the edge of the pier.
+    assert path.falls
+    assert path.movement[-1] == pytest.approx(0.2 * (4.1 - 2.1), rel=2e-3)
+    assert np.diff(path.path.positions[-1].motion[[4, 5], 4]) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_support_that_nothing_needs_comes_free() -> None:
+    blocks: list[Block] = [
+        box(name, (x, 0, -1), (x + 0.2, 0.3, 0), 2e3, fixed=True)
+        for name, x in (("left", 0.0), ("middle", 1.9), ("right", 3.8))
+    ]
+    model = structure([*blocks, box("beam", (0, 0, 0), (4, 0.3, 0.3), 2e3)], dry(0.6))
+    loads = support_moves(model, "middle", (0, 0, -1))
+    assert least_reaction(model, loads).size == pytest.approx(0.0, abs=1e-6 * free_weight(model))
+    path = support_path(model, loads)
+    assert path.free and not path.falls
+
+
+def test_the_moment_of_a_support_that_turns_is_its_force_times_the_lever() -> None:
+    model = two_spans()
+    settles = support_moves(model, "right", (0, 0, -1))
+    turns = support_turns(model, "right", (0, 1, 0), (4.1 - 2.0, 0.15, 0.0))
+    # Both move the point where the beam rests straight down: by 2 m for 1 rad.
+    force, moment = (least_reaction(model, loads).size for loads in (settles, turns))
+    assert moment == pytest.approx(2.0 * force, rel=1e-3)
+
+
+def test_a_structure_that_does_not_stand_has_no_reaction() -> None:
+    model = structure(arch(COUNT, 0.05), dry(0.8))
+    with pytest.raises(InfeasibleError, match="does not stand"):
+        least_reaction(model, support_moves(model, "right", SPREADS))
+
+
+BEAM: dict[str, Any] = {
+    "blocks": {
+        "left": {"low": [-0.1, 0, -1], "high": [0.1, 0.3, 0], "fixed": True},
+        "right": {"low": [1.9, 0, -1], "high": [2.1, 0.3, 0], "fixed": True},
+        "beam": {"low": [-0.1, 0, 0], "high": [2.1, 0.3, 0.3]},
+    },
+    "load": {"support": {"block": "right", "displacement": [0, 0, -1]}},
+}
+
+
+def test_the_command_prints_reactions_of_a_support_that_moves(tmp_path: Path) -> None:
+    file, curve, picture = (tmp_path / name for name in ("beam.yaml", "curve.csv", "curve.png"))
+    file.write_text(json.dumps(BEAM))
+    options = "--capacity-curve", str(curve), "--picture", str(picture)
+    rows = {row["model"]: row for row in answers("assembly", str(file), *options)}
+    assert list(rows) == [
+        "static, at rest",
+        "static, yields",
+        "limit, least",
+        "limit, greatest",
+        "kinematics",
+    ]
+    weight = 2.2 * 0.3 * 0.3 * 2000 * 9.81
+    assert rows["limit, least"]["reaction (N)"] == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
+    assert rows["static, at rest"]["reaction (N)"] == pytest.approx(weight / 2, rel=1e-3)
+    assert picture.stat().st_size > 0
+    with curve.open() as stream:
+        first = next(csv.DictReader(stream))
+    assert float(first["reaction (N)"]) == pytest.approx(weight * 0.9 / 2.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("support", "fault"),
+    [
+        ({"block": "right"}, "load.support: must have either displacement or rotation"),
+        (
+            {"block": "beam", "displacement": [0, 0, -1]},
+            "load.support.block: 'beam' is not allowed; it must be a block that is fixed",
+        ),
+        (
+            {"block": "right", "displacement": [0, 0, -1], "about": [0, 0, 0]},
+            "load.support.about: must not be given beside displacement",
+        ),
+    ],
+)
+def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
+    with pytest.raises(ValueError) as error:
+        structure_of({**BEAM, "load": {"support": support}})
+    assert str(error.value) == fault
+
+
+def test_studies_and_designs_refuse_a_support_that_moves() -> None:
+    assembly = structure_of(BEAM).assembly
+    with pytest.raises(ValueError, match=r"load\.support: is for multilock assembly only"):
+        loads_of(assembly, BEAM["load"])
+
+
+def test_interfaces_are_refused_where_a_support_moves(tmp_path: Path) -> None:
+    file = tmp_path / "beam.yaml"
+    file.write_text(json.dumps(BEAM))
+    result = run("assembly", str(file), "--interfaces")
+    assert result.exit_code == 2
+    assert "--interfaces: must not be given where a support moves" in result.output
