@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from conftest import ROOT, a_case
+from conftest import ROOT, a_case, with_subject
 
 from sidmacib.engines.engine import FOREIGN, engine_environment
 from sidmacib.engines.execute import EngineKilledError
@@ -15,8 +15,8 @@ from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
+from workflow.case import JointCase
 from workflow.configuration import ConfigError
-from workflow.joints.case import Case
 from workflow.planning.resources import (
     Resources,
     engine_resources,
@@ -30,13 +30,13 @@ from workflow.run.step import KilledError
 from workflow.steps import engine as engine_step
 
 
-def case_on(mesh: float) -> Case:
+def case_on(mesh: float) -> JointCase:
     return a_case("yade", Joint(locks=3), Loading(Direction(0.0)), mesh)
 
 
 def test_more_nodes_ask_for_more() -> None:
     coarse, fine = case_on(mesh=0.02), case_on(mesh=0.005)
-    assert nodes_of(fine) > 5 * nodes_of(coarse)
+    assert nodes_of(fine.subject) > 5 * nodes_of(coarse.subject)
     for one, other in (
         (engine_resources(coarse, 3600), engine_resources(fine, 3600)),
         (solved_resources([coarse]), solved_resources([fine])),
@@ -51,7 +51,7 @@ def test_an_engine_asks_for_no_more_than_its_own_time_limit() -> None:
 
 def test_elastic_pieces_and_more_cases_ask_for_more_time() -> None:
     case = case_on(mesh=0.02)
-    soft = replace(case, joint=replace(case.joint, elastic=Elastic(1e10)))
+    soft = with_subject(case, joint=replace(case.subject.joint, elastic=Elastic(1e10)))
     assert solved_resources([soft]).time > 10 * solved_resources([case]).time
     assert solved_resources([case, case]).time == 2 * solved_resources([case]).time
     assert sampling_resources(64).time > sampling_resources(8).time

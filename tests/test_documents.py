@@ -205,7 +205,7 @@ def test_make_knows_every_command() -> None:
 
 def test_every_command_for_snakemake_asks_for_results_of_a_case() -> None:
     study = read_study_file(ROOT / "config.yaml")
-    cases = {f"{study.results}/{case.folder}/result.json" for case in cases_of(study)}
+    cases = {f"{study.results}/{case.folder}/result.json" for case in cases_of(study).values()}
     for page in PAGES:
         for words in commands(page, "snakemake"):
             assert set(words) <= cases
@@ -261,7 +261,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
     made = outputs_of(config, tmp_path_factory.mktemp("documents"))
     paths = {f"results/{name}" for names in made.values() for name in names}
     cases = cases_of(read_study(published))
-    folders = {f"results/{case.folder}" for case in cases}
+    folders = {f"results/{case.folder}" for case in cases.values()}
     paths |= {f"{folder}/{name}" for folder in folders for name in (*OUTPUTS, CASE, RECORD)}
     paths |= {
         f"results/{folder}/{name}"

@@ -14,8 +14,8 @@ from sidmacib.structure.files.structure_file import structure_of
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
 from workflow.results.record import record_of
-from workflow.steps.structure_solve import solved
-from workflow.structures.cases import structure_cases
+from workflow.steps.solve import solved
+from workflow.structures import structure_cases
 
 FRICTION = 0.2
 SLIDING: dict[str, Any] = {
@@ -42,7 +42,7 @@ def test_of_a_joint(model: Any, ratio: float) -> None:
 def test_a_record_has_the_failed_load_and_first_failure_of_the_outcome() -> None:
     study = read_study({"samples": {"n3": {"locks": 3}}, "dem": {"engines": []}})
     case, *_ = (each for each in cases_of(study).values() if each.model == "static")
-    problem = posed(case.joint, case.loading, case.mesh, case.nodes)
+    problem = case.subject.problem()
     outcome = static.solve(problem)
     record = record_of(case, problem, outcome, {})
     assert record.failed_load_N == pytest.approx(outcome.failed_load, rel=1e-9)
@@ -52,7 +52,7 @@ def test_a_record_has_the_failed_load_and_first_failure_of_the_outcome() -> None
 @pytest.mark.parametrize("model", STRUCTURES)
 @pytest.mark.parametrize("description", [SLIDING, BONDED], ids=["dry", "bonded"])
 def test_of_a_structure(model: str, description: dict[str, Any]) -> None:
-    found = STRUCTURES[model](structure_of({**description, "load": PUSH})).outcome
+    found = STRUCTURES[model](structure_of({**description, "load": PUSH}))
     above = found.failed_load / found.path[-1].load - 1.0
     assert 0.0 <= above <= BRACKET[model]
 
@@ -60,14 +60,14 @@ def test_of_a_structure(model: str, description: dict[str, Any]) -> None:
 @pytest.mark.parametrize("model", STRUCTURES)
 @pytest.mark.parametrize("description", [SLIDING, BONDED], ids=["dry", "bonded"])
 def test_of_a_structure_that_is_tilted(model: str, description: dict[str, Any]) -> None:
-    found = STRUCTURES[model](structure_of({**description, "load": TILT})).outcome
+    found = STRUCTURES[model](structure_of({**description, "load": TILT}))
     above = found.failed_load / found.path[-1].load - 1.0
     assert 0.0 <= above <= (1.01 * PRECISION if model == "static" else 0.0)
 
 
 def test_a_block_on_a_slope_slides_between_the_last_angle_and_the_failed_one() -> None:
     problem = structure_of({**SLIDING, "load": TILT})
-    found = structure_static.solve(problem).outcome
+    found = structure_static.solve(problem)
     weight = 0.6 * 0.6 * 0.3 * 2000.0 * 9.81
     carried, failed = (
         tilt_of_load(load, weight) for load in (found.path[-1].load, found.failed_load)
@@ -86,9 +86,8 @@ def test_tables_have_the_failed_load_of_the_outcome(load: dict[str, Any], unit: 
         "dem": {"engines": []},
     }
     (case,) = structure_cases(read_study(config))
-    record = solved(case, structure_static.__name__)
-    found = structure_static.solve(structure_of(case.description))
-    assert record.failed_load_N == pytest.approx(found.outcome.failed_load, rel=1e-9)
+    record, _, found = solved(case, structure_static.solve)
+    assert record.failed_load_N == pytest.approx(found.failed_load, rel=1e-9)
     (row,) = structures_table([record]).to_dict("records")
     largest = row["load_N"] if unit == "load_N" else row["tilt_degrees"]
     failed = row["failed_load_N"] if unit == "load_N" else row["failed_tilt_degrees"]
@@ -100,7 +99,7 @@ def test_first_failures_and_broken_bonds_are_at_loads_that_are_carried(
     load: dict[str, Any],
 ) -> None:
     found = structure_static.solve(structure_of({**BONDED, "load": load}))
-    peak, first = found.outcome.path[-1].load, found.outcome.first_failure_load
+    peak, first = found.path[-1].load, found.first_failure_load
     assert first is not None
     assert 0.0 < first <= peak
     assert all(broken == pytest.approx(first, rel=1e-4) for broken in found.broken_at.values())

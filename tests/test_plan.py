@@ -54,18 +54,18 @@ def test_a_case_that_is_added_stays_out_of_the_other_batches() -> None:
 def test_engines_cases_are_held_against_the_static_model_even_if_no_one_asked() -> None:
     config = {**SMALL, "models": ["limit"], "dem": {"engines": ["yade"]}, "eccentricities": [0]}
     jobs = case_jobs(read_study(config))
-    assert [case.name for case in jobs.batches["static", "batch"]] == [
+    assert [case.name for case in jobs.batches["cases/static/batch"]] == [
         "n3-mesh0.03-e0a",
         "n3-mesh0.015-e0a",  # for the mesh error
     ]
-    assert {case.model for case in jobs.cases.values()} == {"yade", "limit"}
+    assert {case.model for case in jobs.joints.values()} == {"yade", "limit"}
 
 
 def test_witnesses_of_an_engine_at_two_meshes_are_at_these_only() -> None:
     config = {**SMALL, "models": ["limit"], "dem": {"engines": ["yade"]}, "eccentricities": [0]}
     slow = {"slow": {"numerics": {"ramp_periods": 80}, "meshes": [0.03]}}
     jobs = case_jobs(read_study({**config, "meshes": [0.03, 0.02], "variants": slow}))
-    assert [case.name for case in jobs.batches["static", "batch"]] == [
+    assert [case.name for case in jobs.batches["cases/static/batch"]] == [
         *("n3-mesh0.03-e0a", "n3-mesh0.02-e0a")
     ]
 

@@ -17,8 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.outcome import Outcome, State
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
+from workflow.case import Case, JointCase, JointSubject
 from workflow.results.files import (
     HISTORY,
     NODE_COLUMNS,
@@ -26,34 +25,34 @@ from workflow.results.files import (
     RESULT,
     force_to_stress,
     read_outcome,
-    read_records,
     stress_to_force,
-    write_record,
 )
 from workflow.results.record import (
-    CaseRecord,
+    Record,
     ResultError,
     check_bracket,
     check_first_failure,
-    failed_record,
+    read_records,
     record_of,
+    record_without_result,
+    write_record,
 )
 from workflow.steps.solve import solved
 
 JOINT = Joint(3)
 
 
-def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> Case:
-    loading = Loading(Direction(ratio))
-    return Case("n3-case", model, "reference", "n3", joint, 0.03, NodeLayout.CENTRES, loading, None)
+def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> JointCase:
+    subject = JointSubject("n3", joint, 0.03, NodeLayout.CENTRES, Loading(Direction(ratio)))
+    return Case("n3-case", model, "reference", subject, None)
 
 
-def parts(case: Case) -> tuple[Assembly, Outcome]:
-    problem = problem_of(case)
+def parts(case: JointCase) -> tuple[Assembly, Outcome]:
+    problem = case.subject.problem()
     return problem.assembly, static.solve(problem)
 
 
-def write_engine_files(folder: Path, case: Case) -> Assembly:
+def write_engine_files(folder: Path, case: JointCase) -> Assembly:
     """What an engine would write if it found what the static model finds."""
     assembly, found = parts(case)
     peak = found.path[-1]
@@ -81,15 +80,17 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     case = case_of(0.5)
     assembly = write_engine_files(tmp_path, case)
     outcome = read_outcome(tmp_path, assembly)
-    record = record_of(case, problem_of(case), outcome, {"yade": "1"})
+    record = record_of(case, case.subject.problem(), outcome, {"yade": "1"})
     expected, _, found = solved(case, static.solve)
     assert np.array_equal(outcome.path[-1].bonded, found.path[-1].bonded)
     assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
     assert record.load_N == expected.load_N
     assert record.mode == "bonds"
-    assert [w.weight for w in record.weights] == pytest.approx([w.weight for w in expected.weights])
+    assert [w.weight for w in record.part.weights] == pytest.approx(
+        [w.weight for w in expected.part.weights]
+    )
     assert record.unbalanced_share < 1e-9
-    assert record.torque_Nm == pytest.approx(record.shear_N * 0.5 * case.joint.a)
+    assert record.part.torque_Nm == pytest.approx(record.part.shear_N * 0.5 * JOINT.a)
 
 
 @pytest.mark.parametrize(
@@ -118,7 +119,7 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
         found = read_outcome(tmp_path, assembly)
-        record_of(case, problem_of(case), found, {})
+        record_of(case, case.subject.problem(), found, {})
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
@@ -177,7 +178,7 @@ def test_a_missing_file_is_named(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
     case = case_of()
-    problem = problem_of(case)
+    problem = case.subject.problem()
     found = Outcome((State(50.0, 1e-6), State(100.0, 2e-6)), 110.0, 80.0)
     assert record_of(case, problem, found, {}).load_N == 100.0
     with pytest.raises(ResultError, match=words):
@@ -190,9 +191,9 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     record, assembly, found = solved(case, static.solve)
     force = found.path[-1].force
     assert force is not None
-    strength = case.joint.T0
+    strength = JOINT.T0
     for recorded, lock in zip(
-        record.weights, lock_weights(case.joint, assembly, force), strict=True
+        record.part.weights, lock_weights(JOINT, assembly, force), strict=True
     ):
         assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
@@ -200,14 +201,14 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
         for name in ("shear_x_N", "shear_y_N"):
             expected = getattr(lock, name)
             assert getattr(recorded, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * strength)
-    most = max(abs(lock.shear_x_N) for lock in record.weights)
+    most = max(abs(lock.shear_x_N) for lock in record.part.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
 
 
 @pytest.mark.parametrize("first", [0.0, 110.0])
 def test_the_first_failure_is_from_0_to_the_load_that_failed(first: float) -> None:
     case = case_of()
-    problem = problem_of(case)
+    problem = case.subject.problem()
     found = Outcome((State(100.0),), 110.0, first)
     assert record_of(case, problem, found, {}).first_failure_load_N == first
 
@@ -274,11 +275,11 @@ def test_what_is_nested_deeply_is_refused(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match=r"result\.json: unreadable"):
         read_outcome(tmp_path, assembly)
     with pytest.raises(ResultError, match="not a case's record"):
-        CaseRecord.from_json("[" * 100_000)
+        Record.from_json("[" * 100_000)
 
 
 def test_records_are_read_line_by_line(tmp_path: Path) -> None:
-    records = [failed_record(case_of(), "no"), solved(case_of(), static.solve)[0]]
+    records = [record_without_result(case_of(), error="no"), solved(case_of(), static.solve)[0]]
     lines = [record.to_json() for record in records]
     (tmp_path / "two").write_text("\n".join(lines) + "\n")
     (tmp_path / "one").write_text(lines[0] + "\n")
@@ -297,10 +298,10 @@ def test_a_record_is_written_whole(tmp_path: Path) -> None:
 
 def test_an_outcome_may_lack_stresses_and_displacements() -> None:
     case = case_of()
-    problem = problem_of(case)
+    problem = case.subject.problem()
     record = record_of(case, problem, Outcome((State(100.0),), 100.0), {})
     assert record.load_N == 100.0
-    assert record.weights == ()
+    assert record.part.weights == ()
     assert record.unbalanced_share is None
 
 
@@ -320,25 +321,24 @@ def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refus
     assert peak.force is not None
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
-        record_of(case, problem_of(case), wrong, {})
+        record_of(case, case.subject.problem(), wrong, {})
 
 
 def test_the_weight_is_the_resultant_whatever_the_areas_of_the_nodes() -> None:
-    case = case_of()
-    assembly = assemble(case.joint, case.mesh, case.nodes)
+    assembly = assemble(JOINT, 0.03, NodeLayout.CENTRES)
     area = assembly.nodes.area * np.linspace(0.5, 1.5, len(assembly.nodes.area))
     assembly = replace(assembly, nodes=replace(assembly.nodes, area=area))
     stress = np.zeros((len(area), 4))
-    stress[:, 2] = np.linspace(-1.0, 1.0, len(area)) * case.joint.inner.cohesion
+    stress[:, 2] = np.linspace(-1.0, 1.0, len(area)) * JOINT.inner.cohesion
     force = stress_to_force(assembly.nodes, face_frames(assembly), stress)
-    for each in lock_weights(case.joint, assembly, force):
+    for each in lock_weights(JOINT, assembly, force):
         name = next(f.name for f in assembly.faces if _is_inner_of(f.name, each.lock))
         on_face = [assembly.faces[n].name == name for n in assembly.nodes.face]
         resultant = float(np.sum(stress[on_face, 2] * area[on_face]))
         assert each.shear_y_N == pytest.approx(resultant)
-        assert each.weight == pytest.approx(abs(resultant) / case.joint.T0)
+        assert each.weight == pytest.approx(abs(resultant) / JOINT.T0)
         mean = float(np.sum(np.abs(stress[on_face, 2]) * area[on_face]))
-        assert each.mean_shear_ratio == pytest.approx(mean / case.joint.T0)
+        assert each.mean_shear_ratio == pytest.approx(mean / JOINT.T0)
 
 
 def _is_inner_of(name: str, lock: int) -> bool:
@@ -348,20 +348,20 @@ def _is_inner_of(name: str, lock: int) -> bool:
 @pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
 def test_a_record_reads_as_it_was_written(ratio: float) -> None:
     record = solved(case_of(ratio), static.solve)[0]
-    assert CaseRecord.from_json(record.to_json()) == record
+    assert Record.from_json(record.to_json()) == record
 
 
 def test_a_failed_case_has_a_record_with_its_reason_on_one_line() -> None:
-    record = failed_record(case_of(), "out of\n time ")
+    record = record_without_result(case_of(), error="out of\n time ")
     assert record.error == "out of time"
     assert record.load_N is None
-    assert CaseRecord.from_json(record.to_json()) == record
+    assert Record.from_json(record.to_json()) == record
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"name": 3}', "NaN"])
 def test_what_is_no_record_is_refused(text: str) -> None:
     with pytest.raises(ResultError, match="not a case's record"):
-        CaseRecord.from_json(text)
+        Record.from_json(text)
 
 
 @pytest.mark.parametrize("solver", [static, limit])
@@ -373,7 +373,7 @@ def test_stresses_of_every_model_balance_every_piece(solver) -> None:
 
 def test_lower_locks_of_the_limit_model_are_used_up_whatever_their_number() -> None:
     record = solved(case_of(joint=Joint(5)), limit.solve)[0]
-    assert [w.weight for w in record.weights if w.block == "lower"] == pytest.approx(
+    assert [w.weight for w in record.part.weights if w.block == "lower"] == pytest.approx(
         [1.0, 1.0], abs=1e-5
     )
 

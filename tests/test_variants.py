@@ -16,9 +16,9 @@ from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
+from workflow.case import JointCase
 from workflow.configuration import read_study
 from workflow.consistency import notes
-from workflow.joints.case import Case
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
@@ -48,7 +48,9 @@ def elastic_study() -> Study:
     return study_of(BENDS, assembly={"pieces": "elastic"})
 
 
-def tables_of(study: Study, load: Callable[[Case], float]) -> tuple[pd.DataFrame, pd.DataFrame]:
+def tables_of(
+    study: Study, load: Callable[[JointCase], float]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Capacities, and what variants change, of results with made-up loads."""
     results = [record_with(case, 0.5, load(case)) for case in cases_of(study).values()]
     capacity = capacity_of(study, results)

@@ -112,7 +112,7 @@ def verdict_of_spread(capacity: pd.DataFrame) -> list[dict[str, str]]:
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
-    samples = {case.sample: case for case in cases}
+    samples = {case.subject.sample: case for case in cases}
     return {
         "samples": list(study.samples),
         "sizes": sizes_of(study),
