@@ -50,7 +50,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [plain(each) for each in value]
     if is_dataclass(value):
-        return {name: plain(getattr(value, name)) for name in kinds_of(type(value))}
+        kind: Any = type(value)
+        return {name: plain(getattr(value, name)) for name in kinds_of(kind)}
     return value
 
 

@@ -8,14 +8,14 @@ from sidmacib.mechanics.assembly import Assembly, Loads
 from sidmacib.mesh_error import cells_of
 from sidmacib.outcome import Outcome
 from workflow.case import JointCase
-from workflow.results.record import Part, Record, clean, rounded
+from workflow.results.record import Record, clean, rounded
 
 NOISE = 1e-9  # of a weight or a share: less counts as 0
 NOISE_OF_BALANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class JointPart(Part):
+class JointPart:
     """The place of a joint's case, shear (N) and torque (N m) at the load, and lock weights."""
 
     sample: str

@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 
 from sidmacib.fields import dataclass_from
-from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
@@ -33,30 +33,11 @@ class ResultError(ValueError):
     """A result that is not accepted; the message is one line."""
 
 
-class Part:
-    """The part of a record that only joints or only structures have, a dataclass."""
-
-    @classmethod
-    def without_result(cls, case: Case[Any]) -> "Part":
-        """What is known of ``case`` beforehand."""
-        raise NotImplementedError
-
-    @classmethod
-    def of(cls, case: Case[Any], assembly: Assembly, loads: Loads, outcome: Outcome) -> "Part":
-        """What the ``outcome`` of ``case``, on the cells of ``assembly``, says."""
-        raise NotImplementedError
-
-    @staticmethod
-    def balance(share: float) -> float:
-        """The unbalanced ``share`` without the noise of processors."""
-        raise NotImplementedError
-
-
-Kind = TypeVar("Kind", bound=Part)
+Part = TypeVar("Part")
 
 
 @dataclass(frozen=True)
-class Record(Generic[Kind]):
+class Record(Generic[Part]):
     """The result of a case of a ``kind``, see `workflow.case.SUBJECTS`.
 
     Loads are along the case's direction, in N: ``load_N`` the one that counts, ``peak_N`` the
@@ -76,7 +57,7 @@ class Record(Generic[Kind]):
     name: str
     case_digest: str
     physics: str  # digest of the subject: the same for all models of a case
-    part: Kind
+    part: Part
     load_N: float | None = None
     peak_N: float | None = None
     failed_load_N: float | None = None
@@ -111,7 +92,7 @@ class Record(Generic[Kind]):
         return json.dumps(asdict(self))
 
     @classmethod
-    def from_json(cls, text: str) -> "Record[Kind]":
+    def from_json(cls, text: str) -> "Record[Part]":
         """The record that `to_json` wrote; `ResultError` if ``text`` is anything else."""
         try:
             data = json.loads(text)
@@ -123,7 +104,11 @@ class Record(Generic[Kind]):
 
 
 def part_of(kind: str) -> Any:
-    """The class of the `Part` of the records of a kind of cases."""
+    """The class of the part of the records of a kind of cases, imported by name.
+
+    Its ``without_result`` says what is known of a case, ``of`` what an outcome adds to that, and
+    ``balance`` takes the noise of processors from an unbalanced share.
+    """
     return importlib.import_module(SUBJECTS[kind].part).PART
 
 

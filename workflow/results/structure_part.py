@@ -13,7 +13,7 @@ from sidmacib.outcome import Outcome, State
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.loads import free_weight
 from workflow.case import StructureCase
-from workflow.results.record import Part, Record, clean, rounded
+from workflow.results.record import Record, clean, rounded
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class BlockRow:
 
 
 @dataclass(frozen=True)
-class StructurePart(Part):
+class StructurePart:
     """The names of a structure's case, which load counts, and interfaces and blocks.
 
     ``tilts``: whether gravity turns. ``counts``: which load does, the peak or the first failure,
