@@ -42,11 +42,11 @@ def test_loads_of_one_case_are_in_newtons_or_in_torsion_in_newton_metres(
 ) -> None:
     study = study_of(eccentricities=[0, "torsion"])
     cases = cases_of(study).values()
-    (case, *_) = (each for each in cases if each.direction == Direction(float(direction)))
+    (case, *_) = (each for each in cases if each.subject.direction == Direction(float(direction)))
     record = record_with(case, 0.5)
     (line,) = (line for line in describe_record(record).splitlines() if line.startswith(shown))
-    assert record.failed_load_N and record.load_N and record.shear_N is not None
-    carried = record.shear_N or record.torque_Nm or 0.0
+    assert record.failed_load_N and record.load_N and record.part.shear_N is not None
+    carried = record.part.shear_N or record.part.torque_Nm or 0.0
     value, unit = line.removeprefix(shown).split(" ", 1)
     assert float(value) == pytest.approx(carried * record.failed_load_N / record.load_N, rel=1e-3)
     assert unit == ("N m" if direction == "inf" else "N")

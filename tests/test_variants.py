@@ -71,9 +71,9 @@ def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:
 
 def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     cases = cases_of(study_of(FADES))
-    tough = cases["static", "n3-mesh0.02-e0a-tough"].joint
+    tough = cases["static", "n3-mesh0.02-e0a-tough"].subject.joint
     assert (tough.failure, tough.inner.fracture_energy) == (Failure.SOFTENING, 10.0)
-    assert cases["static", "n3-mesh0.02-e0a"].joint.inner.fracture_energy == 0.0
+    assert cases["static", "n3-mesh0.02-e0a"].subject.joint.inner.fracture_energy == 0.0
 
 
 def test_a_fracture_energy_without_softening_is_noted() -> None:
