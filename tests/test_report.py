@@ -267,9 +267,8 @@ def test_stresses_are_shown_on_each_mesh(opened: Opened) -> None:
 
 def test_paths_are_shown_while_there_is_room(study: Study, monkeypatch: pytest.MonkeyPatch) -> None:
     cases = shown_cases(cases_of(study).values())
-    assert [case.subject.mesh for case in cases] == sorted(
-        (case.subject.mesh for case in cases), reverse=True
-    )
+    meshes = [case.subject.mesh for case in cases]
+    assert meshes == sorted(meshes, reverse=True)
     monkeypatch.setattr(paths, "NODE_STATES", 200)
     whole = paths_of(cases)
     assert len(whole) == len(cases)
