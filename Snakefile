@@ -16,7 +16,6 @@ from workflow.configuration import (
 )
 from sidmacib.models import detailed
 from workflow.planning.batches import case_jobs
-from workflow.structures.cases import structure_jobs
 
 # Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
 # does not mix two studies.
@@ -29,8 +28,7 @@ try:
     STUDY = read_study(CONFIG)
     if workflow.is_main_process:  # nodes of a cluster may have other programs than its front end
         STUDY = with_installed_engines(STUDY)
-    CASES = case_jobs(STUDY)
-    STRUCTURES = structure_jobs(STUDY)
+    JOBS = case_jobs(STUDY)
 except ConfigError as error:
     sys.exit(f"Error in the configuration: {error.of(FILES[0])}")
 
@@ -42,18 +40,17 @@ report: "workflow/captions/study.rst"
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/cases.smk"
 
 
-STUDY_FILES = []
+STUDY_FILES = [*OF_CASES]
 if STUDY.samples:
 
-    include: "workflow/rules/cases.smk"
     include: "analysis/rules/tables.smk"
     include: "analysis/rules/pages.smk"
     include: "workflow/rules/on_request.smk"
 
     STUDY_FILES += [
-        *OF_CASES,
         *rules.collect.output,
         *rules.capacity.output,
         *rules.fit.output,
@@ -67,7 +64,7 @@ if STUDY.samples:
 
 if STUDY.structures:
 
-    include: "workflow/rules/structures.smk"
+    include: "analysis/rules/structures.smk"
 
     STUDY_FILES += STRUCTURE_FILES
 

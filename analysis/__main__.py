@@ -19,7 +19,7 @@ from workflow.schema import Study
 
 def run_case(config: Path, results: str | None, name: str, model: str | None) -> str | None:
     """Run one case if necessary and print its result; returns an error message, or None."""
-    from workflow.results.files import read_records
+    from workflow.results.record import read_records
 
     study = study_with_joints(config, results)
     use_writable_caches(Path(study.results))  # before importing modules that compile code
@@ -28,7 +28,7 @@ def run_case(config: Path, results: str | None, name: str, model: str | None) ->
     if model in CLOSED_FORM:
         return _rule(study, name, model)
     chosen = find_case(study, name, model)
-    folder = Path(study.results, chosen.id.folder)
+    folder = Path(study.results, chosen.folder)
     if chosen.model in ENGINES and (missing := ENGINES[chosen.model].missing()):
         return f"{name}: no result: {missing}"
     if not snakemake(config, study.results, (str(folder / "result.json"),)):

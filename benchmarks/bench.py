@@ -35,9 +35,9 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.problem import Problem
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
-from workflow.joints.sampling import Sampling, sampled_joints
 from workflow.results.files import read_times
 from workflow.run.closure import ROOT
+from workflow.sampling import Sampling, sampled_joints
 from workflow.steps.sampling import solved_rows
 
 MESHES = [round(0.02 + 0.0002 * n, 4) for n in range(50)]

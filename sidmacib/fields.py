@@ -1,5 +1,6 @@
 """Check the fields of dataclasses against their annotations, and read them from JSON."""
 
+import math
 import types
 import typing
 from collections.abc import Callable
@@ -39,8 +40,23 @@ def number_of(kind: Any) -> Number | None:
     return next((each for each in getattr(kind, "__metadata__", ()) if type(each) is Number), None)
 
 
+def plain(value: Any) -> Any:
+    """A dataclass as plain values for JSON, of which `dataclass_from` makes it again.
+
+    Tuples are lists, and infinite numbers are text. Many times as fast as `dataclasses.asdict`.
+    """
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, tuple):
+        return [plain(each) for each in value]
+    if is_dataclass(value):
+        kind: Any = type(value)
+        return {name: plain(getattr(value, name)) for name in kinds_of(kind)}
+    return value
+
+
 def dataclass_from(kind: type[Kind], value: Any) -> Kind:
-    """The dataclass ``kind`` from what `dataclasses.asdict` and JSON make of one.
+    """The dataclass ``kind`` from what `plain`, or `dataclasses.asdict`, and JSON make of one.
 
     ValueError, TypeError, KeyError or AttributeError if ``value`` is something else; what has other
     keys or numbers in other forms may pass.

@@ -47,10 +47,11 @@ from sidmacib.mechanics.contact_nodes import contact_nodes
 from sidmacib.mechanics.newton.equilibrium import put_at
 from sidmacib.mechanics.newton.faces import ContactFaces, Point, new_point
 from sidmacib.problem import Problem
+from workflow.case import Case, JointCase, JointSubject
 from workflow.configuration import read_study
-from workflow.joints.case import Case
-from workflow.results.files import RECORD, read_records
-from workflow.results.record import CaseRecord
+from workflow.results.files import RECORD
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import read_records
 from workflow.run.command import snakemake, snakemake_command
 from workflow.schema import Study
 from workflow.steps import engine as engine_step
@@ -165,8 +166,8 @@ def run_block(tmp_path: Path) -> Callable[..., Path]:
 class CaseResult:
     """The results of an engine for a case: its record and its tables."""
 
-    case: Case
-    record: CaseRecord
+    case: JointCase
+    record: JointRecord
     nodes: pd.DataFrame
     history: pd.DataFrame
 
@@ -177,8 +178,8 @@ class CaseResult:
 
     @property
     def shear(self) -> float:
-        assert self.record.shear_N is not None
-        return self.record.shear_N
+        assert self.record.part.shear_N is not None
+        return self.record.part.shear_N
 
     @property
     def failed_load(self) -> float:
@@ -196,7 +197,7 @@ class CaseResult:
 
     @property
     def weights(self) -> pd.DataFrame:
-        return pd.DataFrame([asdict(each) for each in self.record.weights])
+        return pd.DataFrame([asdict(each) for each in self.record.part.weights])
 
 
 def a_case(
@@ -206,18 +207,19 @@ def a_case(
     mesh: float = 0.03,
     nodes: NodeLayout = NodeLayout.CENTRES,
     **numerics: float,
-) -> Case:
+) -> JointCase:
     return Case(
         name="case",
         model=engine,
         variant="reference",
-        sample="n",
-        joint=joint,
-        mesh=mesh,
-        nodes=nodes,
-        loading=loading,
+        subject=JointSubject("n", joint, mesh, nodes, loading),
         numerics=Numerics(**numerics),
     )
+
+
+def with_subject(case: JointCase, **changes: Any) -> JointCase:
+    """``case`` with ``changes`` of its subject."""
+    return replace(case, subject=replace(case.subject, **changes))
 
 
 @pytest.fixture(scope="session")
@@ -244,17 +246,17 @@ def made_once(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 
 @pytest.fixture
-def run(made_once: Callable[..., Path]) -> Callable[[Case], CaseResult]:
+def run(made_once: Callable[..., Path]) -> Callable[[JointCase], CaseResult]:
     """Run a case, once in all tests: runs repeat to the byte."""
 
-    def found(case: Case) -> CaseResult:
+    def found(case: JointCase) -> CaseResult:
         name = hashlib.sha256(case.to_json().encode()).hexdigest()[:16]
         return read_case(made_once(f"case-{name}", partial(run_case, case)), case)
 
     return found
 
 
-def run_case(case: Case, folder: Path) -> Path:
+def run_case(case: JointCase, folder: Path) -> Path:
     """Run a case in ``folder``; returns it. Raises `EngineError` if there is no result."""
     folder.mkdir(parents=True, exist_ok=True)
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
@@ -265,10 +267,10 @@ def run_case(case: Case, folder: Path) -> Path:
     return folder
 
 
-def read_case(folder: Path, case: Case) -> CaseResult:
+def read_case(folder: Path, case: JointCase) -> CaseResult:
     (record,) = read_records([folder / RECORD])
     nodes = pd.read_csv(folder / "nodes.csv")
-    nodes["lock"] = nodes["face"].map(lock_faces(case.joint)).fillna(0).astype(int)
+    nodes["lock"] = nodes["face"].map(lock_faces(case.subject.joint)).fillna(0).astype(int)
     return CaseResult(case, record, nodes, pd.read_csv(folder / "history.csv"))
 
 

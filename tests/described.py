@@ -5,7 +5,7 @@ from typing import Any
 from conftest import ROOT
 
 from sidmacib.yaml_text import read_yaml
-from workflow.structures.case import changed
+from workflow.structures import changed
 
 BLOCK = {
     "blocks": {

@@ -11,14 +11,15 @@ from analysis.tables.collect import cases_table, weights_table
 from analysis.tables.fit import best_table, fit_table
 from analysis.tables.validation import validation_table
 from sidmacib.joint.weights import LockWeight
-from workflow.joints.case import Case
-from workflow.results.record import CaseRecord, failed_record
+from workflow.case import JointCase
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import record_without_result
 from workflow.schema import Study
 
 
-def record_with(case: Case, weight: float, peak: float = 100.0) -> CaseRecord:
+def record_with(case: JointCase, weight: float, peak: float = 100.0) -> JointRecord:
     """A record with the same uniform stress along -y on all inner faces."""
-    joint = case.joint
+    joint = case.subject.joint
     weights = tuple(
         LockWeight(
             lock,
@@ -28,24 +29,27 @@ def record_with(case: Case, weight: float, peak: float = 100.0) -> CaseRecord:
         )
         for lock in range(1, joint.locks + 1)
     )
+    record = record_without_result(case)
     return replace(
-        failed_record(case, "made up"),
-        error=None,
+        record,
         load_N=peak,
-        shear_N=peak * case.direction.shear,
-        torque_Nm=peak * case.direction.torque * joint.a,
         failed_load_N=1.001 * peak,
         unbalanced_share=0.0,
-        weights=weights,
+        part=replace(
+            record.part,
+            shear_N=peak * case.subject.direction.shear,
+            torque_Nm=peak * case.subject.direction.torque * joint.a,
+            weights=weights,
+        ),
     )
 
 
-def capacity_of(study: Study, records: Sequence[CaseRecord]) -> pd.DataFrame:
+def capacity_of(study: Study, records: Sequence[JointRecord]) -> pd.DataFrame:
     return capacity_table(study, cases_table(records, records), weights_table(records))
 
 
 def tables_of(
-    study: Study, records: Sequence[CaseRecord], cases: pd.DataFrame | None = None
+    study: Study, records: Sequence[JointRecord], cases: pd.DataFrame | None = None
 ) -> dict[str, pd.DataFrame]:
     """The tables that a summary needs; ``cases``: in place of those of the records."""
     capacity = capacity_of(study, records)

@@ -25,7 +25,8 @@ from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
-from workflow.results.record import CaseRecord, failed_record
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import record_without_result
 from workflow.results.tables import (
     CAPACITY,
     CASES,
@@ -45,12 +46,12 @@ def study() -> Study:
 
 
 @pytest.fixture
-def results(study: Study) -> list[CaseRecord]:
+def results(study: Study) -> list[JointRecord]:
     """A joint of which one lock carries load, on contact points at 0.3 a, 96 % of T0."""
     joint = study.joint("n3")
     cases = [case for case in cases_of(study).values() if case.model == "yade"]
     model = Sidmacib(joint, ContactOption.pair(0.3), (0.96, 0.0, 0.0), friction=False)
-    points = capacities(model, [case.direction for case in cases])
+    points = capacities(model, [case.subject.direction for case in cases])
     return [record_with(c, 0.5, point.load) for c, point in zip(cases, points, strict=True)]
 
 
@@ -62,7 +63,7 @@ def test_sums_are_of_all_locks_rounded_down_and_of_the_lower_locks(results) -> N
 
 
 def test_friction_is_what_the_lower_locks_do_not_carry(results) -> None:
-    assert friction_share(results[0]) == pytest.approx(1.0 - 120.0 / results[0].shear_N)
+    assert friction_share(results[0]) == pytest.approx(1.0 - 120.0 / results[0].part.shear_N)
     assert math.isnan(friction_share(results[-1]))
 
 
@@ -99,14 +100,18 @@ def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
     study, results, tmp_path: Path
 ) -> None:
     case = next(c for c in cases_of(study).values() if c.name == results[1].name)
-    holed = [results[0], failed_record(case, "yade: out of time after 1 s"), results[2]]
+    holed = [
+        results[0],
+        record_without_result(case, error="yade: out of time after 1 s"),
+        results[2],
+    ]
     cases = cases_table(holed, holed)
     write_table(CASES, cases, tmp_path / "cases.csv")
     assert read_table(CASES, tmp_path / "cases.csv")["error"].notna().tolist() == [0, 1, 0]
     capacity = capacity_of(study, holed)
     write_table(CAPACITY, capacity, tmp_path / "capacity.csv")
     (row,) = capacity[capacity["error"].notna()].itertuples()
-    assert (row.case, row.error) == (holed[1].case, "yade: out of time after 1 s")
+    assert (row.case, row.error) == (holed[1].part.case, "yade: out of time after 1 s")
     assert math.isnan(row.load_N)
     fit = fit_table(capacity)
     assert set(fit["directions"]) == {2}
@@ -120,7 +125,7 @@ def test_a_case_without_a_result_leaves_a_hole_that_every_table_names(
 def test_the_best_pair_finds_distance_and_strength_of_a_made_up_curve(study, results) -> None:
     curve = pd.DataFrame(
         {
-            "eccentricity_over_a": [r.eccentricity_over_a for r in results],
+            "eccentricity_over_a": [r.part.eccentricity_over_a for r in results],
             "load_N": [r.load_N for r in results],
         }
     )
@@ -146,7 +151,7 @@ def test_a_curve_that_is_the_model_itself_is_won_without_misfit(study) -> None:
     joint = study.joint("n3")
     cases = [case for case in cases_of(study).values() if case.model == "yade"]
     model = Sidmacib(joint, ContactOption.pair(0.25), active(joint, 1), friction=False)
-    points = capacities(model, [case.direction for case in cases])
+    points = capacities(model, [case.subject.direction for case in cases])
     results = [record_with(c, 0.5, p.load) for c, p in zip(cases, points, strict=True)]
     best = winner(fit_table(capacity_of(study, results)), "n3", 0.02)
     assert (best["option"], best["friction"], best["misfit"]) == (

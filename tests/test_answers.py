@@ -16,24 +16,26 @@ from analysis.report.structures import structures_verdict
 from analysis.summary.structures import summary
 from analysis.tables.structures import counted, structures_table
 from sidmacib.answers.structure import (
-    FIRST_FAILURE,
-    PEAK,
     SETTLED,
-    Counts,
     static_answer,
     without_other_meshes,
 )
 from sidmacib.errors import DOES_NOT_STAND, NoEquilibriumError
-from sidmacib.structure.analysis.mesh_error import Failures
+from sidmacib.models import structure_limit, structure_static
+from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.files.structure_file import structure_of
-from workflow.steps.structure_solve import solved
-from workflow.structures.case import StructureCase
-from workflow.structures.record import StructureRecord
+from workflow.case import Case, StructureSubject
+from workflow.results.record import Record, record_without_result
+from workflow.results.structure_part import StructureRecord
+from workflow.steps.solve import solved_or_not
+
+SOLVE = {"static": structure_static.solve, "limit": structure_limit.solve}
 
 
 def record_of(description: dict[str, Any], model: str = "static") -> StructureRecord:
-    case = StructureCase("s-load", model, "s", "load", "reference", description, None)
-    return solved(case, f"sidmacib.models.structure_{model}")
+    case = Case("s-load", model, "reference", StructureSubject("s", "load", description), None)
+    found = solved_or_not(case, SOLVE[model])
+    return found if isinstance(found, Record) else found[0]
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -94,19 +96,19 @@ def test_a_structure_that_falls_alone_is_said_to(tmp_path: Path) -> None:
 
 # --- engines -------------------------------------------------------------------------------------
 def engine(name: str, peak: float, first: float | None) -> StructureRecord:
-    identity = dict.fromkeys(("structure", "load", "variant", "name", "case_digest"), "s")
-    return StructureRecord(
-        model=name, physics="p", **identity, load_N=peak, peak_N=peak, first_failure_load_N=first
-    )
+    case = Case("s-load", name, "reference", StructureSubject("s", "load", {}), None)
+    record = record_without_result(case)
+    return replace(record, load_N=peak, peak_N=peak, first_failure_load_N=first)
 
 
 def test_an_engine_has_the_load_that_counts_in_the_static_model() -> None:
     static = record_of(FILES["bonded arch"])
     found = counted(engine("yade", 3329.0, 416.0), static)
-    assert (found.load_N, found.peak_N, found.counts) == (416.0, 3329.0, FIRST_FAILURE)
-    assert found.mesh_error == static.mesh_error and found.because == static.because
+    assert (found.load_N, found.peak_N, found.part.counts) == (416.0, 3329.0, FIRST_FAILURE)
+    assert found.part.mesh_error == static.part.mesh_error
+    assert found.part.because == static.part.because
     settled = counted(engine("yade", 7850.0, 1599.0), record_of(FILES["trilith"]))
-    assert (settled.load_N, settled.counts) == (7850.0, PEAK)
+    assert (settled.load_N, settled.part.counts) == (7850.0, PEAK)
 
 
 def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None:
@@ -114,7 +116,7 @@ def test_engines_are_compared_with_the_static_model_on_their_own_cells() -> None
     yade = engine("yade", 3329.0, 416.0)
     table = structures_table([static, replace(yade, physics=static.physics)])
     row = table.set_index("model").loc["yade"]
-    assert row["static_load_N"] == static.given_first_failure_N
+    assert row["static_load_N"] == static.part.given_first_failure_N
     assert row["difference_to_static"] == pytest.approx(416.0 / row["static_load_N"] - 1.0)
 
 
@@ -123,7 +125,7 @@ def test_an_engine_alone_counts_its_peak_only_where_no_bond_fails_before(
     first: float | None, counts: str
 ) -> None:
     found = counted(engine("yade", 900.0, first), None)
-    assert found.counts == counts and found.load_N == (first or 900.0)
+    assert found.part.counts == counts and found.load_N == (first or 900.0)
     assert without_other_meshes(Failures(900.0, 900.0)).peak
 
 

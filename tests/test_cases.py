@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 import yaml
-from conftest import ROOT
+from conftest import ROOT, with_subject
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,8 +20,8 @@ from sidmacib.joint.joint import DRY, Direction, Joint, OwnLock, Side, UpperBody
 from sidmacib.joint.loading import Loading, LoadShare, Push
 from sidmacib.mechanics.assembly import Failure, NodeLayout
 from sidmacib.models import SOLVED
+from workflow.case import Case, JointCase, JointSubject
 from workflow.configuration import ConfigError, read_study
-from workflow.joints.case import Case
 from workflow.planning.cases import case_count, cases_of, find_case
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
@@ -36,18 +36,18 @@ def merged(**change: Any) -> dict[str, Any]:
 def test_the_papers_study_has_every_sample_mesh_and_direction() -> None:
     study = read_study(yaml.safe_load((ROOT / "config.yaml").read_text()))
     reference = [case for case in cases_of(study).values() if case.variant == "reference"]
-    printed = [case for case in reference if case.sample in ("n3", "n5")]
+    printed = [case for case in reference if case.subject.sample in ("n3", "n5")]
     assert len(printed) == 4 * 2 * 2 * 9
     assert {case.model for case in printed} == {"yade", "liggghts", "static", "limit"}
-    fitted = [case for case in reference if case.sample in ("n3_fits", "n5_fits")]
+    fitted = [case for case in reference if case.subject.sample in ("n3_fits", "n5_fits")]
     assert len(fitted) == len(reference) - len(printed) == 3 * 2 * 2 * 9 + 2 * 2 * 2
     partly = [case for case in fitted if case.model == "liggghts"]
-    assert {case.direction.eccentricity for case in partly} == {0, 0.5}
+    assert {case.subject.direction.eccentricity for case in partly} == {0, 0.5}
     assert {case.model for case in fitted} == {"yade", "liggghts", "static", "limit"}
-    assert {case.joint.dry.friction for case in fitted} == {0.005236}
-    assert {case.joint.dry.friction for case in printed} == {0.3}
+    assert {case.subject.joint.dry.friction for case in fitted} == {0.005236}
+    assert {case.subject.joint.dry.friction for case in printed} == {0.3}
     directions = {0, 0.05, 0.1, 0.2, 0.35, 0.5, 1, 2, math.inf}
-    assert {case.direction.eccentricity for case in reference} == directions
+    assert {case.subject.direction.eccentricity for case in reference} == directions
 
 
 def test_a_direction_is_carried_exactly_as_configured_whatever_the_locks_length() -> None:
@@ -56,9 +56,9 @@ def test_a_direction_is_carried_exactly_as_configured_whatever_the_locks_length(
     config = {"samples": samples, "eccentricities": ratios, "meshes": [0.02]}
     cases = cases_of(read_study(config)).values()
     for sample in samples:
-        selected = [c for c in cases if c.sample == sample and c.model == "yade"]
-        assert [case.direction.eccentricity for case in selected] == ratios
-        assert [case.eccentricity_m for case in selected] == [
+        selected = [c for c in cases if c.subject.sample == sample and c.model == "yade"]
+        assert [case.subject.direction.eccentricity for case in selected] == ratios
+        assert [case.subject.eccentricity_m for case in selected] == [
             ratio * samples[sample]["a"] for ratio in ratios
         ]
 
@@ -76,13 +76,16 @@ def test_a_variant_changes_what_it_names_where_it_says() -> None:
         changed_case,
         name=soft.name,
         variant="soft",
-        joint=replace(changed_case.joint, failure=Failure.DUCTILE),
+        subject=replace(
+            changed_case.subject,
+            joint=replace(changed_case.subject.joint, failure=Failure.DUCTILE),
+        ),
     )
 
 
 def test_where_there_is_one_mesh_the_quick_models_run_at_half_of_it_too() -> None:
     study = read_study(merged(meshes=[0.02], eccentricities=[0]))
-    found = {(model, case.mesh) for (model, _), case in cases_of(study).items()}
+    found = {(model, case.subject.mesh) for (model, _), case in cases_of(study).items()}
     engines = {(engine, 0.02) for engine in study.dem.engines}
     assert found == engines | {(model, mesh) for model in SOLVED for mesh in (0.02, 0.01)}
     assert case_count(study) == len(cases_of(study))
@@ -120,8 +123,10 @@ def test_a_sample_has_faces_and_models_of_its_own() -> None:
         {**BOTH, "samples": {**ONE["samples"], "own": section}, "eccentricities": [0]}
     )
     cases = cases_of(study)
-    assert {model for (model, _), case in cases.items() if case.sample == "own"} == {"static"}
-    changed, plain = cases["static", "own-mesh0.02-e0a"].joint, study.joint("n3")
+    assert {model for (model, _), case in cases.items() if case.subject.sample == "own"} == {
+        "static"
+    }
+    changed, plain = cases["static", "own-mesh0.02-e0a"].subject.joint, study.joint("n3")
     assert changed.dry == replace(plain.dry, friction=0.01)
     assert changed.inner == replace(plain.inner, cohesion=9e4)
     assert case_count(study) == len(cases) == 2 * (4 + 1)
@@ -130,7 +135,9 @@ def test_a_sample_has_faces_and_models_of_its_own() -> None:
 def test_an_engine_is_left_out_for_the_sample_that_it_cannot_run() -> None:
     stiff = {"locks": 3, "inner": {"shear_stiffness": 5e9}, "models": ["yade", "static"]}
     study = read_study({"samples": {"n3": {"locks": 3}, "stiff": stiff}, "eccentricities": [0]})
-    models = {model for (model, _), case in cases_of(study).items() if case.sample == "stiff"}
+    models = {
+        model for (model, _), case in cases_of(study).items() if case.subject.sample == "stiff"
+    }
     assert models == {"yade", "static"}
 
 
@@ -161,10 +168,10 @@ def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
     spelled: Any, meant: HoldDown
 ) -> None:
     study = read_study(merged(assembly={"hold_down": spelled}))
-    assert {case.joint.hold_down for case in cases_of(study).values()} == {meant}
+    assert {case.subject.joint.hold_down for case in cases_of(study).values()} == {meant}
     assert read_study(json.loads(study.model_dump_json())) == study
     other = read_study(merged(variants={"v": {"hold_down": spelled, "eccentricities": [0]}}))
-    hold_downs = {c.joint.hold_down for c in cases_of(other).values() if c.variant == "v"}
+    hold_downs = {c.subject.joint.hold_down for c in cases_of(other).values() if c.variant == "v"}
     assert hold_downs == {meant}
 
 
@@ -172,26 +179,29 @@ def test_what_holds_the_joint_down_is_a_setting_of_the_study_or_of_a_variant(
 def test_a_key_is_the_same_for_all_models_and_variants_and_apart_from_others() -> None:
     variants = {"body": {"load_share": "body"}}
     cases = [*cases_of(read_study(merged(variants=variants))).values()]
-    places = {(case.key, case.sample, case.mesh, case.direction) for case in cases}
-    assert len(places) == len({case.key for case in cases}) == 2 * 9
-    assert all(case.name == case.key for case in cases if case.variant == "reference")
-    assert all(c.name == f"{c.key}-body" for c in cases if c.variant == "body")
+    places = {
+        (case.subject.key, case.subject.sample, case.subject.mesh, case.subject.direction)
+        for case in cases
+    }
+    assert len(places) == len({case.subject.key for case in cases}) == 2 * 9
+    assert all(case.name == case.subject.key for case in cases if case.variant == "reference")
+    assert all(c.name == f"{c.subject.key}-body" for c in cases if c.variant == "body")
 
 
 def test_the_digest_covers_what_the_results_depend_on_and_nothing_else() -> None:
     cases = cases_of(read_study(ONE))
     case = cases["yade", "n3-mesh0.02-e0a"]
-    assert replace(case, name="x", sample="y", variant="z").digest() == case.digest()
+    assert replace(with_subject(case, sample="y"), name="x", variant="z").digest() == case.digest()
     assert case.numerics is not None
     others = [
         replace(case, model="liggghts"),
-        replace(case, joint=replace(case.joint, h=case.joint.h * (1 + 1e-15))),
-        replace(case, joint=replace(case.joint, first=Side.LOWER)),
-        replace(case, joint=replace(case.joint, different={2: OwnLock(density=1.0)})),
-        replace(case, joint=replace(case.joint, hold_down=HoldDown.weight())),
-        replace(case, mesh=0.021),
-        replace(case, loading=Loading(Direction(1e-12))),
-        replace(case, loading=replace(case.loading, push=Push.MINUS_Y)),
+        with_subject(case, joint=replace(case.subject.joint, h=case.subject.joint.h * (1 + 1e-15))),
+        with_subject(case, joint=replace(case.subject.joint, first=Side.LOWER)),
+        with_subject(case, joint=replace(case.subject.joint, different={2: OwnLock(density=1.0)})),
+        with_subject(case, joint=replace(case.subject.joint, hold_down=HoldDown.weight())),
+        with_subject(case, mesh=0.021),
+        with_subject(case, loading=Loading(Direction(1e-12))),
+        with_subject(case, loading=replace(case.subject.loading, push=Push.MINUS_Y)),
         replace(case, numerics=replace(case.numerics, damping=0.3)),
         replace(case, numerics=None),
     ]
@@ -234,11 +244,12 @@ SIZE = st.floats(1e-300, 1e300)
 def test_a_case_survives_json_exactly(
     joint: Joint, mesh: float, loading: Loading, numerics: Numerics | None
 ) -> None:
-    case = Case("n", "yade", "reference", "s", joint, mesh, NodeLayout.CENTRES, loading, numerics)
-    again = Case.from_json(case.to_json())
+    subject = JointSubject("s", joint, mesh, NodeLayout.CENTRES, loading)
+    case = Case("n", "yade", "reference", subject, numerics)
+    again = JointCase.from_json(case.to_json())
     assert again == case
     assert again.digest() == case.digest()
-    assert type(again.loading.push) is Push
+    assert type(again.subject.loading.push) is Push
     json.loads(case.to_json(), parse_constant=pytest.fail)  # what other readers know as JSON
 
 
@@ -260,7 +271,7 @@ def test_a_case_survives_json_exactly(
 )
 def test_what_is_not_a_case_is_refused(change: Any) -> None:
     data = json.loads(cases_of(read_study(ONE))["yade", "n3-mesh0.02-e0a"].to_json())
-    change(data)
+    change(data["subject"])
     with pytest.raises(ValueError, match=r"^not a case: "):
         Case.from_json(json.dumps(data))
 
@@ -282,7 +293,7 @@ def test_ten_thousand_cases_are_built_at_once_and_share_their_joints() -> None:
     cases = cases_of(study)
     assert time.process_time() - start < 2.0
     assert len(cases) == case_count(study) == 10_000
-    assert len({id(case.joint) for case in cases.values()}) == 10
+    assert len({id(case.subject.joint) for case in cases.values()}) == 10
 
 
 def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> None:
@@ -296,9 +307,7 @@ def test_more_cases_than_can_be_handled_are_refused_before_they_are_built() -> N
     assert time.process_time() - start < 2.0
 
 
-@pytest.mark.parametrize(
-    "module", ["workflow.planning.cases", "workflow.joints.case", "sidmacib.models"]
-)
+@pytest.mark.parametrize("module", ["workflow.planning.cases", "workflow.case", "sidmacib.models"])
 def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     text = f"import sys, {module}; print(*sys.modules)"
     found = subprocess.run(
@@ -306,5 +315,5 @@ def test_planning_imports_no_solver_and_no_table(module: str) -> None:
     )
     heavy = {"cvxpy", "pandas", "numba", "scipy", "matplotlib", "pyarrow", "jinja2"}
     assert not heavy & set(found.stdout.split())
-    if module == "workflow.joints.case":
+    if module == "workflow.case":
         assert "pydantic" not in found.stdout.split()

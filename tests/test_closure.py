@@ -17,6 +17,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Elastic
 from sidmacib.models import MODELS
+from workflow.case import JointSubject
 from workflow.configuration import read_study
 from workflow.planning.batches import case_jobs
 from workflow.run import closure as module
@@ -111,10 +112,16 @@ def test_a_rule_runs_again_when_what_its_script_imports_is_edited(rule: str) -> 
 def test_what_a_run_imports_and_reads_is_in_its_closure(tmp_path: Path, model: str) -> None:
     config = {"samples": {"n3": {"locks": 3}}, "meshes": [0.03], "eccentricities": [0]}
     study = read_study({**config, "models": ["static", "limit"], "dem": {"engines": []}})
-    cases = [case.to_json() for case in case_jobs(study).batches[model, "batch"]]
+    cases = [case.to_json() for case in case_jobs(study).batches[f"cases/{model}/batch"]]
     arguments = {"cases": cases, "module": MODELS[model].module}
     outputs = {name: f"{tmp_path}/{name}" for name in ("records", "nodes", "history")}
-    _assert_covered("workflow.steps.solve", arguments, outputs, (str(MODELS[model].module),), ())
+    _assert_covered(
+        "workflow.steps.solve",
+        arguments,
+        outputs,
+        (str(MODELS[model].module), *JointSubject.modules),
+        (),
+    )
 
 
 def _assert_covered(
@@ -156,4 +163,7 @@ def test_what_an_engines_job_imports_and_reads_is_in_its_closure(
     case = a_case(model, joint, Loading(Direction(0.0)), 0.04)
     arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
     outputs = {"record": f"{tmp_path}/record.json", "result": f"{tmp_path}/result.json"}
-    _assert_covered("workflow.steps.engine", arguments, outputs, *sources(ENGINES[model]))
+    modules, files = sources(ENGINES[model])
+    _assert_covered(
+        "workflow.steps.engine", arguments, outputs, (*modules, *JointSubject.modules), files
+    )

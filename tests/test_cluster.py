@@ -12,8 +12,8 @@ from sidmacib.engines.execute import EngineKilledError
 from sidmacib.engines.scripts.records import RESULT
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
+from workflow.case import JointCase
 from workflow.configuration import ConfigError
-from workflow.joints.case import Case
 from workflow.planning.resources import (
     engine_resources,
     nodes_of,
@@ -25,13 +25,13 @@ from workflow.run.step import KilledError
 from workflow.steps import engine as engine_step
 
 
-def case_on(mesh: float) -> Case:
+def case_on(mesh: float) -> JointCase:
     return a_case("yade", Joint(locks=3), Loading(Direction(0.0)), mesh)
 
 
 def test_more_nodes_ask_for_more() -> None:
     coarse, fine = case_on(mesh=0.02), case_on(mesh=0.005)
-    assert nodes_of(fine) > 5 * nodes_of(coarse)
+    assert nodes_of(fine.subject) > 5 * nodes_of(coarse.subject)
     for one, other in (
         (engine_resources(coarse, 3600), engine_resources(fine, 3600)),
         (solved_resources([coarse]), solved_resources([fine])),

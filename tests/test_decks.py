@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import with_subject
 
 from sidmacib.joint.loading import lateral_load
 from sidmacib.joint.pieces import assemble
@@ -12,9 +13,8 @@ from sidmacib.mechanics.assembly import Assembly, Elastic
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models.static import solve
 from sidmacib.outcome import Outcome
+from workflow.case import JointCase
 from workflow.configuration import read_study
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
 from workflow.planning.cases import cases_of
 from workflow.results.files import force_to_stress
 from workflow.results.record import ResultError, record_of
@@ -27,17 +27,17 @@ NUMBER = r"(-?[\d.e+-]+)"
 
 
 @pytest.fixture(params=["n3-mesh0.03-e0a", "n3-mesh0.03-e0.5a", "n3-mesh0.03-torsion"])
-def case(request: pytest.FixtureRequest) -> Case:
+def case(request: pytest.FixtureRequest) -> JointCase:
     return decks(STUDY, cases_of(STUDY).values())[request.param]
 
 
-def static_outcome(case: Case) -> Outcome:
-    return solve(problem_of(case))
+def static_outcome(case: JointCase) -> Outcome:
+    return solve(case.subject.problem())
 
 
-def returned(case: Case, load: float) -> str:
+def returned(case: JointCase, load: float) -> str:
     """What 3DEC would print if it found what the static model finds."""
-    assembly = assemble(case.joint, case.mesh, case.nodes)
+    assembly = assemble(case.subject.joint, case.subject.mesh, case.subject.nodes)
     peak = static_outcome(case).path[-1]
     assert peak.force is not None
     nodes = assembly.nodes
@@ -57,11 +57,11 @@ def returned(case: Case, load: float) -> str:
     return "\n".join([*lines, "MULTILOCK|END"])
 
 
-def discretised(case: Case) -> Assembly:
-    return assemble(case.joint, case.mesh, case.nodes)
+def discretised(case: JointCase) -> Assembly:
+    return assemble(case.subject.joint, case.subject.mesh, case.subject.nodes)
 
 
-def test_blocks_are_the_pieces_and_fixed_where_they_are(case: Case) -> None:
+def test_blocks_are_the_pieces_and_fixed_where_they_are(case: JointCase) -> None:
     text, model = deck(case), discretised(case)
     bricks = re.findall(rf"block create brick {' '.join([NUMBER] * 6)}", text)
     groups = re.findall(r"^block group '(\w+)'", text, re.MULTILINE)
@@ -73,7 +73,7 @@ def test_blocks_are_the_pieces_and_fixed_where_they_are(case: Case) -> None:
     assert fixed == [piece.name for piece in model.pieces if piece.fixed]
 
 
-def test_every_face_has_its_law(case: Case) -> None:
+def test_every_face_has_its_law(case: JointCase) -> None:
     text, model = deck(case), discretised(case)
     found = re.findall(
         rf"friction {NUMBER} cohesion {NUMBER} tension {NUMBER} range group-intersection"
@@ -88,15 +88,15 @@ def test_every_face_has_its_law(case: Case) -> None:
         assert (float(cohesion), float(tension)) == (law.cohesion, law.tensile_strength)
 
 
-def test_forces_on_the_corners_have_the_resultant_of_the_load(case: Case) -> None:
+def test_forces_on_the_corners_have_the_resultant_of_the_load(case: JointCase) -> None:
     text, model = deck(case), discretised(case)
     found = re.findall(
         rf"force-x {NUMBER} force-y {NUMBER} force-z {NUMBER} range group '(\w+)' sphere center "
         rf"{NUMBER} {NUMBER} {NUMBER}",
         text,
     )
-    increment = INCREMENT * case.joint.T0
-    loads = lateral_load(case.joint, model, case.loading).variable
+    increment = INCREMENT * case.subject.joint.T0
+    loads = lateral_load(case.subject.joint, model, case.subject.loading).variable
     for piece, load in zip(model.pieces, loads, strict=True):
         if not load.any():
             continue
@@ -109,16 +109,16 @@ def test_forces_on_the_corners_have_the_resultant_of_the_load(case: Case) -> Non
         assert moment[0] == pytest.approx(0.0, abs=1e-12)  # acts at mid-height
 
 
-def test_what_comes_back_reads_like_any_other_model(case: Case) -> None:
+def test_what_comes_back_reads_like_any_other_model(case: JointCase) -> None:
     load = static_outcome(case).path[-1].load
     record = record_of(case, *read_returned(returned(case, load), case), {})
     assert (record.name, record.load_N) == (case.name, pytest.approx(load, rel=1e-9))
     assert record.failed_load_N == pytest.approx(1.001 * load, rel=1e-9)
     assert record.unbalanced_share < 1e-6
-    assert max(each.weight for each in record.weights) <= 1.0 + 1e-6
+    assert max(each.weight for each in record.part.weights) <= 1.0 + 1e-6
 
 
-def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
+def test_results_of_another_case_or_cut_short_are_refused(case: JointCase) -> None:
     text = returned(case, 100.0)
     with pytest.raises(
         ResultError, match=r"results of other-.*; they must be results of n3-mesh0.03"
@@ -128,7 +128,7 @@ def test_results_of_another_case_or_cut_short_are_refused(case: Case) -> None:
         read_returned(text.removesuffix("MULTILOCK|END"), case)
 
 
-def test_a_face_that_is_not_covered_is_named(case: Case) -> None:
+def test_a_face_that_is_not_covered_is_named(case: JointCase) -> None:
     lines = [x for x in returned(case, 100.0).splitlines() if "lock1|column1" not in x]
     with pytest.raises(
         ResultError, match=r"0 m2 of subcontacts on inner-lock1-column1; they must cover"
@@ -137,15 +137,15 @@ def test_a_face_that_is_not_covered_is_named(case: Case) -> None:
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "ten", ""])
-def test_a_number_that_is_none_is_named_with_its_line(case: Case, value: str) -> None:
+def test_a_number_that_is_none_is_named_with_its_line(case: JointCase, value: str) -> None:
     lines = returned(case, 100.0).splitlines()
     lines[3] = "|".join([*lines[3].split("|")[:8], value, *lines[3].split("|")[9:]])
     with pytest.raises(ResultError, match=r"results.txt, line 4: must have 9 finite numbers"):
         read_returned("\n".join(lines), case)
 
 
-def test_elastic_pieces_are_deformable_blocks_with_the_material(case: Case) -> None:
-    bends = replace(case, joint=replace(case.joint, elastic=Elastic(2e10, 0.25)))
+def test_elastic_pieces_are_deformable_blocks_with_the_material(case: JointCase) -> None:
+    bends = with_subject(case, joint=replace(case.subject.joint, elastic=Elastic(2e10, 0.25)))
     lines = deck(bends).splitlines()
     assert "block zone cmodel assign elastic" in lines
     (law,) = (line for line in lines if line.startswith("block zone property"))

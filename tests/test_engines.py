@@ -194,7 +194,7 @@ def test_joints_of_other_kinds_have_the_static_models_peak_and_weights(
     expected, _, _ = solved(case, static_model)
     assert result.peak_load == pytest.approx(expected.load_N, rel=0.01)
     assert result.record.mode == expected.mode == "bonds"
-    weights = [each.weight for each in expected.weights]
+    weights = [each.weight for each in expected.part.weights]
     assert result.weights["weight"].tolist() == pytest.approx(weights, abs=0.01)
 
 

@@ -36,7 +36,7 @@ def test_of_a_joint(model: Any, ratio: float) -> None:
 @pytest.mark.parametrize("model", STRUCTURES)
 @pytest.mark.parametrize("description", [SLIDING, BONDED], ids=["dry", "bonded"])
 def test_of_a_structure(model: str, description: dict[str, Any]) -> None:
-    found = STRUCTURES[model](structure_of({**description, "load": PUSH})).outcome
+    found = STRUCTURES[model](structure_of({**description, "load": PUSH}))
     above = found.failed_load / found.path[-1].load - 1.0
     assert 0.0 <= above <= BRACKET[model]
 
@@ -44,14 +44,14 @@ def test_of_a_structure(model: str, description: dict[str, Any]) -> None:
 @pytest.mark.parametrize("model", STRUCTURES)
 @pytest.mark.parametrize("description", [SLIDING, BONDED], ids=["dry", "bonded"])
 def test_of_a_structure_that_is_tilted(model: str, description: dict[str, Any]) -> None:
-    found = STRUCTURES[model](structure_of({**description, "load": TILT})).outcome
+    found = STRUCTURES[model](structure_of({**description, "load": TILT}))
     above = found.failed_load / found.path[-1].load - 1.0
     assert 0.0 <= above <= (1.01 * PRECISION if model == "static" else 0.0)
 
 
 def test_a_block_on_a_slope_slides_between_the_last_angle_and_the_failed_one() -> None:
     problem = structure_of({**SLIDING, "load": TILT})
-    found = structure_static.solve(problem).outcome
+    found = structure_static.solve(problem)
     weight = 0.6 * 0.6 * 0.3 * 2000.0 * 9.81
     carried, failed = (
         tilt_of_load(load, weight) for load in (found.path[-1].load, found.failed_load)
@@ -67,7 +67,7 @@ def test_first_failures_and_broken_bonds_are_at_loads_that_are_carried(
     load: dict[str, Any],
 ) -> None:
     found = structure_static.solve(structure_of({**BONDED, "load": load}))
-    peak, first = found.outcome.path[-1].load, found.outcome.first_failure_load
+    peak, first = found.path[-1].load, found.first_failure_load
     assert first is not None
     assert 0.0 < first <= peak
     assert all(broken == pytest.approx(first, rel=1e-4) for broken in found.broken_at.values())

@@ -21,10 +21,10 @@ from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
+from workflow.case import JointCase
 from workflow.configuration import read_study, read_study_file
-from workflow.joints.case import Case
 from workflow.planning.cases import cases_of
-from workflow.results.record import failed_record
+from workflow.results.record import record_without_result
 from workflow.results.tables import write_table
 
 
@@ -100,12 +100,12 @@ STUDY = {
 }
 
 
-def drawn_with_failures(fails: Callable[[Case], bool], folder: Path) -> list[str]:
+def drawn_with_failures(fails: Callable[[JointCase], bool], folder: Path) -> list[str]:
     """Draw all figures of a study where some cases have no result; returns names of saved ones."""
     study = read_study(STUDY)
     cases = [case for case in cases_of(study).values() if case.model not in LAWS]
     records = [
-        failed_record(case, "no result") if fails(case) else record_with(case, 0.5)
+        record_without_result(case, error="no result") if fails(case) else record_with(case, 0.5)
         for case in cases
     ]
     tables = tables_of(study, records) | {"models": models_table(records)}
@@ -123,8 +123,9 @@ def drawn_with_failures(fails: Callable[[Case], bool], folder: Path) -> list[str
     return [path.stem for path in saved if path.exists()]
 
 
-WITHOUT: dict[str, Callable[[Case], bool]] = {
-    "the finest mesh": lambda case: case.model == "static" and case.mesh == 0.01,
+WITHOUT: dict[str, Callable[[JointCase], bool]] = {
+    "the finest mesh": lambda case: case.model == "static" and case.subject.mesh == 0.01,
+    "pure shear": lambda case: case.subject.direction.eccentricity == 0.0,
     "everything": lambda case: True,
 }
 

@@ -12,7 +12,7 @@ from analysis.explore.pictures import peak, which_counts
 from analysis.explore.state import Settings
 from sidmacib.answers.joint import JointAnswer, joint_answer, meshes
 from sidmacib.joint.joint import Direction
-from sidmacib.joint.loading import Loading, posed
+from sidmacib.joint.loading import Loading
 from sidmacib.joint.weights import lock_weights
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models.static import solve
@@ -49,9 +49,9 @@ def test_a_joint_has_the_same_load_at_every_door(name: str) -> None:
     (printed,) = answers("capacity", *flags(state), "-m", "static")
     assert printed["V (N)"] == pytest.approx(shear, rel=1e-9)
     case = a_case("static", joint, Loading(direction), meshes(joint)[1], NodeLayout.LOBATTO)
-    problem = posed(joint, case.loading, case.mesh)
+    problem = case.subject.problem()
     record = record_of(case, problem, solve(problem), {})
-    assert record.shear_N == pytest.approx(shear, rel=1e-9)
+    assert record.part.shear_N == pytest.approx(shear, rel=1e-9)
     assert which_counts(state).shear == pytest.approx(shear, rel=1e-9)
     if not found.solution.spread:
         assert f"peak at V = {shear:.4g} N" in explored(state).words

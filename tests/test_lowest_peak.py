@@ -29,8 +29,8 @@ from sidmacib.mechanics.static.lowest_peak import (
 )
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.models.static import solve
-from workflow.joints.case import Case
-from workflow.results.record import CaseRecord
+from workflow.case import Case, JointSubject
+from workflow.results.joint_part import JointRecord
 from workflow.steps.solve import solved
 
 NODES, FINE = NodeLayout.LOBATTO, 0.0124875
@@ -48,9 +48,11 @@ def far() -> StaticSolution:
     return lowest_peak(*loaded(11, 1.0, FINE))
 
 
-def record(locks: int, ratio: float) -> CaseRecord:
+def record(locks: int, ratio: float) -> JointRecord:
     loading = Loading(Direction(ratio))
-    case = Case("n", "static", "reference", "n", Joint(locks), 0.02, NODES, loading, None)
+    case = Case(
+        "n", "static", "reference", JointSubject("n", Joint(locks), 0.02, NODES, loading), None
+    )
     return solved(case, solve)[0]
 
 
@@ -168,7 +170,7 @@ def test_a_record_has_the_lowest_peak_its_spread_and_the_first_failure(
     assert found.load_N == found.peak_N == found.path[-1][0] == pytest.approx(0.97 * first.load_N)
     assert found.first_failure_load_N == first.first_failure_load_N
     assert found.peak_spread == round(1.0 / 0.97 - 1.0, 4)
-    assert CaseRecord.from_json(found.to_json()) == found
+    assert JointRecord.from_json(found.to_json()) == found
 
 
 def rows(*spreads: float) -> pd.DataFrame:

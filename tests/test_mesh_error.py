@@ -16,24 +16,19 @@ from sidmacib.joint.loading import Loading, posed
 from sidmacib.mechanics.assembly import Elastic, FaceMaterial, NodeLayout
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.mesh_error import BOUNDS, LoadKind, cells_of, kind_of, mesh_errors
-from workflow.joints.case import Case
+from workflow.case import Case, JointSubject
 from workflow.planning.cases import second_mesh
-from workflow.results.record import CaseRecord, failed_record
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import record_without_result
 
 LIMIT = 100.0  # N, made-up capacity at an ever finer mesh
 
 
-def made_up(mesh: float, model: str = "static", load: float = LIMIT, **names: Any) -> CaseRecord:
-    case = Case(
-        **{"name": f"n-mesh{mesh:g}", "variant": "reference", "sample": "n", **names},
-        model=model,
-        joint=Joint(3),
-        mesh=mesh,
-        nodes=NodeLayout.VERTICES,
-        loading=Loading(Direction(0.0)),
-        numerics=None,
-    )
-    return replace(failed_record(case, "made up"), error=None, load_N=load)
+def made_up(mesh: float, model: str = "static", load: float = LIMIT, **names: Any) -> JointRecord:
+    subject = JointSubject("n", Joint(3), mesh, NodeLayout.VERTICES, Loading(Direction(0.0)))
+    known = {"name": f"n-mesh{mesh:g}", "variant": "reference", **names}
+    case = Case(**known, model=model, subject=subject, numerics=None)
+    return replace(record_without_result(case, error="made up"), error=None, load_N=load)
 
 
 # --- of loads ------------------------------------------------------------------------------------

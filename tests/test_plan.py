@@ -54,11 +54,11 @@ def test_a_case_that_is_added_stays_out_of_the_other_batches() -> None:
 def test_engines_cases_are_held_against_the_static_model_even_if_no_one_asked() -> None:
     config = {**SMALL, "models": ["limit"], "dem": {"engines": ["yade"]}, "eccentricities": [0]}
     jobs = case_jobs(read_study(config))
-    assert [case.name for case in jobs.batches["static", "batch"]] == [
+    assert [case.name for case in jobs.batches["cases/static/batch"]] == [
         "n3-mesh0.03-e0a",
         "n3-mesh0.015-e0a",  # for the mesh error
     ]
-    assert {case.model for case in jobs.cases.values()} == {"yade", "limit"}
+    assert {case.model for case in jobs.joints.values()} == {"yade", "limit"}
 
 
 def test_a_second_run_in_the_same_folder_is_refused_while_the_first_one_lives(

@@ -17,8 +17,7 @@ from sidmacib.mechanics.assembly import Assembly, NodeLayout
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.models import limit, static
 from sidmacib.outcome import Outcome, State
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
+from workflow.case import Case, JointCase, JointSubject
 from workflow.results.files import (
     HISTORY,
     NODE_COLUMNS,
@@ -28,29 +27,29 @@ from workflow.results.files import (
     read_outcome,
 )
 from workflow.results.record import (
-    CaseRecord,
+    Record,
     ResultError,
     check_bracket,
     check_first_failure,
-    failed_record,
     record_of,
+    record_without_result,
 )
 from workflow.steps.solve import solved
 
 JOINT = Joint(3)
 
 
-def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> Case:
-    loading = Loading(Direction(ratio))
-    return Case("n3-case", model, "reference", "n3", joint, 0.03, NodeLayout.CENTRES, loading, None)
+def case_of(ratio: float = 0.0, joint: Joint = JOINT, model: str = "static") -> JointCase:
+    subject = JointSubject("n3", joint, 0.03, NodeLayout.CENTRES, Loading(Direction(ratio)))
+    return Case("n3-case", model, "reference", subject, None)
 
 
-def parts(case: Case) -> tuple[Assembly, Outcome]:
-    problem = problem_of(case)
+def parts(case: JointCase) -> tuple[Assembly, Outcome]:
+    problem = case.subject.problem()
     return problem.assembly, static.solve(problem)
 
 
-def write_engine_files(folder: Path, case: Case) -> Assembly:
+def write_engine_files(folder: Path, case: JointCase) -> Assembly:
     """What an engine would write if it found what the static model finds."""
     assembly, found = parts(case)
     peak = found.path[-1]
@@ -78,15 +77,17 @@ def test_an_engines_files_become_the_record_of_its_case(tmp_path: Path) -> None:
     case = case_of(0.5)
     assembly = write_engine_files(tmp_path, case)
     outcome = read_outcome(tmp_path, assembly)
-    record = record_of(case, problem_of(case), outcome, {"yade": "1"})
+    record = record_of(case, case.subject.problem(), outcome, {"yade": "1"})
     expected, _, found = solved(case, static.solve)
     assert np.array_equal(outcome.path[-1].bonded, found.path[-1].bonded)
     assert 0 < np.count_nonzero(outcome.path[-1].bonded) < len(assembly.nodes.area)
     assert record.load_N == expected.load_N
     assert record.mode == "bonds"
-    assert [w.weight for w in record.weights] == pytest.approx([w.weight for w in expected.weights])
+    assert [w.weight for w in record.part.weights] == pytest.approx(
+        [w.weight for w in expected.part.weights]
+    )
     assert record.unbalanced_share < 1e-9
-    assert record.torque_Nm == pytest.approx(record.shear_N * 0.5 * case.joint.a)
+    assert record.part.torque_Nm == pytest.approx(record.part.shear_N * 0.5 * JOINT.a)
 
 
 @pytest.mark.parametrize(
@@ -111,7 +112,7 @@ def test_results_that_cannot_be_are_refused_with_file_and_line(
     (tmp_path / name).write_text(text.replace(old, new, 1))
     with pytest.raises(ResultError, match=message):
         found = read_outcome(tmp_path, assembly)
-        record_of(case, problem_of(case), found, {})
+        record_of(case, case.subject.problem(), found, {})
 
 
 @pytest.mark.parametrize("value", ["nan", "inf", "-inf", "none", ""])
@@ -153,7 +154,7 @@ def test_nodes_of_another_joint_are_refused(tmp_path: Path) -> None:
 )
 def test_what_cannot_be_is_refused(change: dict, words: str) -> None:
     case = case_of()
-    problem = problem_of(case)
+    problem = case.subject.problem()
     found = Outcome((State(50.0, 1e-6), State(100.0, 2e-6)), 110.0, 80.0)
     assert record_of(case, problem, found, {}).load_N == 100.0
     with pytest.raises(ResultError, match=words):
@@ -166,9 +167,9 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
     record, assembly, found = solved(case, static.solve)
     force = found.path[-1].force
     assert force is not None
-    strength = case.joint.T0
+    strength = JOINT.T0
     for recorded, lock in zip(
-        record.weights, lock_weights(case.joint, assembly, force), strict=True
+        record.part.weights, lock_weights(JOINT, assembly, force), strict=True
     ):
         assert (recorded.lock, recorded.block) == (lock.lock, lock.block)
         for name in ("weight", "mean_shear_ratio", "max_shear_ratio"):
@@ -176,7 +177,7 @@ def test_a_record_has_what_each_lock_carries(ratio: float) -> None:
         for name in ("shear_x_N", "shear_y_N"):
             expected = getattr(lock, name)
             assert getattr(recorded, name) == pytest.approx(expected, rel=1e-9, abs=1e-9 * strength)
-    most = max(abs(lock.shear_x_N) for lock in record.weights)
+    most = max(abs(lock.shear_x_N) for lock in record.part.weights)
     assert most > 1e-3 * strength if ratio else most == 0.0
 
 
@@ -219,26 +220,26 @@ def test_stresses_that_do_not_balance_the_loads_are_refused(factor: float, refus
     assert peak.force is not None
     wrong = replace(found, path=(*found.path[:-1], replace(peak, force=factor * peak.force)))
     with pytest.raises(ResultError, match="do not balance") if refused else nullcontext():
-        record_of(case, problem_of(case), wrong, {})
+        record_of(case, case.subject.problem(), wrong, {})
 
 
 @pytest.mark.parametrize("ratio", [0.0, 0.5, math.inf])
 def test_a_record_reads_as_it_was_written(ratio: float) -> None:
     record = solved(case_of(ratio), static.solve)[0]
-    assert CaseRecord.from_json(record.to_json()) == record
+    assert Record.from_json(record.to_json()) == record
 
 
 def test_a_failed_case_has_a_record_with_its_reason_on_one_line() -> None:
-    record = failed_record(case_of(), "out of\n time ")
+    record = record_without_result(case_of(), error="out of\n time ")
     assert record.error == "out of time"
     assert record.load_N is None
-    assert CaseRecord.from_json(record.to_json()) == record
+    assert Record.from_json(record.to_json()) == record
 
 
 @pytest.mark.parametrize("text", ["", "[]", "{", "null", '{"name": 3}', "NaN"])
 def test_what_is_no_record_is_refused(text: str) -> None:
     with pytest.raises(ResultError, match="not a case's record"):
-        CaseRecord.from_json(text)
+        Record.from_json(text)
 
 
 @pytest.mark.parametrize("solver", [static, limit])

@@ -18,11 +18,11 @@ from analysis.report.page import page
 from analysis.report.solids import shape_of
 from analysis.report.structures import structures_verdict
 from sidmacib.structure.files.structure_file import assembly_of
+from workflow.case import StructureCase
 from workflow.configuration import read_study
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
 from workflow.run.results_folder import REPORT
-from workflow.structures.case import StructureCase
-from workflow.structures.cases import structure_cases
+from workflow.structures import structure_cases
 
 pytestmark = pytest.mark.study
 

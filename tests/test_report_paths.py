@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from analysis.report.paths import path_of, shown_cases
-from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.model import static_peak
+from workflow.case import JointCase
 from workflow.configuration import read_study
-from workflow.joints.case import Case
 from workflow.planning.cases import cases_of
 
 STUDY = {
@@ -19,14 +18,14 @@ STUDY = {
 }
 
 
-def case_of() -> Case:
+def case_of() -> JointCase:
     case, *_ = shown_cases(cases_of(read_study(STUDY)).values())
     return case
 
 
 def test_nodes_lie_on_the_inner_face_of_their_lock() -> None:
     case = case_of()
-    joint, found = case.joint, path_of(case)
+    joint, found = case.subject.joint, path_of(case)
     assert found is not None
     assert [face["lock"] for face in found["faces"]] == [1, 2, 3]
     for face in found["faces"]:
@@ -43,9 +42,13 @@ def test_stresses_stand_at_their_nodes() -> None:
     case = case_of()
     found = path_of(case)
     assert found is not None
-    problem = posed(case.joint, case.loading, case.mesh, case.nodes)
+    problem = case.subject.problem()
     peak, nodes = static_peak(*problem).peak, problem.assembly.nodes
-    stress = np.hypot(peak.force[:, 1], peak.force[:, 2]) / nodes.area / case.joint.inner.cohesion
+    stress = (
+        np.hypot(peak.force[:, 1], peak.force[:, 2])
+        / nodes.area
+        / case.subject.joint.inner.cohesion
+    )
     for face, shear in zip(found["faces"], found["steps"][-1]["shear"], strict=True):
         place = np.column_stack([face["x"], face["y"], np.full(len(shear), face["z"])])
         for where, value in zip(place, shear, strict=True):
@@ -57,7 +60,7 @@ def test_loads_are_those_of_the_static_model() -> None:
     case = case_of()
     found = path_of(case)
     assert found is not None
-    solution = static_peak(*posed(case.joint, case.loading, case.mesh, case.nodes))
+    solution = static_peak(*case.subject.problem())
     assert found["first"] == pytest.approx(solution.first_failure_load, rel=1e-5)
     assert found["steps"][-1]["load"] == pytest.approx(solution.peak.load, rel=1e-5)
     assert found["curve"][-1] == pytest.approx(

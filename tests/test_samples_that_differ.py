@@ -15,7 +15,7 @@ from analysis.tables.validation import comparisons, difference_text
 from sidmacib.models import detailed
 from workflow.configuration import read_study
 from workflow.planning.cases import cases_of
-from workflow.results.record import CaseRecord
+from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 from workflow.schema.joint import PartSection
 
@@ -39,16 +39,20 @@ def study() -> Study:
 
 
 @pytest.fixture
-def results(study: Study) -> list[CaseRecord]:
+def results(study: Study) -> list[JointRecord]:
     """Peaks that fall with the mesh and with the friction."""
     return [
-        record_with(case, 0.5, 240.0 * (1.0 + 5.0 * case.mesh) - 10.0 * (case.sample != "n3"))
+        record_with(
+            case,
+            0.5,
+            240.0 * (1.0 + 5.0 * case.subject.mesh) - 10.0 * (case.subject.sample != "n3"),
+        )
         for case in cases_of(study).values()
     ]
 
 
 @pytest.fixture
-def tables(study: Study, results: list[CaseRecord]) -> dict[str, pd.DataFrame]:
+def tables(study: Study, results: list[JointRecord]) -> dict[str, pd.DataFrame]:
     return tables_of(study, results)
 
 
@@ -73,7 +77,7 @@ def test_every_sample_is_fitted_to_the_models_that_run_on_it(
 
 
 def test_sidmacib_is_not_fitted_to_a_model_that_runs_a_part_of_a_sample(
-    study: Study, results: list[CaseRecord]
+    study: Study, results: list[JointRecord]
 ) -> None:
     part = {"yade": PartSection(eccentricities=(0.0,))}
     sample = study.samples["n3"].model_copy(update={"only": part})

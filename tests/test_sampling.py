@@ -25,7 +25,7 @@ from studies.locks.freedoms import freedoms_table
 from studies.locks.points import points_of
 from studies.locks.sensitivity import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.joints.sampling import SampledJoint, sampled_joints
+from workflow.sampling import SampledJoint, sampled_joints
 from workflow.schema.sampling import SamplingSection
 from workflow.steps import sampling as solve_step
 

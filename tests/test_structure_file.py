@@ -16,7 +16,7 @@ from sidmacib.mechanics.static.model import static_peak
 from sidmacib.structure.analysis.forces import interface_forces
 from sidmacib.structure.files.structure_file import read_structure
 from sidmacib.yaml_text import read_yaml
-from workflow.structures.case import changed
+from workflow.structures import changed
 
 GROUND = {"low": [-2, -2, -1], "high": [2, 2, 0], "fixed": True}
 BLOCK = {"low": [0, 0, 0], "high": [0.4, 0.6, 1.0], "density": 2000}

@@ -14,12 +14,13 @@ from analysis.summary.structures import summary
 from analysis.tables.structures import structures_table
 from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
+from workflow.case import StructureCase
 from workflow.configuration import ConfigError, read_study, read_study_file
+from workflow.planning.batches import case_jobs
+from workflow.results.record import read_records
 from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
-from workflow.steps import structure_engine, structure_solve
-from workflow.structures.case import StructureCase, changed
-from workflow.structures.cases import structure_cases, structure_jobs
-from workflow.structures.record import read_structure_records
+from workflow.steps import engine, solve
+from workflow.structures import changed, structure_cases
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -42,20 +43,21 @@ def test_a_study_may_have_structures_and_no_joint() -> None:
 
 def made(folder: Path, **config: Any) -> pd.DataFrame:
     """The table of structures of a study, whose steps are called one by one."""
-    jobs, records = structure_jobs(read_study(config)), []
-    for (model, case), data in jobs.engines.items():
-        path = folder / model / case / "record.json"
-        path.parent.mkdir(parents=True)
-        arguments = {"case": data.to_json(), "time_limit": 300.0, "last_try": 1}
-        structure_engine.run(arguments, {}, {"record": path})
-        records.append(path)
-    for (model, name), cases in jobs.solved.items():
-        path = folder / f"{model}-{name}.jsonl"
-        module = MODELS[model].structures
+    jobs, records = case_jobs(read_study(config)), []
+    for job, case in jobs.engines.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / f"{name}.json" for name in ("record", "result")}
+        arguments = {"case": case.to_json(), "time_limit": 300.0, "last_try": 1}
+        engine.run(arguments, {}, outputs)
+        records.append(outputs["record"])
+    for job, cases in jobs.batches.items():
+        (folder / job).mkdir(parents=True)
+        outputs = {name: folder / job / name for name in ("records", "nodes", "history")}
+        module = MODELS[cases[0].model].structures
         arguments = {"module": module, "cases": [case.to_json() for case in cases]}
-        structure_solve.run(arguments, {}, {"records": path})
-        records.append(path)
-    return structures_table(read_structure_records(records))
+        solve.run(arguments, {}, outputs)
+        records.append(outputs["records"])
+    return structures_table(read_records(records))
 
 
 def test_loads_and_variants_multiply_and_change_the_description() -> None:
@@ -67,7 +69,7 @@ def test_loads_and_variants_multiply_and_change_the_description() -> None:
     )
     cases = {case.name: case for case in structure_cases(read_study(config))}
     assert [*cases] == ["trilith-x", "trilith-y", "trilith-x-smooth", "trilith-y-smooth"]
-    last = cases["trilith-y-smooth"].description
+    last = cases["trilith-y-smooth"].subject.description
     assert last["load"] == push
     assert last["interfaces"] == {"friction": 0.1}
     assert "special" not in last
@@ -89,7 +91,7 @@ def test_a_case_reads_back_what_it_wrote_and_its_digest_knows_no_names() -> None
         other = read_study({**config, "structures": {"another": config["structures"]["trilith"]}})
         digests = {each.model: each.digest() for each in structure_cases(other)}
         assert digests[case.model] == case.digest()
-    with pytest.raises(ValueError, match=r"^not a case of a structure: "):
+    with pytest.raises(ValueError, match=r"^not a case: "):
         StructureCase.from_json("{}")
 
 

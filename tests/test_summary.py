@@ -38,9 +38,9 @@ def tables_for(study: Study) -> dict[str, pd.DataFrame]:
     """Results made up: contact points of Option 4, and locks that count by `COUNTED`."""
     records = []
     for case in cases_of(study).values():
-        strength = (COUNTED.get(case.sample, 1.0), *(0.0,) * (case.joint.locks - 1))
-        model = Sidmacib(case.joint, ContactOption.pair(0.25), strength, friction=False)
-        (point,) = capacities(model, [case.direction])
+        strength = (COUNTED.get(case.subject.sample, 1.0), *(0.0,) * (case.subject.joint.locks - 1))
+        model = Sidmacib(case.subject.joint, ContactOption.pair(0.25), strength, friction=False)
+        (point,) = capacities(model, [case.subject.direction])
         records.append(record_with(case, 0.5, point.load))
     return tables_of(study, records)
 

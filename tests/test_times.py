@@ -8,7 +8,7 @@ HEAD = "s\th:m:s\tcpu_time\n"
 
 
 def test_times_are_those_of_the_jobs_that_were_measured(tmp_path: Path) -> None:
-    folder = tmp_path / BENCHMARKS / "yade"
+    folder = tmp_path / BENCHMARKS / "cases/yade"
     folder.mkdir(parents=True)
     (folder / "one.tsv").write_text(f"{HEAD}2.5\t0:00:02\t1.5\n")
     (folder / "two.tsv").write_text(f"{HEAD}0.1\t0:00:00\tNA\n")  # it ended at once

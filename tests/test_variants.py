@@ -16,8 +16,8 @@ from analysis.tables.collect import weight_sums, weights_table
 from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
+from workflow.case import JointCase
 from workflow.configuration import read_study
-from workflow.joints.case import Case
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
@@ -47,7 +47,9 @@ def elastic_study() -> Study:
     return study_of(BENDS, assembly={"pieces": "elastic"})
 
 
-def tables_of(study: Study, load: Callable[[Case], float]) -> tuple[pd.DataFrame, pd.DataFrame]:
+def tables_of(
+    study: Study, load: Callable[[JointCase], float]
+) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Capacities, and what variants change, of results with made-up loads."""
     results = [record_with(case, 0.5, load(case)) for case in cases_of(study).values()]
     capacity = capacity_of(study, results)
@@ -68,9 +70,9 @@ def half_capacity(capacity: pd.DataFrame, option: str) -> dict[str, float]:
 
 def test_a_variant_changes_the_fracture_energy_of_inner_faces() -> None:
     cases = cases_of(study_of(FADES))
-    tough = cases["static", "n3-mesh0.02-e0a-tough"].joint
+    tough = cases["static", "n3-mesh0.02-e0a-tough"].subject.joint
     assert (tough.failure, tough.inner.fracture_energy) == (Failure.SOFTENING, 10.0)
-    assert cases["static", "n3-mesh0.02-e0a"].joint.inner.fracture_energy == 0.0
+    assert cases["static", "n3-mesh0.02-e0a"].subject.joint.inner.fracture_energy == 0.0
 
 
 def test_every_direction_of_every_variant_has_a_row_with_what_it_changes() -> None:

@@ -11,12 +11,12 @@ from analysis.vtk import write_path
 from sidmacib.joint.joint import Direction, Elastic, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
-from workflow.joints.case import Case
+from workflow.case import Case, JointCase, JointSubject
 
 
-def case_of(joint: Joint, ratio: float) -> Case:
-    direction = Loading(Direction(ratio))
-    return Case("c", "static", "reference", "s", joint, 0.03, NodeLayout.LOBATTO, direction, None)
+def case_of(joint: Joint, ratio: float) -> JointCase:
+    subject = JointSubject("s", joint, 0.03, NodeLayout.LOBATTO, Loading(Direction(ratio)))
+    return Case("c", "static", "reference", subject, None)
 
 
 @pytest.fixture(scope="module")

@@ -315,7 +315,7 @@ def test_a_case_that_fails_leaves_a_hole_that_is_named_and_is_tried_again(
     cases = pd.read_csv(workspace.results / "tables/cases.csv").set_index(["model", "name"])
     assert cases["error"].notna().sum() == 1
     assert reason in (workspace.results / "summary.txt").read_text()
-    log = workspace.results / "logs/yade/n3-mesh0.03-torsion.log"
+    log = workspace.results / "logs/cases/yade/n3-mesh0.03-torsion.log"
     assert "| engine broke down" in log.read_text()
     assert (workspace.results / "figures/revised-n3.png").stat().st_size > 5000
     assert workspace.planned() == {"complete"}

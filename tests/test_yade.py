@@ -80,8 +80,8 @@ def test_a_ductile_joint_under_torque_carries_what_the_static_model_does(
     case = a_case("yade", joint, Loading(Direction(eccentricity)), 0.02, NodeLayout.VERTICES)
     folder = run_case(case, tmp_path)
     result = json.loads((folder / "result.json").read_text())
-    assembly = assemble(joint, case.mesh, case.nodes)
-    loads = lateral_load(joint, assembly, case.loading)
+    assembly = assemble(joint, case.subject.mesh, case.subject.nodes)
+    loads = lateral_load(joint, assembly, case.subject.loading)
     assert result["peak_load_N"] == pytest.approx(static_peak(assembly, loads).peak.load, rel=0.02)
     assert result["peak_load_N"] > 1.05 * limit_load(assembly, loads).load
     history = pd.read_csv(folder / "history.csv")

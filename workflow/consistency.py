@@ -14,13 +14,13 @@ from sidmacib.model import Ability, Requirement
 from sidmacib.models import LAWS, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, Pieces
 from workflow.schema.campaign import required_sections
 from workflow.schema.dem import NumericsSection
 from workflow.schema.joint import PartSection, changed
-from workflow.structures.cases import structure_faults
+from workflow.structures import structure_faults
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do
     Failure.BRITTLE: (Ability.BRITTLE, "ductile"),

@@ -27,8 +27,7 @@ from sidmacib.mechanics.assembly import (
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
-from workflow.joints.case import REFERENCE, Case
-from workflow.joints.problem import problem_of
+from workflow.case import REFERENCE, JointCase
 from workflow.results.files import stress_to_force
 from workflow.results.record import ResultError
 from workflow.schema import Study
@@ -40,18 +39,18 @@ ROUNDS = 4000  # at most: ten times the strength of the lower locks
 RATIO, CYCLES = 1e-5, 200_000  # local unbalanced force ratio at rest, cycles to wait for it
 
 
-def decks(study: Study, cases: Iterable[Case]) -> dict[str, Case]:
+def decks(study: Study, cases: Iterable[JointCase]) -> dict[str, JointCase]:
     """Those of ``cases`` that decks are written for, by name: brittle, of the reference variant."""
     return {
         case.name: replace(case, model=MODEL, numerics=None)
         for case in cases
         if case.variant == REFERENCE
-        and case.joint.failure is Failure.BRITTLE
-        and case.mesh in study.meshes
+        and case.subject.joint.failure is Failure.BRITTLE
+        and case.subject.mesh in study.meshes
     }
 
 
-def fingerprint(case: Case) -> str:
+def fingerprint(case: JointCase) -> str:
     """Name of a case with a digest of its joint, nodes and loads."""
     return f"{case.name}-{case.physics()[:12]}"
 
@@ -61,9 +60,9 @@ def deck_folder(name: str) -> str:
     return f"decks/{MODEL}/{name}"
 
 
-def deck(case: Case) -> str:
+def deck(case: JointCase) -> str:
     """3DEC's commands for ``case``: pieces, faces, loads."""
-    assembly, loads = problem_of(case)
+    joint, (assembly, loads) = case.subject.joint, case.subject.problem()
     faces = [
         {
             "below": assembly.cuboids[face.below].name,
@@ -72,21 +71,21 @@ def deck(case: Case) -> str:
         }
         for face in assembly.faces
     ]
-    lower = math.fsum(map(case.joint.strength, case.joint.lower_locks))
+    lower = math.fsum(map(joint.strength, joint.lower_locks))
     increment = INCREMENT * (lower or loads.scale)  # one upper lock alone has no lower ones
     return ENVIRONMENT.get_template(TEMPLATE).render(
-        title=f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m.",
+        title=f"{case.name}: {joint.locks} locks, mesh {case.subject.mesh:g} m.",
         case=fingerprint(case),
         pieces=assembly.cuboids,
         faces=faces,
-        dry=_law(asdict(case.joint.dry)),
-        mesh=case.mesh,
-        density=case.joint.density,
-        elastic=case.joint.elastic,
+        dry=_law(asdict(joint.dry)),
+        mesh=case.subject.mesh,
+        density=joint.density,
+        elastic=joint.elastic,
         gravity=GRAVITY,
         increment=increment,
         rounds=ROUNDS,
-        heavier={p.name: d for p in assembly.cuboids if (d := _own_density(p, case.joint))},
+        heavier={p.name: d for p in assembly.cuboids if (d := _own_density(p, joint))},
         pressed=_pressed(assembly, loads),
         corners=_corners(assembly, loads, increment),
         ratio=RATIO,
@@ -142,13 +141,13 @@ def _corners(assembly: Assembly, loads: Loads, increment: float) -> list[dict[st
     return found
 
 
-def read_returned(text: str, case: Case) -> tuple[Problem, Outcome]:
+def read_returned(text: str, case: JointCase) -> tuple[Problem, Outcome]:
     """The problem of ``case`` on the nodes of 3DEC, and the outcome that it printed.
 
     Normal forces are taken as positive in compression, shear as acting on the piece above. Raises
     `ResultError` if the text is incomplete, or is not of ``case`` as it is now.
     """
-    problem = problem_of(case)
+    problem = case.subject.problem()
     assembly = problem.assembly
     numbers = {
         frozenset((assembly.cuboids[face.below].name, assembly.cuboids[face.above].name)): number

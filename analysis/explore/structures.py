@@ -12,15 +12,14 @@ from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaul
 from analysis.report.json_values import json_value
 from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
-from sidmacib.answers.structure import FIRST_FAILURE, PEAK, Counts
 from sidmacib.errors import CapacityError
 from sidmacib.models import structure_limit, structure_static
-from sidmacib.models.found import Found
+from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Outcome
 from sidmacib.problem import Problem
 from sidmacib.structure.files.structure_file import structure_of
-from workflow.results.record import ResultError
-from workflow.structures.case import StructureCase
-from workflow.structures.record import StructureRecord, record_without_result, structure_record
+from workflow.case import Case, StructureSubject
+from workflow.results.record import ResultError, record_of, record_without_result
+from workflow.results.structure_part import StructureRecord
 
 KEPT = 64  # structures that are not computed again
 FAULTS = (CapacityError, ResultError, ValueError, ArithmeticError, MemoryError)
@@ -121,14 +120,13 @@ def _why(row: dict[str, Any]) -> str:
     return str(row["error"]).removeprefix(f"{row['model']}: ")
 
 
-def _record(model: str, chosen: Chosen, solve: Callable[[Problem], Found]) -> StructureRecord:
+def _record(model: str, chosen: Chosen, solve: Callable[[Problem], Outcome]) -> StructureRecord:
     """The record of ``chosen`` by ``solve``; its error if there is one."""
-    case = StructureCase(
-        chosen.example, model, chosen.example, "load", "", chosen.description, None
-    )
+    subject = StructureSubject(chosen.example, "load", dict(chosen.description))
+    case = Case(chosen.example, model, "", subject, None)
     try:
-        problem = structure_of(chosen.description)
-        return structure_record(case, problem, solve(problem), {})
+        problem = subject.problem()
+        return record_of(case, problem, solve(problem), {})
     except FAULTS as error:
         return record_without_result(case, error=f"{model}: {_reason(error)}")
 

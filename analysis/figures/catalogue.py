@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from workflow.joints.case import REFERENCE, Case
+from workflow.case import REFERENCE, JointCase
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
@@ -29,7 +29,7 @@ class FigureSpec:
     name: str
     kind: str
     sample: str | None = None
-    case: Case | None = None
+    case: JointCase | None = None
 
 
 def drawn_files(names: Iterable[str]) -> list[str]:
@@ -38,7 +38,7 @@ def drawn_files(names: Iterable[str]) -> list[str]:
 
 
 def figures_of(
-    study: Study, detailed: tuple[str, ...], cases: Iterable[Case] | None = None
+    study: Study, detailed: tuple[str, ...], cases: Iterable[JointCase] | None = None
 ) -> dict[str, FigureSpec]:
     """All figures of ``study`` by name.
 
@@ -54,7 +54,9 @@ def shown_samples(study: Study) -> tuple[str, ...]:
     return tuple(study.samples)[:MOST_SAMPLES]
 
 
-def _figures(study: Study, detailed: tuple[str, ...], cases: list[Case]) -> Iterator[FigureSpec]:
+def _figures(
+    study: Study, detailed: tuple[str, ...], cases: list[JointCase]
+) -> Iterator[FigureSpec]:
     for sample in shown_samples(study):
         yield FigureSpec(f"joint-{sample}", "joint", sample)
         interlocking = sample in study.interlocking
@@ -84,13 +86,17 @@ def _figures(study: Study, detailed: tuple[str, ...], cases: list[Case]) -> Iter
         yield FigureSpec("fracture_energy", "fracture_energy")
 
 
-def _stress_cases(cases: list[Case], study: Study, model: str, sample: str) -> list[Case]:
+def _stress_cases(cases: list[JointCase], study: Study, model: str, sample: str) -> list[JointCase]:
     """Those of the reference variant, at the mesh of the stress maps."""
     mesh = study.figures.mesh or min(study.meshes)
-    chosen = [case for case in cases if case.model == model and case.sample == sample]
-    return [case for case in chosen if case.variant == REFERENCE and math.isclose(case.mesh, mesh)]
+    chosen = [case for case in cases if case.model == model and case.subject.sample == sample]
+    return [
+        case
+        for case in chosen
+        if case.variant == REFERENCE and math.isclose(case.subject.mesh, mesh)
+    ]
 
 
-def _nearest(chosen: list[Case], ratio: float) -> Case:
+def _nearest(chosen: list[JointCase], ratio: float) -> JointCase:
     """The case whose eccentricity over a is next to ``ratio``."""
-    return min(chosen, key=lambda case: abs(case.direction.eccentricity - ratio))
+    return min(chosen, key=lambda case: abs(case.subject.direction.eccentricity - ratio))

@@ -15,7 +15,7 @@ from analysis.figures.catalogue import REVISED, shown_samples
 from analysis.figures.material import FigureData
 from sidmacib.drawing import vm_axes, vm_curve
 from sidmacib.mechanics.assembly import Floats
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 
 
 def first_quadrant(vertices: Floats) -> Floats:

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from analysis.figures import curves, joint, models, side_by_side, stress_maps, style, variants
 from analysis.figures.catalogue import FigureSpec, figures_of
 from analysis.figures.material import FigureData, Stresses
-from workflow.results.files import BATCH_NODES, read_records
+from workflow.results.files import BATCH_NODES
+from workflow.results.record import read_records
 from workflow.results.tables import (
     CAPACITY,
     ENVELOPES,

@@ -7,8 +7,8 @@ import pandas as pd
 from analysis.figures.catalogue import IN_THE_PAPER, FigureSpec
 from analysis.published import read_published
 from analysis.tables.study_points import study_points
-from workflow.joints.case import REFERENCE, Case
-from workflow.results.record import CaseRecord
+from workflow.case import REFERENCE, JointCase
+from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 
 
@@ -16,8 +16,8 @@ from workflow.schema import Study
 class Stresses:
     """The case that a stress map shows: its record and its nodes, in `NODE_COLUMNS`."""
 
-    case: Case
-    record: CaseRecord
+    case: JointCase
+    record: JointRecord
     nodes: pd.DataFrame
 
 

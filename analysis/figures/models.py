@@ -15,11 +15,10 @@ from analysis.figures.material import FigureData
 from analysis.tables.collect import SHARES
 from sidmacib.drawing import vm_axes
 from sidmacib.errors import CapacityError
-from sidmacib.joint.loading import posed
 from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
@@ -116,15 +115,16 @@ def _path(axes: Axes, material: FigureData) -> str:
     first = [
         case
         for case in cases_of(study).values()
-        if (case.model, case.sample, case.variant) == (REFERENCE_MODEL, material.sample, REFERENCE)
-        and case.mesh == mesh
-        and case.direction.eccentricity == min(study.eccentricities)
+        if (case.model, case.subject.sample, case.variant)
+        == (REFERENCE_MODEL, material.sample, REFERENCE)
+        and case.subject.mesh == mesh
+        and case.subject.direction.eccentricity == min(study.eccentricities)
     ]
     if not first or REFERENCE_MODEL not in material.models:
         return ""
     case = first[0]
     try:
-        problem = posed(case.joint, case.loading, case.mesh, case.nodes)
+        problem = case.subject.problem()
         path = lowest_peak(*problem).path
     except CapacityError:
         return ""

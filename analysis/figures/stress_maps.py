@@ -25,8 +25,9 @@ def stress_map(material: FigureData) -> Figure:
     shown = material.stresses
     if shown is None:
         return _without_result(material)
-    case, record, joint = shown.case, shown.record, shown.case.joint
-    eccentricity = case.direction.eccentricity
+    case, subject, found = shown.case, shown.case.subject, shown.record.part
+    joint, mesh = subject.joint, MM * subject.mesh
+    eccentricity = subject.direction.eccentricity
     words = {0.0: "in pure shear", math.inf: "in pure torsion"}.get(
         eccentricity, f"under torsion and shear, e = {eccentricity:g} a,"
     )
@@ -36,7 +37,7 @@ def stress_map(material: FigureData) -> Figure:
     cells = _draw_faces(axes, shown)
     bar = figure.colorbar(cells, ax=axes, label="shear stress (kPa)", shrink=0.8)
     bar.ax.tick_params(labelsize=TEXT)
-    for row in record.weights:
+    for row in found.weights:
         y = MM * joint.lock_centre_y(row.lock)
         label = (
             f"lock {row.lock} ({row.block})\nW = {row.weight:.2f}\nmean {row.mean_shear_ratio:.2f}"
@@ -47,7 +48,7 @@ def stress_map(material: FigureData) -> Figure:
     axes.spines[:].set_visible(False)
     axes.set_xlabel(
         "y (mm), push from the left"
-        if case.loading.push is Push.PLUS_Y
+        if subject.loading.push is Push.PLUS_Y
         else "y (mm), push from the right"
     )
     axes.set_ylabel("x (mm)")
@@ -57,8 +58,8 @@ def stress_map(material: FigureData) -> Figure:
     style.caption(
         figure,
         f"{material.place_in_paper}Shear stress on the inner faces {words} at the peak, V = "
-        f"{record.shear_N:.1f} N, M = {record.torque_Nm:.2f} N m; {label_of(case.model).name}, "
-        f"mesh {MM * case.mesh:g} mm. Seen from below. Faces of upper locks lie at z = h, of lower "
+        f"{found.shear_N:.1f} N, M = {found.torque_Nm:.2f} N m; {label_of(case.model).name}, "
+        f"mesh {mesh:g} mm. Seen from below. Faces of upper locks lie at z = h, of lower "
         "locks at z = 0; arrows: direction of the stress on the piece above; grey: broken. W: "
         f"resultant over T0; mean: mean magnitude over the cohesion. {material.assumed_geometry}",
         height=0.27,
@@ -73,10 +74,12 @@ def _without_result(material: FigureData) -> Figure:
 
 
 def _draw_faces(axes: Axes, shown: Stresses) -> PolyCollection:
-    joint = shown.case.joint
+    joint = shown.case.subject.joint
     strongest = max(joint.inner_of(lock).cohesion for lock in joint.numbers)
     numbers = lock_faces(joint)
-    faces = {f.name: f for f in assemble(joint, shown.case.mesh).rectangles if f.name in numbers}
+    faces = {
+        f.name: f for f in assemble(joint, shown.case.subject.mesh).rectangles if f.name in numbers
+    }
     inner = shown.nodes[shown.nodes["face"].isin(numbers)]
     magnitude = np.hypot(inner["shear_x_Pa"], inner["shear_y_Pa"])
     cells = PolyCollection(

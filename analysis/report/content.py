@@ -20,9 +20,9 @@ from analysis.report.structures import (
 )
 from sidmacib.engines import ENGINES
 from sidmacib.models import MODELS
+from workflow.case import StructureCase
 from workflow.results.files import read_times
 from workflow.schema import Study
-from workflow.structures.case import StructureCase
 
 
 def content(
@@ -43,7 +43,7 @@ def content(
         data["joints"] = joints_content(study, tables)
         data["answer"] = answer_content(study, tables)
     if structures:
-        names += dict.fromkeys(case.structure for case in structures)
+        names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
         shown |= with_room(tables)
         data["structures"] = structures_content(structures, shown["blocks"])

@@ -119,7 +119,7 @@ def _at_most(share: float) -> str:
 def joints_content(study: Study, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
     """Data of the page's charts of joints, beside the tables."""
     cases = shown_cases(cases_of(study).values())
-    samples = {case.sample: case for case in cases}
+    samples = {case.subject.sample: case for case in cases}
     return {
         "samples": list(study.samples),
         "words": sample_words(study),

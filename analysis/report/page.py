@@ -11,11 +11,11 @@ from plotly.offline import get_plotlyjs
 from analysis.report.content import content
 from analysis.report.files import ADDRESS, PARTS, SCRIPTS, SCRIPTS_OF_PARTS, SHARED, STYLE
 from analysis.report.provenance import as_yaml
+from workflow.case import StructureCase
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
 from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
-from workflow.structures.case import StructureCase
 
 HERE = Path(__file__).parent
 CHECKOUT = HERE.parents[1]

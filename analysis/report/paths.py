@@ -9,7 +9,7 @@ import numpy as np
 from analysis.vtk import displacements
 from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Joint
-from sidmacib.joint.loading import Push, posed
+from sidmacib.joint.loading import Push
 from sidmacib.joint.pieces import cut_pieces, lock_faces, upper_block
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.solution import Equilibrium
@@ -17,7 +17,7 @@ from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.problem import Problem
-from workflow.joints.case import REFERENCE, Case
+from workflow.case import REFERENCE, JointCase
 
 STEPS = 24  # of a path, at most
 NODE_STATES = 4_000  # of a path: nodes times steps, at most
@@ -27,13 +27,13 @@ MOST_BEHIND = 60  # points behind a peak
 DIGITS, PLACES = 3, 5  # of what nodes carry, and of where they are
 
 
-def shown_cases(cases: Iterable[Case]) -> list[Case]:
+def shown_cases(cases: Iterable[JointCase]) -> list[JointCase]:
     """The static model's cases without changes, those on coarse meshes first."""
     own = [case for case in cases if case.model == REFERENCE_MODEL and case.variant == REFERENCE]
-    return sorted(own, key=lambda case: -case.mesh)
+    return sorted(own, key=lambda case: -case.subject.mesh)
 
 
-def paths_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
+def paths_of(cases: Iterable[JointCase]) -> list[dict[str, Any]]:
     """`path_of` those ``cases`` that have a peak, as many as the page has room for."""
     found: list[dict[str, Any]] = []
     room = MOST_NODE_STATES
@@ -47,7 +47,7 @@ def paths_of(cases: Iterable[Case]) -> list[dict[str, Any]]:
     return found
 
 
-def path_of(case: Case) -> dict[str, Any] | None:
+def path_of(case: JointCase) -> dict[str, Any] | None:
     """Loads, stresses and movements along the path of ``case``; None if it has no peak.
 
     ``faces``: of each lock, where its nodes lie (x and y in m) and the load from which bonds fail.
@@ -56,9 +56,10 @@ def path_of(case: Case) -> dict[str, Any] | None:
     the shear over the cohesion at its nodes and whether they are bonded, and for each piece its
     displacement and rotation (m, rad).
     """
-    joint = case.joint
+    subject = case.subject
+    joint = subject.joint
     try:
-        problem = posed(joint, case.loading, case.mesh, case.nodes)
+        problem = subject.problem()
         solution = lowest_peak(*problem)
     except CapacityError:
         return None
@@ -70,14 +71,14 @@ def path_of(case: Case) -> dict[str, Any] | None:
     most = int(np.clip(NODE_STATES // sum(map(len, nodes)), 2, STEPS))
     chosen = np.unique(np.linspace(0, len(path) - 1, most).round().astype(int))
     return {
-        "case": case.key,
-        "sample": case.sample,
-        "mesh": case.mesh,
-        "eccentricity": _spelled(case.direction.eccentricity),
-        "push": 1 if case.loading.push is Push.PLUS_Y else -1,
+        "case": subject.key,
+        "sample": subject.sample,
+        "mesh": subject.mesh,
+        "eccentricity": _spelled(subject.direction.eccentricity),
+        "push": 1 if subject.loading.push is Push.PLUS_Y else -1,
         "first": float(f"{solution.first_failure_load:.6g}"),
         "curve": [_point(point) for point in path],
-        "behind": _behind(problem, path[-1], sum(map(len, nodes)), case.direction.eccentricity),
+        "behind": _behind(problem, path[-1], sum(map(len, nodes)), subject.direction.eccentricity),
         "faces": [
             {
                 "lock": numbers[assembly.faces[index].name],
@@ -106,9 +107,9 @@ def _point(point: Equilibrium) -> list[float]:
     return [float(f"{value:.5g}") for value in (point.displacement, point.load)]
 
 
-def pieces_of(case: Case) -> list[dict[str, Any]]:
+def pieces_of(case: JointCase) -> list[dict[str, Any]]:
     """The pieces of a case as boxes: name, block and corners (m), fixed ones first."""
-    above = set(upper_block(case.joint))
+    above = set(upper_block(case.subject.joint))
     return [
         {
             "name": piece.name,
@@ -117,7 +118,7 @@ def pieces_of(case: Case) -> list[dict[str, Any]]:
             "low": list(piece.low),
             "high": list(piece.high),
         }
-        for piece in cut_pieces(case.joint)
+        for piece in cut_pieces(case.subject.joint)
     ]
 
 

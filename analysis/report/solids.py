@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import shapely
 
-from analysis.structure_vtk import outlines
+from analysis.vtk import outlines
 from sidmacib.mechanics.assembly import Assembly, Floats, Integers
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.structure.blocks import normal_of

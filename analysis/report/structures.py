@@ -12,11 +12,10 @@ from analysis.report.json_values import finding
 from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
-from sidmacib.answers.structure import FIRST_FAILURE
 from sidmacib.models import REFERENCE_MODEL
+from sidmacib.outcome import FIRST_FAILURE
 from sidmacib.structure.files.structure_file import assembly_of
-from workflow.joints.case import REFERENCE
-from workflow.structures.case import StructureCase
+from workflow.case import REFERENCE, StructureCase
 
 LIMIT = "limit"
 MOST_ROWS = 20_000  # of interfaces and blocks: what the page has room for
@@ -33,15 +32,15 @@ def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> 
     shapes: dict[str, int] = {}
     found, room = [], MOST_POINTS
     for case in cases:
-        shape = shape_of(assembly_of(case.description))
+        shape = shape_of(assembly_of(case.subject.description))
         text = json.dumps(shape)
         if text not in shapes and points_of(shape) <= room:
             room -= points_of(shape)
             shapes[text] = len(shapes)
         found.append(
             {
-                "structure": case.structure,
-                "load": case.load,
+                "structure": case.subject.structure,
+                "load": case.subject.load,
                 "variant": case.variant,
                 "shape": shapes.get(text),
             }

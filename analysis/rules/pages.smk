@@ -1,9 +1,9 @@
 # Figures and summary from the tables; check that every case has a result.
 from analysis.figures.catalogue import drawn_files, figures_of
 
-FIGURES = figures_of(STUDY, DETAILED, CASES.cases.values())
+FIGURES = figures_of(STUDY, DETAILED, JOBS.joints.values())
 STRESSES = {  # by figure, the record of the case whose stresses it shows
-    name: RECORDS[figure.case.id] for name, figure in FIGURES.items() if figure.case is not None
+    name: RECORDS[figure.case.folder] for name, figure in FIGURES.items() if figure.case is not None
 }
 
 
@@ -24,7 +24,7 @@ rule figures:
     params:
         study=lambda wildcards: STUDY.figures_json(),
         detailed_models=DETAILED,
-        code=code("analysis.figures.draw", files=PUBLISHED),
+        code=code("analysis.figures.draw", JointSubject.modules, PUBLISHED),
     message:
         "Draw the figures"
     script:

@@ -3,7 +3,7 @@ from analysis.report.files import FILES as PAGE_FILES
 from workflow.run.results_folder import REPORT
 
 SHOWN_STRUCTURES = {  # one case of each, whatever its model
-    case.name: case.to_json() for case in reversed(STRUCTURES.cases.values())
+    case.name: case.to_json() for case in reversed(JOBS.structures.values())
 }
 
 
@@ -21,7 +21,7 @@ rule report:
         structures=lambda wildcards: STUDY.structures_json() if STUDY.structures else None,
         configuration=lambda wildcards: STUDY.model_dump_json(exclude={"results"}),
         cases=lambda wildcards: [*reversed(SHOWN_STRUCTURES.values())],
-        code=code("analysis.report.page", files=PAGE_FILES),
+        code=code("analysis.report.page", StructureSubject.modules, PAGE_FILES),
     message:
         "Write the report"
     script:

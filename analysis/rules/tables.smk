@@ -5,7 +5,7 @@ PUBLISHED = ("analysis/published.yaml",)
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
 rule collect:
     input:
-        records=list(dict.fromkeys(RECORDS.values())),
+        records=records_of(JointSubject.kind),
     output:
         weights=shown("tables/weights.csv"),
         weight_sums=shown("tables/weight_sums.csv"),
@@ -14,8 +14,8 @@ rule collect:
     log:
         below("logs/collect.log"),
     params:
-        cases=[case.id for case in CASES.cases.values()],
-        code=code("analysis.tables.collect"),
+        cases=[case.id for case in JOBS.joints.values()],
+        code=code("analysis.tables.collect", JointSubject.modules),
     message:
         "Collect the cases' results"
     script:

@@ -10,36 +10,36 @@ from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS
 from workflow.planning.cases import Place
-from workflow.results.record import CaseRecord
+from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 
 WITHOUT_WEIGHTS = ("none", "half")  # reductions that need nothing but the number of locks
 
 
-def describe_record(record: CaseRecord) -> str:
+def describe_record(record: JointRecord) -> str:
     """Capacity and lock weights of a case, or the reason why it has none."""
-    if record.load_N is None or record.shear_N is None or record.torque_Nm is None:
-        return f"{record.name} ({record.model}): no result: {record.error}"
+    part = record.part
+    if record.load_N is None or part.shear_N is None or part.torque_Nm is None:
+        return f"{record.name} ({record.model}): no result: {record.error or record.refused}"
     lines = [
-        f"{record.name} ({record.model}): "
-        f"V = {record.shear_N:.2f} N, M = {record.torque_Nm:.4f} N m",
+        f"{record.name} ({record.model}): V = {part.shear_N:.2f} N, M = {part.torque_Nm:.4f} N m",
     ]
-    name, unit, digits = ("V", "N", 2) if record.shear_N else ("M", "N m", 4)
+    name, unit, digits = ("V", "N", 2) if part.shear_N else ("M", "N m", 4)
     for words, load in (
         ("not carried any more", record.failed_load_N),
         ("first failure", record.first_failure_load_N),
     ):
         if load is not None:
-            amount = load / record.load_N * (record.shear_N or record.torque_Nm)
+            amount = load / record.load_N * (part.shear_N or part.torque_Nm)
             lines.append(f"  {words}: {name} = {amount:.{digits}f} {unit}")
     if record.peak_spread is not None:
         lines.append(f"  spread of the peaks found: {100 * record.peak_spread:.2f} %")
-    if record.weights:
+    if part.weights:
         lines.append("  lock  block  weight  mean shear / tau  largest / tau")
     lines += [
         f"  {each.lock:>4}  {each.block:5}  {each.weight:6.3f}  {each.mean_shear_ratio:16.3f}"
         f"  {each.max_shear_ratio:13.3f}"
-        for each in record.weights
+        for each in part.weights
     ]
     return "\n".join(lines)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from analysis.drawing.labels import label_of, option_name, rule_name
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 
 # Smaller errors count as none: the distinct elements' peaks are not known more accurately.
 PEAK_ACCURACY = 0.0025

@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.answers.structure import FIRST_FAILURE
-from workflow.joints.case import REFERENCE
+from sidmacib.outcome import FIRST_FAILURE
+from workflow.case import REFERENCE
 from workflow.results.tables import STRUCTURES, read_table
 from workflow.run.step import Arguments, Files, step
 

@@ -18,7 +18,7 @@ from analysis.tables.misfit import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results.tables import (
     BEST_FIT,
     CAPACITY,

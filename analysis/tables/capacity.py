@@ -15,8 +15,8 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS, MODELS, detailed
 from sidmacib.rule.law import RULES, LawCapacity
+from workflow.case import REFERENCE, case_name
 from workflow.consistency import requirements
-from workflow.joints.case import REFERENCE, case_name
 from workflow.results.tables import (
     CAPACITY,
     CASES,

@@ -11,9 +11,9 @@ import pandas as pd
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mesh_error import LoadKind, kind_of, mesh_errors
 from sidmacib.models import REFERENCE_MODEL, SOLVED, first_failure_only
-from workflow.joints.case import REFERENCE
-from workflow.results.files import read_records
-from workflow.results.record import CaseRecord
+from workflow.case import REFERENCE
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import read_records
 from workflow.results.tables import CASES, MODELS, WEIGHT_SUMS, WEIGHTS, write_table
 from workflow.run.step import Arguments, FileLists, Files, step
 
@@ -32,10 +32,11 @@ class ResultErrors:
     first_failure: float | None = None
 
 
-def weights_table(records: Iterable[CaseRecord]) -> pd.DataFrame:
+def weights_table(records: Iterable[JointRecord]) -> pd.DataFrame:
     """One row per lock of every case whose model gives stresses."""
-    rows = [_columns(record) | asdict(weight) for record in records for weight in record.weights]
-    return pd.DataFrame(rows, columns=list(WEIGHTS.columns))
+    return WEIGHTS.frame(
+        _shared(record) | asdict(weight) for record in records for weight in record.part.weights
+    )
 
 
 def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
@@ -47,7 +48,7 @@ def weight_sums(weights: pd.DataFrame) -> pd.DataFrame:
     return sums.reset_index()
 
 
-def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]) -> pd.DataFrame:
+def cases_table(records: Sequence[JointRecord], all_records: Iterable[JointRecord]) -> pd.DataFrame:
     """One row per case; failed ones have the reason.
 
     ``all_records``: these and those on further meshes. Each record is compared with that of the
@@ -60,40 +61,32 @@ def cases_table(records: Sequence[CaseRecord], all_records: Iterable[CaseRecord]
     rows = []
     for record in records:
         load, compared = record.load_N, _compared(record, static.get(record.physics))
-        row = _columns(record) | {
-            name: getattr(record, name) for name in CASES.columns if hasattr(record, name)
-        }
-        row["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None
+        row = record.columns()
         row["peak_N"] = None if first_failure_only(record.model) else record.peak_N
         row["static_load_N"] = compared
         row["difference_to_static"] = load / compared - 1.0 if compared and load else None
+        row["error"] = record.error or record.refused
         errors = mesh_errors.get((record.model, record.name), ResultErrors())
         row |= {"mesh_error": errors.load, "first_failure_mesh_error": errors.first_failure}
         rows.append(row)
-    table = pd.DataFrame(rows, columns=list(CASES.columns))
-    for column in ("load_N", "peak_N", "failed_load_N", "first_failure_load_N", "static_load_N"):
-        table[column] = table[column].astype(float)
-    for column in ("shear_N", "torque_Nm", "unbalanced_share", "peak_spread"):
-        table[column] = table[column].astype(float)
-    for column in ("difference_to_static", "mesh_error", "first_failure_mesh_error"):
-        table[column] = table[column].astype(float)
-    return table
+    return CASES.frame(rows)
 
 
-def _compared(record: CaseRecord, static: CaseRecord | None) -> float | None:
+def _compared(record: JointRecord, static: JointRecord | None) -> float | None:
     """The load (N) of the static model that a record's is compared with."""
     if record.model == REFERENCE_MODEL or static is None:
         return None
     return static.first_failure_load_N if first_failure_only(record.model) else static.load_N
 
 
-def friction_share(record: CaseRecord) -> float:
+def friction_share(record: JointRecord) -> float:
     """Share of V that reaches the lower body other than by its locks; nan in pure torsion."""
-    by_locks = abs(math.fsum(w.shear_y_N for w in record.weights if w.block == "lower"))
-    return 1.0 - by_locks / record.shear_N if record.shear_N else float("nan")
+    by_locks = abs(math.fsum(w.shear_y_N for w in record.part.weights if w.block == "lower"))
+    shear = record.part.shear_N
+    return 1.0 - by_locks / shear if shear else float("nan")
 
 
-def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
+def displacements_at(record: JointRecord, loads: Iterable[float]) -> list[float]:
     """Displacement (m) on which the load does work, at given loads (N); nan where unknown."""
     path = sorted((load, moved) for load, moved in record.path if moved is not None)
     if not path:
@@ -103,7 +96,7 @@ def displacements_at(record: CaseRecord, loads: Iterable[float]) -> list[float]:
 
 
 def models_table(
-    records: Sequence[CaseRecord], all_records: Iterable[CaseRecord] = ()
+    records: Sequence[JointRecord], all_records: Iterable[JointRecord] = ()
 ) -> pd.DataFrame:
     """One row for each result of the reference variant, with the models of a case together.
 
@@ -113,12 +106,12 @@ def models_table(
     rows: list[dict[str, Any]] = []
     given: dict[str, float] = {}
     for record in records:
-        if record.variant != REFERENCE or record.load_N is None or not record.weights:
+        if record.variant != REFERENCE or record.load_N is None or not record.part.weights:
             continue
         failure = record.first_failure_load_N
-        load = given.setdefault(record.case, failure if failure is not None else record.load_N)
+        load = given.setdefault(record.part.case, failure if failure is not None else record.load_N)
         moved = displacements_at(record, [share * load for share in SHARES])
-        columns = _columns(record)
+        columns = _shared(record)
         columns.pop("variant")
         rows.append(
             columns
@@ -134,7 +127,7 @@ def models_table(
                 f"displacement_at_{100 * share:g}_percent_m": value
                 for share, value in zip(SHARES, moved, strict=True)
             }
-            | {f"weight_lock{each.lock}": each.weight for each in record.weights}
+            | {f"weight_lock{each.lock}": each.weight for each in record.part.weights}
         )
     if not rows:
         return pd.DataFrame(columns=[*MODELS.columns, "case"])
@@ -145,11 +138,14 @@ def models_table(
     return table.iloc[np.argsort(order, kind="stable")]
 
 
-def _columns(record: CaseRecord) -> dict[str, Any]:
-    return {name: getattr(record, name) for name in SHARED}
+def _shared(record: JointRecord) -> dict[str, Any]:
+    columns = record.columns()
+    return {name: columns[name] for name in SHARED}
 
 
-def ordered(records: Iterable[CaseRecord], names: Sequence[Sequence[str]]) -> Iterator[CaseRecord]:
+def ordered(
+    records: Iterable[JointRecord], names: Sequence[Sequence[str]]
+) -> Iterator[JointRecord]:
     """The records of the study's cases, ``names`` being (model, name), in its order."""
     by_case = {(record.model, record.name): record for record in records}
     return (by_case[model, name] for model, name in names)
@@ -166,16 +162,16 @@ def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     write_table(MODELS, models_table(records, every), outputs["models"])
 
 
-def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], ResultErrors]:
+def errors_of(records: Iterable[JointRecord]) -> dict[tuple[str, str], ResultErrors]:
     """Mesh errors of results by model and name of the case; results without an error are left out.
 
     A model with one mesh takes the errors of the same joint, nodes and load from a model that is
     solved in this process: from the static model where possible.
     """
     records = [record for record in records if record.load_N is not None]
-    series: dict[tuple[str, str, str], list[CaseRecord]] = {}
+    series: dict[tuple[str, str, str], list[JointRecord]] = {}
     for r in records:
-        series.setdefault((r.model, r.variant, r.series), []).append(r)
+        series.setdefault((r.model, r.variant, r.part.series), []).append(r)
     by_series = {key: _errors_of_one(rows) for key, rows in series.items()}
     lendable: dict[tuple[str, float], ResultErrors] = {}
     for lender in SOLVED:
@@ -185,27 +181,27 @@ def errors_of(records: Iterable[CaseRecord]) -> dict[tuple[str, str], ResultErro
                     (joint, mesh): e for mesh, e in errors.items() if (joint, mesh) not in lendable
                 }
     by_case = {
-        (r.model, r.name): by_series[r.model, r.variant, r.series].get(
-            r.mesh_m, lendable.get((r.series, r.mesh_m))
+        (r.model, r.name): by_series[r.model, r.variant, r.part.series].get(
+            r.part.mesh_m, lendable.get((r.part.series, r.part.mesh_m))
         )
         for r in records
     }
     return {case: errors for case, errors in by_case.items() if errors is not None}
 
 
-def _errors_of_one(records: Iterable[CaseRecord]) -> dict[float, ResultErrors]:
+def _errors_of_one(records: Iterable[JointRecord]) -> dict[float, ResultErrors]:
     """Mesh errors of results of one joint and model, by mesh (m)."""
     records = list(records)
-    layout = NodeLayout(records[0].nodes)
-    loads = {r.cells: r.load_N for r in records if r.load_N is not None}
+    layout = NodeLayout(records[0].part.nodes)
+    loads = {r.part.cells: r.load_N for r in records if r.load_N is not None}
     kind = kind_of((r.load_N, r.first_failure_load_N) for r in records if r.load_N is not None)
     load = mesh_errors(loads, layout, kind)
-    known = {r.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
+    known = {r.part.cells: r.first_failure_load_N for r in records if r.first_failure_load_N}
     first = mesh_errors(known, layout, LoadKind.FIRST_FAILURE) if known else {}
     return {
-        r.mesh_m: ResultErrors(load.get(r.cells), first.get(r.cells))
+        r.part.mesh_m: ResultErrors(load.get(r.part.cells), first.get(r.part.cells))
         for r in records
-        if r.cells in load
+        if r.part.cells in load
     }
 
 

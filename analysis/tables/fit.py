@@ -20,7 +20,7 @@ from sidmacib.contact_points.pair_loads import pair_loads
 from sidmacib.contact_points.programme import Sidmacib
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
 from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study

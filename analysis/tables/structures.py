@@ -7,23 +7,14 @@ from typing import Any
 
 import pandas as pd
 
-from sidmacib.answers.structure import (
-    FIRST_FAILURE,
-    PEAK,
-    Counts,
-    counting,
-    without_other_meshes,
-)
+from sidmacib.answers.structure import counting, without_other_meshes
 from sidmacib.models import REFERENCE_MODEL, first_failure_only
-from sidmacib.structure.analysis.mesh_error import Failures
+from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Failures
 from sidmacib.structure.analysis.tilt import tilt_of_load
-from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, Table, write_table
+from workflow.results.record import read_records
+from workflow.results.structure_part import InterfaceRow, StructureRecord
+from workflow.results.tables import BLOCKS, INTERFACES, MOTION, STRUCTURES, write_table
 from workflow.run.step import Arguments, FileLists, Files, step
-from workflow.structures.record import (
-    InterfaceRow,
-    StructureRecord,
-    read_structure_records,
-)
 
 TILTS = {
     "load_N": "tilt_degrees",
@@ -34,7 +25,6 @@ TILTS = {
 }
 NEXT_TO_NOTHING = 0.01  # of the largest force of an interface, as in the report
 IDENTITY = ("structure", "load", "variant", "model")
-MOTION = ("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z")
 
 
 def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
@@ -44,7 +34,7 @@ def structures_table(records: Sequence[StructureRecord]) -> pd.DataFrame:
     """
     static = {each.physics: each for each in records if each.model == REFERENCE_MODEL}
     rows = [_row(counted(record, static.get(record.physics)), static) for record in records]
-    return _typed(STRUCTURES, rows)
+    return STRUCTURES.frame(rows)
 
 
 def counted(record: StructureRecord, static: StructureRecord | None) -> StructureRecord:
@@ -52,50 +42,50 @@ def counted(record: StructureRecord, static: StructureRecord | None) -> Structur
 
     An engine has one mesh, which shows nothing of how far its peak depends on it.
     """
-    if record.peak_N is None or record.counts is not None:
+    if record.peak_N is None or record.part.counts is not None:
         return record
     failures = Failures(record.first_failure_load_N or record.peak_N, record.peak_N)
-    if static is not None and static.counts is not None:
-        counts = Counts(static.counts == PEAK, static.because or "")
-        errors = static.mesh_error, static.first_failure_mesh_error
+    known = None if static is None else static.part
+    if known is not None and known.counts is not None:
+        counts = Counts(known.counts == PEAK, known.because or "")
+        errors = known.mesh_error, known.first_failure_mesh_error
     else:
         counts = without_other_meshes(failures)
         errors = None, None
-    return replace(
-        record,
-        load_N=counting(failures, counts),
+    part = replace(
+        record.part,
         counts=counts.name,
         because=counts.why,
         mesh_error=errors[0],
         first_failure_mesh_error=errors[1],
     )
+    return replace(record, load_N=counting(failures, counts), part=part)
 
 
 def _compared(record: StructureRecord, static: StructureRecord | None) -> float | None:
     """The load (N) of the static model that a record's is compared with."""
     if record.model == REFERENCE_MODEL or static is None:
         return None
-    if first_failure_only(record.model) or static.counts == FIRST_FAILURE:
-        return static.given_first_failure_N
-    return static.given_peak_N
+    if first_failure_only(record.model) or static.part.counts == FIRST_FAILURE:
+        return static.part.given_first_failure_N
+    return static.part.given_peak_N
 
 
 def _row(record: StructureRecord, known: Mapping[str, StructureRecord]) -> dict[str, Any]:
-    row = {name: getattr(record, name) for name in STRUCTURES.columns if hasattr(record, name)}
-    load, weight = record.load_N, record.weight_N
+    row, part = record.columns(), record.part
+    load, weight = record.load_N, part.weight_N
     row["static_load_N"] = compared = _compared(record, known.get(record.physics))
-    if record.tilts and weight:
+    if part.tilts and weight:
         row |= {
             tilt: row[name] and tilt_of_load(row[name], weight) for name, tilt in TILTS.items()
         } | dict.fromkeys(TILTS)
     return {
         **row,
-        "load_over_weight": None if load is None or record.tilts or not weight else load / weight,
-        "most_used_interface": most_used(record.interfaces),
-        "blocks": sum(not block.fixed for block in record.blocks) or None,
-        "interfaces": len(record.interfaces) or None,
+        "load_over_weight": None if load is None or part.tilts or not weight else load / weight,
+        "most_used_interface": most_used(part.interfaces),
+        "blocks": sum(not block.fixed for block in part.blocks) or None,
+        "interfaces": len(part.interfaces) or None,
         "difference_to_static": load / compared - 1.0 if load is not None and compared else None,
-        "versions": ", ".join(f"{k} {v}" for k, v in sorted(record.versions.items())) or None,
         "case": record.name,
     }
 
@@ -124,57 +114,32 @@ def interfaces_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
     rows = [
         {**_identity(record), **asdict(interface)}
         for record in records
-        for interface in record.interfaces
+        for interface in record.part.interfaces
     ]
-    return _typed(INTERFACES, rows)
+    return INTERFACES.frame(rows)
 
 
 def blocks_table(records: Iterable[StructureRecord]) -> pd.DataFrame:
     """One row for each block, or part of one, of each case that has a result."""
-    return _typed(BLOCKS, [*_blocks(records)])
+    return BLOCKS.frame(_blocks(records))
 
 
 def _blocks(records: Iterable[StructureRecord]) -> Iterator[dict[str, Any]]:
     for record in records:
-        for block in record.blocks:
+        for block in record.part.blocks:
             row = asdict(block)
             move = row.pop("move") or (math.nan,) * len(MOTION)
             yield {**_identity(record), **row, **dict(zip(MOTION, move, strict=True))}
 
 
 def _identity(record: StructureRecord) -> dict[str, Any]:
-    return {**{name: getattr(record, name) for name in IDENTITY}, "case": record.name}
-
-
-def _typed(table: Table, rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """``rows`` with numbers as numbers, also in columns that no row fills."""
-    frame = pd.DataFrame(rows, columns=list(table.columns))
-    for column in table.columns:
-        if column.endswith(("_N", "_Nm", "_m", "_m2", "_Pa", "_degrees")) or column in NUMBERS:
-            frame[column] = frame[column].astype(float)
-    return frame
-
-
-NUMBERS = (
-    *("load_over_weight", "peak_spread", "unbalanced_share", "difference_to_static"),
-    *("mesh_error", "first_failure_mesh_error"),
-    *(
-        "eccentricity",
-        "utilisation",
-        "bonded_share",
-        "fails_at",
-        "friction",
-        "nodes",
-        "blocks",
-        "interfaces",
-    ),
-    *MOTION,
-)
+    row = record.columns()
+    return {**{name: row[name] for name in IDENTITY}, "case": record.name}
 
 
 def run(arguments: Arguments, inputs: FileLists, outputs: Files) -> None:
     """Read all records and write the tables, in the order of the study's cases."""
-    found = {record.id: record for record in read_structure_records(inputs["records"])}
+    found = {record.id: record for record in read_records(inputs["records"])}
     records = [found[model, name] for model, name in arguments["cases"]]  # type: ignore[index]
     write_table(STRUCTURES, structures_table(records), outputs["structures"])
     write_table(INTERFACES, interfaces_table(records), outputs["interfaces"])

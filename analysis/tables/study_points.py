@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.schema import Study
 
 

@@ -12,7 +12,7 @@ from analysis.published import Published, read_published
 from analysis.tables.misfit import winner
 from analysis.tables.study_points import pure_shear_weights, study_points
 from sidmacib.models import LAWS, first_failure_only
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
 from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study

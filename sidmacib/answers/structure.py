@@ -15,32 +15,16 @@ from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.mechanics.static.model import static_peak
+from sidmacib.outcome import Counts, Failures, MeshErrors
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.mesh_error import Failures, MeshErrors, structure_mesh_errors
+from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
 from sidmacib.structure.structure import refined
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
 MOST_NODES = 6000  # on cells of a quarter: more take too much time and memory
 SETTLED = 0.2  # mesh error of a peak that counts though a bond fails before it, over the peak
-PEAK, FIRST_FAILURE = "peak", "first failure"
 NO_BOND, AGREE = "no bond fails before the peak", "three meshes agree on the peak"
-
-
-@dataclass(frozen=True)
-class Counts:
-    """Whether the peak counts, or the first failure, and ``why``."""
-
-    peak: bool
-    why: str
-
-    @property
-    def name(self) -> str:
-        """Which of the two counts."""
-        return PEAK if self.peak else FIRST_FAILURE
-
-    def __str__(self) -> str:
-        return f"the {self.name} counts: {self.why}"
 
 
 @dataclass(frozen=True)

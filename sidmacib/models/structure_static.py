@@ -8,14 +8,12 @@ from sidmacib.answers.structure import StaticAnswer, bond_fails, static_answer
 from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static.model import static_first_failure
-from sidmacib.models.found import AT_THE_LOAD, MECHANISM, Found
-from sidmacib.outcome import Outcome, State
+from sidmacib.outcome import AT_THE_LOAD, MECHANISM, Failures, Outcome, State
 from sidmacib.problem import Problem
-from sidmacib.structure.analysis.mesh_error import Failures
 from sidmacib.structure.analysis.tilt import PRECISION, load_of_tilt
 
 
-def solve(problem: Problem) -> Found:
+def solve(problem: Problem) -> Outcome:
     """The equilibria on the way to the peak, which load counts, and where the first bond fails.
 
     `sidmacib.errors.CapacityError` if there is none.
@@ -34,23 +32,20 @@ def solve(problem: Problem) -> Found:
         )
         for point in answer.path
     )
-    outcome = Outcome(
+    return Outcome(
         path,
-        path[-1].load * (1.0 + (PRECISION if tilts else LEAST_INCREMENT)),
-        load_of(answer.failures.first),
-        answer.mode,
-        answer.spread,
-        path[-1].load,
-    )
-    return Found(
-        outcome,
-        answer.mechanism if tilts else _motion(answer),
-        MECHANISM if tilts else AT_THE_LOAD,
-        {face: load_of(load) for face, load in _broken_at(answer, problem.loads).items()},
-        answer.mesh_errors,
-        answer.counts,
-        answer.assembly,
-        Failures(*map(load_of, answer.given)),
+        failed_load=path[-1].load * (1.0 + (PRECISION if tilts else LEAST_INCREMENT)),
+        first_failure_load=load_of(answer.failures.first),
+        mode=answer.mode,
+        peak_spread=answer.spread,
+        peak_load=path[-1].load,
+        motion=answer.mechanism if tilts else _motion(answer),
+        motion_kind=MECHANISM if tilts else AT_THE_LOAD,
+        broken_at={f: load_of(load) for f, load in _broken_at(answer, problem.loads).items()},
+        mesh_errors=answer.mesh_errors,
+        counts=answer.counts,
+        cells=answer.assembly,
+        given=Failures(*map(load_of, answer.given)),
     )
 
 

@@ -11,8 +11,8 @@ from sidmacib.joint.loading import Loading
 from sidmacib.rule.first_failure import first_failure
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
-from workflow.joints.sampling import SampledJoint
 from workflow.run.step import Arguments, Files, step
+from workflow.sampling import SampledJoint
 from workflow.steps.joints import joints_of, write_rows
 
 MANY = 41  # locks

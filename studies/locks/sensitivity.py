@@ -16,9 +16,9 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
-from workflow.joints.sampling import Sampling, with_ratios
 from workflow.results.tables import Table, write_table
 from workflow.run.step import Arguments, Files, step
+from workflow.sampling import Sampling, with_ratios
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a

@@ -31,12 +31,12 @@ from sidmacib.engines.scripts.records import HISTORY, NODES, RESULT
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.structure.files.compas import read_compas
 from sidmacib.structure.files.compas_interfaces import read_compas_interfaces
+from workflow.case import JointCase
 from workflow.configuration import ConfigError, read_study, read_study_file
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
 from workflow.planning.cases import case_count, cases_of, find_case
 from workflow.results.files import read_outcome
-from workflow.results.record import CaseRecord, ResultError, record_of
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import ResultError, record_of
 from workflow.threedec import read_returned
 
 PUBLISHED: dict[str, Any] = yaml.safe_load((ROOT / "config.yaml").read_text())
@@ -71,7 +71,7 @@ class Fuzz:
 
     folder: Path
     random: random.Random
-    case: Case
+    case: JointCase
     assembly: Assembly
     engine_files: dict[str, str]
     printed: str
@@ -166,14 +166,14 @@ def engine(fuzz: Fuzz) -> None:
 
 
 def _recorded(fuzz: Fuzz) -> None:
-    problem = problem_of(fuzz.case)
+    problem = fuzz.case.subject.problem()
     found = read_outcome(fuzz.folder, problem.assembly)
     _read_again(record_of(fuzz.case, problem, found, {}))
 
 
-def _read_again(record: CaseRecord) -> None:
+def _read_again(record: JointRecord) -> None:
     """A record that is believed is written, and read as it was."""
-    if CaseRecord.from_json(record.to_json()) != record:
+    if JointRecord.from_json(record.to_json()) != record:
         raise AssertionError("the record is not read as it was written")
 
 

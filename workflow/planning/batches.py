@@ -1,17 +1,19 @@
 """The cases of a study by the job that runs them: alone in an engine, in a batch, or elsewhere."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.model import Ability
 from sidmacib.models import MODELS, REFERENCE_MODEL, RETURNED, SOLVED
-from workflow.joints.case import Case, CaseId, case_name
+from workflow.case import Case, CaseId, JointCase, StructureCase, case_name
 from workflow.planning.cases import cases_of, second_mesh
 from workflow.planning.resources import solved_resources
 from workflow.schema import Study
+from workflow.structures import structure_cases
 from workflow.threedec import RETURNED as PRINTED
 from workflow.threedec import deck_folder, decks
 
@@ -21,72 +23,103 @@ BATCH, BATCH_TIME = 512, 120.0  # cases, s
 
 @dataclass(frozen=True)
 class CaseJobs:
-    """The cases of a study by the job that finds their results.
+    """The cases of a study by the job that finds their results, which is named by its folder.
 
-    ``cases``: those of the study itself. ``batches``: by model and name of the batch, together with
-    cases of the static model that engines are compared with. ``decks``: cases that 3DEC may solve,
-    by name.
+    ``joints`` and ``structures``: those of the study itself. ``engines`` and ``returned``: a case
+    each. ``batches``: of one model, together with cases of the static model that engines are
+    compared with; all loads and variants of a structure are one. ``decks``: cases that 3DEC may
+    solve, by name.
     """
 
-    cases: Mapping[CaseId, Case]
-    engines: Mapping[CaseId, Case]
-    batches: Mapping[tuple[str, str], tuple[Case, ...]]
-    returned: Mapping[CaseId, Case]
-    decks: Mapping[str, Case]
+    joints: Mapping[CaseId, JointCase]
+    structures: Mapping[CaseId, StructureCase]
+    engines: Mapping[str, Case[Any]]
+    batches: Mapping[str, tuple[Case[Any], ...]]
+    returned: Mapping[str, JointCase]
+    decks: Mapping[str, JointCase]
+
+    @property
+    def folders(self) -> dict[str, str]:
+        """The folder of the job of each case, by the folder of the case."""
+        alone = (*self.engines, *self.returned)
+        solved = ((case, batch) for batch, cases in self.batches.items() for case in cases)
+        return {**dict(zip(alone, alone, strict=True)), **{c.folder: batch for c, batch in solved}}
 
 
 def case_jobs(study: Study) -> CaseJobs:
     """All cases of ``study``; results returned from 3DEC count like those of any other model."""
-    cases = cases_of(study)
-    of_decks = decks(study, cases.values())
-    cases |= {
+    joints = cases_of(study)
+    of_decks = decks(study, joints.values())
+    joints |= {
         case.id: case
         for name, case in of_decks.items()
         if Path(study.results, deck_folder(name), PRINTED).is_file()
     }
-    engines: dict[CaseId, Case] = {}
-    returned: dict[CaseId, Case] = {}
-    solved: dict[str, list[Case]] = {}
-    for case in (*cases.values(), *reference_cases(cases.values())):
-        if case.model in ENGINES:
-            engines[case.id] = case
-        elif case.model in SOLVED:
+    of_structures = sorted(structure_cases(study), key=lambda case: case.model in SOLVED)
+    structures = {case.id: case for case in of_structures}
+    every = [*joints.values(), *reference_cases(joints.values())]
+    both: list[Case[Any]] = [*every, *of_structures]
+    return CaseJobs(
+        joints,
+        structures,
+        {case.folder: case for case in both if case.model in ENGINES},
+        {**dict(_batches_of_joints(every)), **_batches_of_structures(structures.values())},
+        {case.folder: case for case in every if case.model in RETURNED},
+        of_decks,
+    )
+
+
+def _batches_of_joints(cases: Iterable[JointCase]) -> Iterator[tuple[str, tuple[JointCase, ...]]]:
+    solved: dict[str, list[JointCase]] = {}
+    for case in cases:
+        if case.model in SOLVED:
             solved.setdefault(case.model, []).append(case)
-        elif case.model in RETURNED:
-            returned[case.id] = case
-    in_batches = {
-        (model, name): tuple(batch)
-        for model, model_cases in solved.items()
-        for name, batch in batches(model_cases).items()
-    }
-    return CaseJobs(cases, engines, in_batches, returned, of_decks)
+    for model, of_model in solved.items():
+        for name, batch in batches(of_model).items():
+            yield f"{batch[0].subject.kind}/{model}/{name}", tuple(batch)
 
 
-def reference_cases(cases: Iterable[Case]) -> list[Case]:
+def _batches_of_structures(
+    cases: Iterable[StructureCase],
+) -> dict[str, tuple[StructureCase, ...]]:
+    found: dict[str, tuple[StructureCase, ...]] = {}
+    for case in cases:
+        if case.model in SOLVED:
+            folder = f"{case.subject.kind}/{case.model}/{case.subject.structure}"
+            found[folder] = (*found.get(folder, ()), case)
+    return found
+
+
+def reference_cases(cases: Iterable[JointCase]) -> list[JointCase]:
     """Cases of the static model that the study lacks, to compare every engine's case with.
 
     They are on the same nodes; where an engine has one mesh only, a second one is added.
     """
     cases = list(cases)
-    known = {case.physics() for case in cases if case.model == REFERENCE_MODEL}
-    series: dict[str, dict[float, Case]] = {}
+    series: dict[str, dict[float, JointCase]] = {}
     able = MODELS[REFERENCE_MODEL].abilities
     for case in cases:
-        ductile = case.joint.failure is Failure.DUCTILE
+        ductile = case.subject.joint.failure is Failure.DUCTILE
         if case.model not in ENGINES or (ductile and Ability.DUCTILE not in able):
             continue
         reference = replace(case, model=REFERENCE_MODEL, numerics=None)
-        series.setdefault(case.series(), {}).setdefault(case.mesh, reference)
+        by_mesh = series.setdefault(case.subject.series(), {})
+        by_mesh.setdefault(case.subject.mesh, reference)
     for by_mesh in series.values():
         (case, *_) = by_mesh.values()
-        if other := second_mesh(case.joint, by_mesh, case.nodes):
-            name = case_name(case.sample, other, case.direction.eccentricity, case.variant)
-            by_mesh[other] = replace(case, mesh=other, name=name)
+        subject = case.subject
+        if other := second_mesh(subject.joint, by_mesh, subject.nodes):
+            ratio = subject.direction.eccentricity
+            name = case_name(subject.sample, other, ratio, case.variant)
+            by_mesh[other] = replace(case, name=name, subject=replace(subject, mesh=other))
+    if not series:
+        return []
+    known = {case.physics() for case in cases if case.model == REFERENCE_MODEL}
     every = {case.physics(): case for by_mesh in series.values() for case in by_mesh.values()}
     return [case for physics, case in every.items() if physics not in known]
 
 
-def batches(cases: list[Case]) -> dict[str, list[Case]]:
+def batches(cases: list[JointCase]) -> dict[str, list[JointCase]]:
     """Cases in batches, by the first bits of their digests.
 
     So adding or changing a case moves no other case to another batch, unless there is so much to do
@@ -95,7 +128,7 @@ def batches(cases: list[Case]) -> dict[str, list[Case]]:
     bits, time = 0, solved_resources(cases).time
     while len(cases) > BATCH << bits or time > BATCH_TIME * 2**bits:
         bits += 1
-    found: dict[str, list[Case]] = {}
+    found: dict[str, list[JointCase]] = {}
     for case in cases:
         found.setdefault(_batch_name(case.digest(), bits), []).append(case)
     return dict(sorted(found.items()))

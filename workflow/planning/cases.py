@@ -16,9 +16,9 @@ from sidmacib.mesh_error import APART, cells_of
 from sidmacib.model import Model
 from sidmacib.models import CLOSED_FORM, MODELS, SOLVED, detailed
 from sidmacib.quantities import shown
+from workflow.case import REFERENCE, Case, CaseId, JointCase, JointSubject, case_name
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, node_estimate, requirements
-from workflow.joints.case import REFERENCE, Case, CaseId, case_name
 from workflow.schema import Study
 from workflow.schema.assembly import AssemblySection, VariantSection
 from workflow.schema.dem import NumericsChanges, NumericsSection
@@ -30,7 +30,7 @@ BENT = 2.5  # power of the nodes' number by which time grows: elastic pieces; of
 WHOLE = 0.999  # of a side: a mesh must be less than it
 
 
-def cases_of(study: Study) -> dict[CaseId, Case]:
+def cases_of(study: Study) -> dict[CaseId, JointCase]:
     """All cases of ``study`` by their identity.
 
     Raises `ConfigError` for overrides of cases that do not exist, and if there are too many cases.
@@ -60,7 +60,7 @@ def case_count(study: Study) -> int:
     )
 
 
-def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
+def _cases(study: Study, models: Sequence[str]) -> Iterator[JointCase]:
     joint = _joints(study)
 
     @cache
@@ -76,11 +76,13 @@ def _cases(study: Study, models: Sequence[str]) -> Iterator[Case]:
                     name=name,
                     model=run.model.name,
                     variant=run.variant,
-                    sample=sample,
-                    joint=joint(sample, run.variant),
-                    mesh=mesh,
-                    nodes=run.nodes,
-                    loading=loading(ratio, run.assembly),
+                    subject=JointSubject(
+                        sample=sample,
+                        joint=joint(sample, run.variant),
+                        mesh=mesh,
+                        nodes=run.nodes,
+                        loading=loading(ratio, run.assembly),
+                    ),
                     numerics=_numerics(run.model, numerics, study.overrides.get(name)),
                 )
 
@@ -218,7 +220,7 @@ def find_place(study: Study, name: str) -> Place:
     return places[name]
 
 
-def find_case(study: Study, name: str, model: str | None = None) -> Case:
+def find_case(study: Study, name: str, model: str | None = None) -> JointCase:
     """The case ``name`` of ``model``, or of the first installed model that has it.
 
     Raises `ConfigError`.

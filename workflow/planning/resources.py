@@ -8,9 +8,10 @@ for twice as much the next time.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
+from workflow.case import Case, JointSubject
 from workflow.consistency import node_estimate
-from workflow.joints.case import Case
 
 MARGIN = 4.0  # of time: nodes of a cluster may be slow, and shared
 START = 60.0  # s: to begin at all
@@ -21,7 +22,7 @@ SOLVED_NODE = 3e-4  # s, for each node of a case of rigid pieces that is solved 
 ELASTIC = 50.0  # times that, of elastic pieces
 FEW_NODES = 200
 SAMPLED_JOINT = 4.0  # s, of a joint of a sampling
-STRUCTURE = 300.0  # s, of a case of a structure
+OF_STRUCTURE, OF_STRUCTURE_MB = 300.0, 3 * LEAST_MB  # s and MB, of a case of a structure
 SHORT = 600.0  # s: jobs that take less may share one of the cluster's
 
 
@@ -46,32 +47,33 @@ class Resources:
         return int(self.memory * 2 ** (attempt - 1))
 
 
-def nodes_of(case: Case) -> float:
-    """About how many contact nodes a case has."""
-    return node_estimate(case.joint, case.mesh, case.nodes)
-
-
-def engine_resources(case: Case, time_limit: float) -> Resources:
+def engine_resources(case: Case[Any], time_limit: float) -> Resources:
     """Resources of one case in an engine, which is ended at ``time_limit`` (s)."""
-    nodes = nodes_of(case)
+    if not isinstance(case.subject, JointSubject):
+        return Resources(OF_STRUCTURE_MB, min(OF_STRUCTURE, time_limit))
+    nodes = nodes_of(case.subject)
     ramps = case.numerics.ramp_periods / 40.0 if case.numerics else 1.0
     time = ENGINE_NODE * nodes * max(ramps, 1.0)
     return Resources(math.ceil(LEAST_MB + ENGINE_NODE_MB * nodes), min(time, time_limit))
 
 
-def solved_resources(cases: Iterable[Case]) -> Resources:
+def solved_resources(cases: Iterable[Case[Any]]) -> Resources:
     """Resources of cases that are solved one after the other in this process."""
-    time, most = 0.0, 0.0
+    time, memory = 0.0, 0.0
     for case in cases:
-        nodes = max(nodes_of(case), FEW_NODES)
-        time += SOLVED_NODE * nodes * (1.0 if case.joint.elastic is None else ELASTIC)
-        most = max(most, nodes)
-    return Resources(math.ceil(2 * LEAST_MB + most), time)
+        if isinstance(case.subject, JointSubject):
+            nodes = max(nodes_of(case.subject), FEW_NODES)
+            time += SOLVED_NODE * nodes * (1.0 if case.subject.joint.elastic is None else ELASTIC)
+            memory = max(memory, 2 * LEAST_MB + nodes)
+        else:
+            time += OF_STRUCTURE
+            memory = max(memory, OF_STRUCTURE_MB)
+    return Resources(math.ceil(memory), time)
 
 
-def structure_resources(cases: int, time_limit: float = math.inf) -> Resources:
-    """Resources of so many cases of a structure; an engine is ended at ``time_limit`` (s)."""
-    return Resources(3 * LEAST_MB, min(STRUCTURE * cases, time_limit))
+def nodes_of(subject: JointSubject) -> float:
+    """About how many contact nodes a joint has."""
+    return node_estimate(subject.joint, subject.mesh, subject.nodes)
 
 
 def sampling_resources(joints: int) -> Resources:

@@ -3,9 +3,8 @@
 import csv
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -13,20 +12,21 @@ from sidmacib.engines.scripts.records import HISTORY, MODES, NODES, RESULT
 from sidmacib.mechanics.assembly import Assembly, Floats, Nodes
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.outcome import Outcome, State
-from workflow.results.record import CaseRecord, ResultError
-
-T = TypeVar("T")
+from workflow.case import JointSubject
+from workflow.results.record import ResultError
 
 CASE, RECORD = "case.json", "record.json"
 BROKE_DOWN = "broke-down"  # mark beside a record: the engine did, and may not do so again
 BENCHMARKS = "benchmarks"  # folder of Snakemake's measurements
 BATCH_RECORDS, BATCH_NODES, BATCH_HISTORY = "records.jsonl", "nodes.parquet", "history.parquet"
+BROKEN = "_broken_share"  # suffix of a history's columns of broken bonds
 NODE_COLUMNS = (
     *("face", "kind", "x_m", "y_m", "z_m", "area_m2"),
     *("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa", "bonded"),
 )
 POSITION = ("x_m", "y_m", "z_m")
 STRESS = ("normal_Pa", "shear_x_Pa", "shear_y_Pa", "shear_z_Pa")
+Rows = list[dict[str, str]]
 UNREADABLE = (ValueError, OverflowError, TypeError, KeyError, AttributeError, RecursionError)
 MOST_LETTERS = 100  # letters, of what is wrong with a file
 SAME = 1e-9  # of a load that stands in two files
@@ -38,11 +38,13 @@ def read_outcome(folder: Path, assembly: Assembly) -> Outcome:
     """The outcome that an engine left in ``folder``; `ResultError` names file and line."""
     peak, failed, first, mode = _read_result(folder / RESULT)
     nodes = read_nodes(folder / NODES, assembly)
-    path = _read_history(folder / HISTORY)
+    rows = read_table(folder / HISTORY, ("load_N", "displacement_m"))
+    path = _path(folder / HISTORY, rows)
     _check_history(path, peak, assembly)
     at_peak = State(peak, path[-1].displacement if path else None, *nodes)
     before = [state for state in path if state.load < peak * (1.0 - 1e-12)]
-    return Outcome((*before, at_peak), failed, first, mode, peak_load=peak)
+    broken = _broken_at(folder / HISTORY, rows, assembly)
+    return Outcome((*before, at_peak), failed, first, mode, peak_load=peak, broken_at=broken)
 
 
 def _check_history(path: tuple[State, ...], peak: float, assembly: Assembly) -> None:
@@ -83,7 +85,7 @@ def _read_result(path: Path) -> tuple[float, float, float | None, str | None]:
         raise ResultError(f"{path.name}: unreadable: {str(error)[:MOST_LETTERS]}") from None
 
 
-def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
+def read_table(path: Path, columns: tuple[str, ...]) -> Rows:
     """Rows of a CSV file; `ResultError` names a line that has too few or too many columns."""
     try:
         with path.open(newline="") as stream:
@@ -102,7 +104,7 @@ def read_table(path: Path, columns: tuple[str, ...]) -> list[dict[str, str]]:
     return rows
 
 
-def _numbers(path: Path, rows: list[dict[str, str]], columns: tuple[str, ...]) -> Floats:
+def _numbers(path: Path, rows: Rows, columns: tuple[str, ...]) -> Floats:
     """The ``columns`` as finite numbers, (rows, columns); `ResultError` names one that is not."""
     try:
         values = np.array([[float(row[name]) for name in columns] for row in rows], dtype=float)
@@ -163,44 +165,36 @@ def force_to_stress(nodes: Nodes, frames: Floats, force: Floats) -> Floats:
     return np.column_stack([stress[:, 0], shear])
 
 
-def _read_history(path: Path) -> tuple[State, ...]:
-    """Loads and displacements of the equilibria on the way."""
-    rows = read_table(path, ("load_N", "displacement_m"))
+def _path(history: Path, rows: Rows) -> tuple[State, ...]:
+    """Loads and displacements of the equilibria on the way, from the ``rows`` of a history."""
     if rows and "stage" in rows[0]:
         rows = [row for row in rows if row["stage"] == "equilibrium"]
-    values = _numbers(path, rows, ("load_N", "displacement_m"))
+    values = _numbers(history, rows, ("load_N", "displacement_m"))
     return tuple(State(float(load), float(moved)) for load, moved in values)
 
 
-def write_record(record: CaseRecord, path: Path) -> None:
-    """Write ``record``, completely or not at all."""
-    draft = path.with_suffix(".draft")
-    draft.unlink(missing_ok=True)  # it may be a link
-    draft.write_text(record.to_json() + "\n")
-    draft.replace(path)
-
-
-def read_records(paths: Sequence[Path]) -> list[CaseRecord]:
-    """All records in files that hold one per line; `ResultError` names the file and line."""
-    return read_lines(paths, CaseRecord.from_json)
-
-
-def read_lines(paths: Sequence[Path], record_in: Callable[[str], T]) -> list[T]:
-    """`read_records` of any kind: what ``record_in`` finds in each line."""
-    records = []
-    for path in paths:
-        for number, line in enumerate(path.read_text().splitlines(), start=1):
-            try:
-                records.append(record_in(line))
-            except ResultError as error:
-                raise ResultError(f"{path}, line {number}: {error}") from None
-    return records
+def _broken_at(history: Path, rows: Rows, assembly: Assembly) -> dict[int, float]:
+    """The least load (N) with a broken share of each face; in the order of loads, then shares."""
+    faces = {f"{face.name}{BROKEN}": number for number, face in enumerate(assembly.faces)}
+    names = [name for name in faces if rows and name in rows[0]]
+    loads, *shares = _numbers(history, rows, ("load_N", *names)).T.tolist()
+    broken = sorted(
+        (load, -share, faces[name])
+        for name, own in zip(names, shares, strict=True)
+        for load, share in zip(loads, own, strict=True)
+        if share > 0.0
+    )
+    found: dict[int, float] = {}
+    for load, _, number in broken:
+        found.setdefault(number, load)
+    return found
 
 
 def read_times(results: Path) -> Iterator[tuple[str, float, float]]:
     """Kind of each job that Snakemake measured, its time on the clock and of processors, in s."""
     for path in sorted((results / BENCHMARKS).rglob("*.tsv")):
         (row,) = csv.DictReader(path.read_text().splitlines(), delimiter="\t")
-        kind = path.relative_to(results / BENCHMARKS).parts[0]
+        kind, *inside = path.relative_to(results / BENCHMARKS).parts
+        kind = inside[0] if kind == JointSubject.kind else kind  # the model
         if row["cpu_time"] != "NA":  # it ended before it was looked at
             yield kind, float(row["s"]), float(row["cpu_time"])

@@ -1,148 +1,179 @@
 """The checked result of a case, in the same form for all models.
 
 Engines, models solved in this process and programs run elsewhere all give an `Outcome`.
-`record_of` checks it against its case and turns it into a `CaseRecord`; nothing else reaches a
-table.
+`record_of` checks it against its case and turns it into a `Record`; nothing else reaches a table.
 """
 
 import dataclasses
+import importlib
 import json
 import math
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from sidmacib.joint.weights import LockWeight, lock_weights
+from sidmacib.fields import dataclass_from
 from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
-from sidmacib.mesh_error import cells_of
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
-from workflow.joints.case import Case, CaseId
+from workflow.case import SUBJECTS, Case, CaseId
 
 DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
 LEAST_OF_FIRST_FAILURE = 0.8  # peak of an engine over the first failure of the static model
 SLACK = 1e-6  # of a tolerance: rounding
-NOISE = 1e-9  # of a weight or a share: less counts as 0
+UNREADABLE = (ValueError, TypeError, KeyError, AttributeError, RecursionError)
 
 
 class ResultError(ValueError):
     """A result that is not accepted; the message is one line."""
 
 
+Part = TypeVar("Part")
+
+
 @dataclass(frozen=True)
-class CaseRecord:
-    """The result of a case.
+class Record(Generic[Part]):
+    """The result of a case of a ``kind``, see `workflow.case.SUBJECTS`.
 
     Loads are along the case's direction, in N: ``load_N`` the one that counts, ``peak_N`` the
     largest at equilibrium, ``failed_load_N`` the smallest known not to be carried,
-    ``first_failure_load_N`` where the first node fails. ``mode``: how the joint gives way.
-    ``peak_spread``: of the static model's peaks, the lowest of which is ``peak_N``.
-    ``unbalanced_share``: largest force (or moment over a) left on a piece, over the load. ``path``:
-    loads (N) and displacements (m, the one that the load does work on). What a model does not give
-    is None or empty. ``error``: why there is no result, in one line; all numbers are None then.
+    ``first_failure_load_N`` where the first node fails; where gravity turns, the angle in radians
+    times the weight. ``mode``: how the pieces give way. ``peak_spread``: of the static model's
+    peaks, the lowest of which is ``peak_N``. ``unbalanced_share``: largest force (or moment over a
+    length) left on a piece, over the load. ``path``: loads (N) and displacements (m, the one that
+    the load does work on). What a model does not give is None or empty. ``refused``: why the model
+    cannot do the case, or that it never falls; ``error``: why there is no result, in one line; all
+    numbers are None in both. ``part``: what only joints or only structures have.
     """
 
+    kind: str
     model: str
     variant: str
-    sample: str
-    case: str  # identity apart from model and variant; tables join on it
     name: str
-    locks: int
-    mesh_m: float
-    cells: float  # along a side of the locks' horizontal faces, see `sidmacib.mesh_error`
-    nodes: str
-    eccentricity_over_a: float
-    eccentricity_m: float
     case_digest: str
-    physics: str  # digest of joint, nodes and loads: the same for all models of a case
-    series: str  # digest of the same but for the mesh
+    physics: str  # digest of the subject: the same for all models of a case
+    part: Part
     load_N: float | None = None
     peak_N: float | None = None
-    shear_N: float | None = None
-    torque_Nm: float | None = None
     failed_load_N: float | None = None
     first_failure_load_N: float | None = None
     mode: str | None = None
     peak_spread: float | None = None
     unbalanced_share: float | None = None
-    weights: tuple[LockWeight, ...] = ()
     path: tuple[tuple[float, float | None], ...] = ()
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    refused: str | None = None
     error: str | None = None
 
     @property
     def id(self) -> CaseId:
-        """The identity of the case."""
+        """The identity of the case among those of its kind."""
         return CaseId(self.model, self.name)
+
+    @property
+    def folder(self) -> str:
+        """The folder of the case's files, below the results folder."""
+        return f"{self.kind}/{self.model}/{self.name}"
+
+    def columns(self) -> dict[str, Any]:
+        """All that stands in the record and its part, by name."""
+        found = {each.name: getattr(self, each.name) for each in fields(self)}
+        part: Any = found.pop("part")
+        found["versions"] = ", ".join(f"{k} {v}" for k, v in sorted(self.versions.items())) or None
+        return found | {each.name: getattr(part, each.name) for each in fields(part)}
 
     def to_json(self) -> str:
         """One line of JSON; infinity is written as Python's json does."""
         return json.dumps(asdict(self))
 
     @classmethod
-    def from_json(cls, text: str) -> "CaseRecord":
+    def from_json(cls, text: str) -> "Record[Part]":
         """The record that `to_json` wrote; `ResultError` if ``text`` is anything else."""
         try:
             data = json.loads(text)
-            data["weights"] = tuple(LockWeight(**each) for each in data["weights"])
+            data["part"] = dataclass_from(part_of(data["kind"]), data["part"])
             data["path"] = tuple((load, moved) for load, moved in data["path"])
             return cls(**data)
-        except (ValueError, TypeError, KeyError, RecursionError) as error:
+        except UNREADABLE as error:
             raise ResultError(f"not a case's record: {error}") from None
 
 
-def failed_record(case: Case, error: str) -> CaseRecord:
-    """The record of a case that ended without a result, for the reason ``error``."""
-    return CaseRecord(**_identity(case), error=" ".join(error.split()))
+def part_of(kind: str) -> Any:
+    """The class of the part of the records of a kind of cases, imported by name.
+
+    Its ``without_result`` says what is known of a case, ``of`` what an outcome adds to that, and
+    ``balance`` takes the noise of processors from an unbalanced share.
+    """
+    return importlib.import_module(SUBJECTS[kind].part).PART
+
+
+def record_without_result(
+    case: Case[Any], *, refused: str | None = None, error: str | None = None
+) -> Record[Any]:
+    """The record of a case that the model refuses, or that ended without a result."""
+    part = part_of(case.subject.kind).without_result(case)
+    return _record(case, part, refused=_in_a_line(refused), error=_in_a_line(error))
 
 
 def record_of(
-    case: Case, problem: Problem, outcome: Outcome, versions: dict[str, str]
-) -> CaseRecord:
+    case: Case[Any], problem: Problem, outcome: Outcome, versions: dict[str, str]
+) -> Record[Any]:
     """The record of ``outcome``; raises `ResultError` where it cannot be the result of ``case``."""
-    assembly, loads = problem
-    peak = outcome.path[-1]
+    assembly, loads, state = outcome.cells or problem.assembly, problem.loads, outcome.state
+    part = part_of(case.subject.kind)
     check_loads(outcome)
-    weights: tuple[LockWeight, ...] = ()
     balance = None
-    if peak.force is not None:
-        if peak.force.shape != (len(assembly.nodes.area), 3):
+    if state.force is not None:
+        if state.force.shape != (len(assembly.nodes.area), 3):
             raise ResultError(
-                f"{len(peak.force)} nodes have stresses, but the case has "
+                f"{len(state.force)} nodes have stresses, but the case has "
                 f"{len(assembly.nodes.area)}"
             )
-        if not np.isfinite(peak.force).all():
+        if not np.isfinite(state.force).all():
             raise ResultError("a stress is not a finite number")
-        balance = unbalanced_share(assembly, loads, peak.load, peak.force)
-        check_balance(balance, peak.load, loads)
-        balance = _clean(balance, 1e-12)
-        weights = tuple(
-            _rounded_weight(each, case.joint.T0)
-            for each in lock_weights(case.joint, assembly, peak.force)
-        )
-    load = rounded(peak.load)
-    first = outcome.first_failure_load
-    return CaseRecord(
-        **_identity(case),
-        load_N=load,
-        peak_N=None if outcome.peak_load is None else rounded(outcome.peak_load),
-        shear_N=rounded(peak.load * case.direction.shear),
-        torque_Nm=rounded(peak.load * case.direction.torque * case.joint.a),
+        share = unbalanced_share(assembly, loads, state.load, state.force)
+        check_balance(share, state.load, loads)
+        balance = part.balance(share)
+    return _record(
+        case,
+        part.of(case, assembly, loads, outcome),
+        load_N=rounded(state.load),
+        peak_N=rounded_or_none(outcome.peak_load),
         failed_load_N=rounded(outcome.failed_load),
-        first_failure_load_N=None if first is None else rounded(first),
+        first_failure_load_N=rounded_or_none(outcome.first_failure_load),
         mode=outcome.mode,
         peak_spread=outcome.peak_spread,
         unbalanced_share=balance,
-        weights=weights,
         path=tuple(
-            (rounded(s.load), None if s.displacement is None else rounded(s.displacement))
-            for s in outcome.path
+            (rounded(each.load), rounded_or_none(each.displacement)) for each in outcome.path
         ),
         versions=versions,
     )
+
+
+def read_records(paths: Sequence[Path]) -> list[Record[Any]]:
+    """All records in files that hold one per line; `ResultError` names the file and line."""
+    records: list[Record[Any]] = []
+    for path in paths:
+        for number, line in enumerate(path.read_text().splitlines(), start=1):
+            try:
+                records.append(Record.from_json(line))
+            except ResultError as error:
+                raise ResultError(f"{path}, line {number}: {error}") from None
+    return records
+
+
+def write_record(record: Record[Any], path: Path) -> None:
+    """Write ``record``, completely or not at all."""
+    draft = path.with_suffix(".draft")
+    draft.unlink(missing_ok=True)  # it may be a link
+    draft.write_text(record.to_json() + "\n")
+    draft.replace(path)
 
 
 def check_bracket(outcome: Outcome, tolerance: float, least: float) -> None:
@@ -171,25 +202,6 @@ def check_first_failure(outcome: Outcome, expected: float) -> None:
             f"peak of {peak:g} N contradicts the static model, in which nothing fails up to "
             f"{expected:g} N; it must be at least {LEAST_OF_FIRST_FAILURE:g} of that"
         )
-
-
-def _identity(case: Case) -> dict[str, Any]:
-    return {
-        "model": case.model,
-        "variant": case.variant,
-        "sample": case.sample,
-        "case": case.key,
-        "name": case.name,
-        "locks": case.joint.locks,
-        "mesh_m": case.mesh,
-        "cells": rounded(cells_of(case.joint, case.mesh)),
-        "nodes": str(case.nodes),
-        "eccentricity_over_a": case.direction.eccentricity,
-        "eccentricity_m": case.eccentricity_m,
-        "case_digest": case.digest(),
-        "physics": case.physics(),
-        "series": case.series(),
-    }
 
 
 def check_loads(outcome: Outcome) -> None:
@@ -228,22 +240,33 @@ def check_balance(share: float, load: float, loads: Loads) -> None:
         )
 
 
-def _rounded_weight(each: LockWeight, strength: float) -> LockWeight:
-    return dataclasses.replace(
-        each,
-        weight=_clean(each.weight),
-        mean_shear_ratio=_clean(each.mean_shear_ratio),
-        max_shear_ratio=_clean(each.max_shear_ratio),
-        shear_x_N=_clean(each.shear_x_N, NOISE * strength),
-        shear_y_N=_clean(each.shear_y_N, NOISE * strength),
-    )
+def rounded(value: float) -> float:
+    """``value`` to `DIGITS` significant digits; never -0."""
+    return float(f"{value:.{DIGITS}g}") + 0.0
 
 
-def _clean(value: float, noise: float = NOISE) -> float:
+def rounded_or_none(value: float | None) -> float | None:
+    """`rounded`, of a ``value`` if there is one."""
+    return None if value is None else rounded(value)
+
+
+def clean(value: float, noise: float) -> float:
     """``value`` in multiples of ``noise``: the same on every machine."""
     return rounded(round(value / noise) * noise)
 
 
-def rounded(value: float) -> float:
-    """``value`` to `DIGITS` significant digits; never -0."""
-    return float(f"{value:.{DIGITS}g}") + 0.0
+def _record(case: Case[Any], part: Any, **values: Any) -> Record[Any]:
+    return Record(
+        kind=case.subject.kind,
+        model=case.model,
+        variant=case.variant,
+        name=case.name,
+        case_digest=case.digest(),
+        physics=case.physics(),
+        part=part,
+        **values,
+    )
+
+
+def _in_a_line(reason: str | None) -> str | None:
+    return None if reason is None else " ".join(reason.split())

@@ -6,13 +6,16 @@ identity apart from model and variant: tables are joined on it.
 """
 
 import math
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 DIGITS = 10
+UNITS = ("_N", "_Nm", "_m", "_m2", "_Pa", "_degrees")
 
 
 class TableError(ValueError):
@@ -23,18 +26,32 @@ class TableError(ValueError):
 class Table:
     """The form of a table.
 
-    ``columns``: in order; ``key``: columns that no two rows agree in; ``more``: whether other
-    columns may follow; ``digits``: number of significant digits.
+    ``columns``: in order; ``key``: columns that no two rows agree in; ``numbers``: those that are
+    numbers, also where no row has one, beside those with a unit; ``more``: whether other columns
+    may follow; ``digits``: number of significant digits.
     """
 
     name: str
     columns: tuple[str, ...]
     key: tuple[str, ...]
+    numbers: tuple[str, ...] = ()
     more: bool = False
     digits: int = DIGITS
 
+    def frame(self, rows: Iterable[Mapping[str, Any]]) -> pd.DataFrame:
+        """The columns of the table in ``rows``, which may have more; numbers as numbers."""
+        frame = pd.DataFrame(list(rows), columns=list(self.columns))
+        for column in self.columns:
+            if column.endswith(UNITS) or column in self.numbers:
+                frame[column] = frame[column].astype(float)
+        return frame
+
 
 _CASE = ("model", "variant", "sample", "locks", "mesh_m", "eccentricity_m")
+_SHARES = (
+    *("peak_spread", "unbalanced_share", "difference_to_static"),
+    *("mesh_error", "first_failure_mesh_error"),
+)
 _ERRORS = ("misfit", "largest_unsafe_error", "largest_safe_error")
 
 WEIGHTS = Table(
@@ -60,6 +77,7 @@ CASES = Table(
         *("first_failure_mesh_error", "error", "versions", "case"),
     ),
     ("model", "variant", "case"),
+    _SHARES,
 )
 MODELS = Table(
     "models",
@@ -143,6 +161,7 @@ VALIDATION = Table(
 )
 
 
+MOTION = ("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z")
 _STRUCTURE = ("structure", "load", "variant", "model")
 STRUCTURES = Table(
     "structures",
@@ -156,32 +175,27 @@ STRUCTURES = Table(
         *("refused", "error", "versions", "case"),
     ),
     _STRUCTURE,
+    (*_SHARES, "load_over_weight", "nodes", "blocks", "interfaces"),
 )
 INTERFACES = Table(
     "interfaces",
     (
         *(*_STRUCTURE, "interface", "kind", "area_m2", "friction", "cohesion_Pa"),
         *("tensile_strength_Pa", "normal_N", "shear_N", "torsion_Nm", "bending_Nm"),
-        *(
-            "eccentricity",
-            "utilisation",
-            "bonded_share",
-            "fails_at",
-            "force_x_N",
-            "force_y_N",
-            "force_z_N",
-        ),
-        *("at_x_m", "at_y_m", "at_z_m", "case"),
+        *("eccentricity", "utilisation", "bonded_share", "fails_at", "force_x_N", "force_y_N"),
+        *("force_z_N", "at_x_m", "at_y_m", "at_z_m", "case"),
     ),
     (*_STRUCTURE, "interface"),
+    ("friction", "eccentricity", "utilisation", "bonded_share", "fails_at"),
 )
 BLOCKS = Table(
     "blocks",
     (
         *(*_STRUCTURE, "block", "fixed", "weight_N", "x_m", "y_m", "z_m", "motion"),
-        *("move_x_m", "move_y_m", "move_z_m", "turn_x", "turn_y", "turn_z", "case"),
+        *(*MOTION, "case"),
     ),
     (*_STRUCTURE, "block"),
+    MOTION,
 )
 
 

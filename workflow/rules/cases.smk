@@ -1,90 +1,116 @@
-# The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read.
+# The cases: each engine case is a job, solved cases run in batches, those of 3DEC are read. A job is
+# named by its folder, such as cases/yade/n3-mesh0.02-e0a or structures/static/arch.
 from sidmacib.engines import ENGINES
 from sidmacib.engines.render import sources
 from sidmacib.models import MODELS
+from workflow.case import JointSubject, StructureSubject
 from workflow.planning.resources import engine_resources, solved_resources
+from workflow.results.files import BATCH_RECORDS, RECORD
 
-IN_ENGINES = list(dict.fromkeys(engine for engine, _ in CASES.engines))
 
-
-def case_in_engine(wildcards):
-    return CASES.engines[wildcards.engine, wildcards.case]
+def engine_case(wildcards):
+    return JOBS.engines[wildcards.job]
 
 
 def batch(wildcards):
-    return CASES.batches[wildcards.model, wildcards.batch]
+    return JOBS.batches[wildcards.job]
 
 
-def of_engine(wildcards):
-    return engine_resources(case_in_engine(wildcards), STUDY.dem.time_limit)
+def engine_of(wildcards):
+    return ENGINES[engine_case(wildcards).model]
 
 
-def of_batch(wildcards):
+def module_of(wildcards):
+    """The module that solves a batch."""
+    first = batch(wildcards)[0]
+    model = MODELS[first.model]
+    return model.module if first.subject.kind == JointSubject.kind else model.structures
+
+
+def of_engine(case):
+    return engine_resources(case, STUDY.dem.time_limit)
+
+
+def asks_of_engine(wildcards):
+    return of_engine(engine_case(wildcards))
+
+
+def asks_of_batch(wildcards):
     return solved_resources(batch(wildcards))
+
+
+def engine_sources(wildcards):
+    """What an engine's job runs beside its script: modules, and files."""
+    modules, files = sources(engine_of(wildcards))
+    return (*modules, *engine_case(wildcards).subject.modules), files
+
+
+def batch_modules(wildcards):
+    """What the job of a batch runs beside its script."""
+    return module_of(wildcards), *batch(wildcards)[0].subject.modules
 
 
 @functools.cache
 def group_of(model):
-    """Cases of a model share jobs of the cluster if all of them are short."""
-    limit = STUDY.dem.time_limit
-    engines = (
-        engine_resources(case, limit) for (name, _), case in CASES.engines.items() if name == model
-    )
+    """Cases of a model, in its folder, share jobs of the cluster if all of them are short."""
+    engines = (of_engine(case) for job, case in JOBS.engines.items() if job.startswith(model))
     solved = (
-        solved_resources(cases) for (name, _), cases in CASES.batches.items() if name == model
+        solved_resources(cases) for job, cases in JOBS.batches.items() if job.startswith(model)
     )
     return "cases" if all(each.short for each in (*engines, *solved)) else None
 
 
+def group_of_job(wildcards):
+    return group_of(wildcards.job.rsplit("/", maxsplit=1)[0] + "/")
+
+
 rule engine:
     output:
-        record=below("cases/{engine}/{case}/record.json"),
-        result=below("cases/{engine}/{case}/result.json"),
+        record=below("{job}/record.json"),
+        result=below("{job}/result.json"),
     log:
-        below("logs/{engine}/{case}.log"),
+        below("logs/{job}.log"),
     benchmark:
-        below("benchmarks/{engine}/{case}.tsv")
+        below("benchmarks/{job}.tsv")
     wildcard_constraints:
-        engine=one_of(IN_ENGINES),
-        case=one_of(case for _, case in CASES.engines),
+        job=one_of(JOBS.engines),
     group:
-        lambda wildcards: group_of(wildcards.engine)
-    threads: lambda wildcards: case_in_engine(wildcards).numerics.ranks
+        group_of_job
+    threads: lambda wildcards: engine_case(wildcards).numerics.ranks
     resources:
-        **asks(of_engine),
+        **asks(asks_of_engine),
         time_limit=TIME_LIMIT,
     params:
-        case=lambda wildcards: case_in_engine(wildcards).to_json(),
-        code=lambda wildcards: code("workflow.steps.engine", *sources(ENGINES[wildcards.engine])),
-        versions=lambda wildcards: ENGINES[wildcards.engine].versions(),
+        case=lambda wildcards: engine_case(wildcards).to_json(),
+        code=lambda wildcards: code("workflow.steps.engine", *engine_sources(wildcards)),
+        versions=lambda wildcards: engine_of(wildcards).versions(),
     message:
-        "{wildcards.engine}: {wildcards.case}"
+        "{wildcards.job}"
     script:
         "../steps/engine.py"
 
 
 rule solve:
     output:
-        records=below("cases/{model}/{batch}/records.jsonl"),
-        nodes=below("cases/{model}/{batch}/nodes.parquet"),
-        history=below("cases/{model}/{batch}/history.parquet"),
+        records=below("{job}/records.jsonl"),
+        nodes=below("{job}/nodes.parquet"),
+        history=below("{job}/history.parquet"),
     log:
-        below("logs/{model}/{batch}.log"),
+        below("logs/{job}.log"),
     benchmark:
-        below("benchmarks/{model}/{batch}.tsv")
+        below("benchmarks/{job}.tsv")
     wildcard_constraints:
-        model=one_of(model for model, _ in CASES.batches),
-        batch=one_of(batch for _, batch in CASES.batches),
+        job=one_of(JOBS.batches),
     group:
-        lambda wildcards: group_of(wildcards.model)
+        group_of_job
     resources:
-        **asks(of_batch),
+        **asks(asks_of_batch),
     params:
         cases=lambda wildcards: [case.to_json() for case in batch(wildcards)],
-        module=lambda wildcards: MODELS[wildcards.model].module,
-        code=lambda wildcards: code("workflow.steps.solve", (MODELS[wildcards.model].module,)),
+        module=module_of,
+        code=lambda wildcards: code("workflow.steps.solve", batch_modules(wildcards)),
     message:
-        "{wildcards.model}: {wildcards.batch}"
+        "{wildcards.job}"
     script:
         "../steps/solve.py"
 
@@ -95,34 +121,36 @@ rule returned:
     output:
         record=below("cases/{program}/{case}/record.json"),
     log:
-        below("logs/{program}/{case}.log"),
+        below("logs/cases/{program}/{case}.log"),
     wildcard_constraints:
-        program=one_of(program for program, _ in CASES.returned),
-        case=one_of(case for _, case in CASES.returned),
+        program=one_of(case.model for case in JOBS.returned.values()),
+        case=one_of(case.name for case in JOBS.returned.values()),
     group:
         "cases"
     params:
-        case=lambda wildcards: CASES.returned[wildcards.program, wildcards.case].to_json(),
-        code=code("workflow.steps.returned"),
+        case=lambda wildcards: JOBS.returned[
+            f"cases/{wildcards.program}/{wildcards.case}"
+        ].to_json(),
+        code=code("workflow.steps.returned", JointSubject.modules),
     message:
         "{wildcards.program}: {wildcards.case}"
     script:
         "../steps/returned.py"
 
 
-RECORDS = {  # where the record of a case is
-    **{case: below(f"{case.folder}/record.json") for case in (*CASES.engines, *CASES.returned)},
-    **{
-        case.id: below(f"cases/{model}/{name}/records.jsonl")
-        for (model, name), cases in CASES.batches.items()
-        for case in cases
-    },
+RECORDS = {  # where the record of a case is, by the folder of the case
+    folder: below(f"{job}/{BATCH_RECORDS if job in JOBS.batches else RECORD}")
+    for folder, job in JOBS.folders.items()
 }
 OF_CASES = [
     *dict.fromkeys(RECORDS.values()),
     *(  # what no table reads but figures of stresses do
-        below(f"cases/{model}/{name}/{kind}.parquet")
-        for model, name in CASES.batches
-        for kind in ("nodes", "history")
+        below(f"{job}/{kind}.parquet") for job in JOBS.batches for kind in ("nodes", "history")
     ),
 ]
+
+
+def records_of(kind):
+    """The files of the records of all cases of a kind, see `workflow.case`."""
+    found = (path for folder, path in RECORDS.items() if folder.startswith(f"{kind}/"))
+    return list(dict.fromkeys(found))

@@ -64,7 +64,7 @@ rule sampling:
         **JOINTS_OF_BATCH,
         cells=lambda wildcards: sampling_of(wildcards).cells,
         limited=lambda wildcards: sampling_of(wildcards).limited,
-        code=code("workflow.steps.sampling"),
+        code=code("workflow.steps.sampling", JointSubject.modules),
     message:
         "sampling: {wildcards.sampling}-{wildcards.batch}"
     script:

@@ -5,14 +5,12 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from workflow.case import Case
 from workflow.configuration import read_study_file
 from workflow.planning.batches import case_jobs
-from workflow.results.files import BATCH_RECORDS, RECORD, read_records
-from workflow.results.record import CaseRecord, ResultError
+from workflow.results.files import BATCH_RECORDS, RECORD
+from workflow.results.record import Record, ResultError, read_records
 from workflow.run.command import snakemake_command
-from workflow.structures.case import FOLDER
-from workflow.structures.cases import structure_jobs
-from workflow.structures.record import StructureRecord, read_structure_records
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"
 REFUSED = "refused"  # by a model that cannot do such a structure
@@ -27,17 +25,16 @@ def case_rows(config: Path, results: str | None) -> list[dict[str, Any]]:
     configuration that is not valid.
     """
     study = read_study_file(config, results)
-    current, records = _current(config, study.results), Path(study.results)
-    found: dict[Any, tuple[CaseRecord | StructureRecord | None, bool]] = {}
-    for path in current:
-        read = read_structure_records if path.is_relative_to(records / FOLDER) else read_records
+    found: dict[str, tuple[Record[Any] | None, bool]] = {}
+    for path, valid in _current(config, study.results).items():
         try:
-            found |= {record.id: (record, current[path]) for record in read([path])}
+            found |= {record.folder: (record, valid) for record in read_records([path])}
         except (OSError, ResultError):
             continue
-    cases: list[Any] = [*case_jobs(study).cases.values(), *structure_jobs(study).cases.values()]
+    jobs = case_jobs(study)
+    cases: list[Case[Any]] = [*jobs.joints.values(), *jobs.structures.values()]
     return [
-        {"model": case.model, "case": case.name, **_state(*found.get(case.id, NONE))}
+        {"model": case.model, "case": case.name, **_state(*found.get(case.folder, NONE))}
         for case in cases
     ]
 
@@ -54,10 +51,10 @@ def _current(config: Path, results: str) -> dict[Path, bool]:
     }
 
 
-def _state(record: CaseRecord | StructureRecord | None, valid: bool) -> dict[str, Any]:
+def _state(record: Record[Any] | None, valid: bool) -> dict[str, Any]:
     if record is None:
         return {"state": TO_DO, "peak (N)": None, "note": ""}
-    if isinstance(record, StructureRecord) and record.refused:
+    if record.refused:
         return {"state": REFUSED, "peak (N)": None, "note": record.refused}
     if record.error is not None:
         return {"state": FAILED, "peak (N)": None, "note": record.error}

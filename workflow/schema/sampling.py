@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from sidmacib.quantities import Friction, Number, Share, Span
 from sidmacib.reading import Section, Some, section_of
-from workflow.joints.sampling import Sampling
+from workflow.sampling import Sampling
 from workflow.schema.joint import MOST_LOCKS
 from workflow.schema.values import Eccentricities, Lengths, Positive
 
@@ -17,7 +17,7 @@ _SAMPLING: Any = section_of(Sampling, joints=_Count, locks=_Locks)
 
 
 class SamplingSection(_SAMPLING):
-    """Number of joints and ranges of a sampling; see `workflow.joints.sampling.Sampling`.
+    """Number of joints and ranges of a sampling; see `workflow.sampling.Sampling`.
 
     Width, strengths and normal stiffness are those of the study. ``cells``: numbers of cells along
     the shorter side of a lock, of the two meshes. ``limited``: one in so many joints is solved by

@@ -9,7 +9,7 @@ from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import Elastic, NodeLayout
 from sidmacib.quantities import Length
 from sidmacib.reading import Section
-from workflow.joints.case import REFERENCE
+from workflow.case import REFERENCE
 from workflow.schema.assembly import AssemblySection, Pieces, VariantSection
 from workflow.schema.campaign import Campaign
 from workflow.schema.dem import DemSection, NumericsChanges

@@ -5,15 +5,9 @@ import json
 import pandas as pd
 
 from sidmacib.engines.scripts.records import HISTORY, NODES
-from workflow.joints.case import Case
-from workflow.results.files import (
-    BATCH_HISTORY,
-    BATCH_NODES,
-    CASE,
-    RECORD,
-    read_records,
-    write_record,
-)
+from workflow.case import JointCase
+from workflow.results.files import BATCH_HISTORY, BATCH_NODES, CASE, RECORD
+from workflow.results.record import read_records, write_record
 from workflow.run.step import Arguments, Files, step
 
 LOADS = {
@@ -28,7 +22,11 @@ LOADS = {
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the description, nodes, history, loads and record of the case."""
-    case, records, result = Case.from_json(arguments["case"]), inputs["records"], outputs["result"]
+    case, records, result = (
+        JointCase.from_json(arguments["case"]),
+        inputs["records"],
+        outputs["result"],
+    )
     folder = result.parent
     (record,) = (each for each in read_records([records]) if each.name == case.name)
     (folder / CASE).write_text(case.to_json())

@@ -2,55 +2,68 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import EngineError, EngineKilledError, EngineNoAnswerError
 from sidmacib.engines.guide import guide_for
-from sidmacib.engines.run import run_engine
+from sidmacib.engines.run import refusal, run_engine
+from sidmacib.engines.scripts.assembly import NEVER_FALLS
 from sidmacib.engines.scripts.records import OUTPUTS
 from sidmacib.errors import CapacityError
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
-from workflow.results.files import BROKE_DOWN, CASE, read_outcome, write_record
+from workflow.case import Case, JointSubject
+from workflow.results.files import BROKE_DOWN, CASE, read_outcome
 from workflow.results.record import (
+    Record,
     ResultError,
     check_bracket,
     check_first_failure,
-    failed_record,
     record_of,
+    record_without_result,
+    write_record,
 )
 from workflow.run.step import Arguments, Files, KilledError, step
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     """Write the record and, if the engine succeeds, its files; returns the error message."""
-    case = Case.from_json(arguments["case"])
+    case: Case[Any] = Case.from_json(arguments["case"])
     record, result = outputs["record"], outputs["result"]
-    folder = record.parent
+    folder, wrong = record.parent, None
     (folder / CASE).write_text(case.to_json())
-    (folder / BROKE_DOWN).unlink(missing_ok=True)
-    engine = ENGINES[case.model]
-    assert case.numerics is not None, f"{case.name}: an engine needs numerics"
-    title = f"{case.name}: {case.joint.locks} locks, mesh {case.mesh:g} m."
+    for name in (BROKE_DOWN, *OUTPUTS):
+        (folder / name).unlink(missing_ok=True)
     try:
-        problem = problem_of(case)
-        guide = guide_for(engine, problem, case.numerics)
-        settings = case.numerics, title, folder, arguments["time_limit"], guide
-        run_engine(engine, problem, *settings)
-        outcome = read_outcome(folder, problem.assembly)
-        least = case.numerics.first_increment * problem.loads.scale
-        check_bracket(outcome, case.numerics.tolerance, least)
-        if guide:
-            check_first_failure(outcome, guide.first_event_N)
-        versions = {engine.name: engine.version()}
-        write_record(record_of(case, problem, outcome, versions), record)
-    except (EngineError, ResultError, CapacityError) as error:
+        found = found_by_engine(case, folder, arguments["time_limit"])
+        if found.refused:
+            _say(result, found.refused)
+    except (EngineError, ResultError, CapacityError, ValueError) as error:
         reason = f"{case.name}: {case.model}: {error}"
         leave_no_result(error, reason, folder, last_try=arguments["last_try"])
-        result.write_text(json.dumps({"error": in_short(str(error))}) + "\n")
-        write_record(failed_record(case, f"{case.model}: {in_short(str(error))}"), record)
-        return reason
-    return None
+        if NEVER_FALLS in str(error):  # an answer, if not a number
+            found = record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+        else:
+            found = record_without_result(case, error=f"{case.model}: {in_short(str(error))}")
+            wrong = reason
+        _say(result, in_short(str(error)))
+    write_record(found, record)
+    return wrong
+
+
+def found_by_engine(case: Case[Any], folder: Path, time_limit: float) -> Record[Any]:
+    """The checked record of ``case``, or a record of the reason why its engine refuses it."""
+    engine, numerics = ENGINES[case.model], case.numerics
+    assert numerics is not None, f"{case.name}: an engine needs numerics"
+    problem = case.subject.problem()
+    if reason := refusal(engine, problem.assembly):
+        return record_without_result(case, refused=f"{engine.name}: {reason}")
+    guide = guide_for(engine, problem, numerics)
+    run_engine(engine, problem, numerics, f"{case.name}.", folder, time_limit, guide)
+    outcome = read_outcome(folder, problem.assembly)
+    check_bracket(outcome, numerics.tolerance, numerics.first_increment * problem.loads.scale)
+    if guide and isinstance(case.subject, JointSubject):  # blocks may slide or rock at any load
+        check_first_failure(outcome, guide.first_event_N)
+    return record_of(case, problem, outcome, {engine.name: engine.version()})
 
 
 def leave_no_result(error: Exception, reason: str, folder: Path, *, last_try: bool) -> None:
@@ -71,6 +84,11 @@ def in_short(reason: str) -> str:
     first, *log = reason.splitlines()
     ending = first.partition("; end of ")[0]
     return f"{ending}: {log[-1].strip(' |')}" if log else ending
+
+
+def _say(result: Path, error: str) -> None:
+    """Write why there is no result where it would be."""
+    result.write_text(json.dumps({"error": error}) + "\n")
 
 
 if __name__ == "__main__":

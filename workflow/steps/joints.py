@@ -10,7 +10,7 @@ import pyarrow.parquet as pq
 
 from sidmacib.fields import dataclass_from
 from sidmacib.joint.joint import Joint
-from workflow.joints.sampling import SampledJoint, Sampling, sampled_joints
+from workflow.sampling import SampledJoint, Sampling, sampled_joints
 
 
 def joints_of(arguments: Mapping[str, Any]) -> Iterator[SampledJoint]:

@@ -11,10 +11,11 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import limit, static
-from workflow.joints.case import REFERENCE, Case, case_name
-from workflow.joints.sampling import SampledJoint
-from workflow.results.record import CaseRecord, ResultError
+from workflow.case import REFERENCE, Case, JointSubject, case_name
+from workflow.results.joint_part import JointRecord
+from workflow.results.record import ResultError
 from workflow.run.step import Arguments, Files, step
+from workflow.sampling import SampledJoint
 from workflow.steps.joints import joints_of, write_rows
 from workflow.steps.solve import solved
 
@@ -55,7 +56,7 @@ def solved_rows(
 
 
 def parameters(one: SampledJoint) -> dict[str, Any]:
-    """The joint's parameters; ratios as in `workflow.joints.sampling.Sampling`."""
+    """The joint's parameters; ratios as in `workflow.sampling.Sampling`."""
     joint, inner = one.joint, one.joint.inner
     stored = inner.cohesion**2 / (2.0 * inner.shear_stiffness)
     return {
@@ -77,7 +78,7 @@ def parameters(one: SampledJoint) -> dict[str, Any]:
     }
 
 
-def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> CaseRecord:
+def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> JointRecord:
     """The checked result of a model, on a mesh of so many cells along the shorter side."""
     joint, mesh = one.joint, BELOW * one.joint.least_side / cells
     name = f"d{one.number}"
@@ -85,21 +86,23 @@ def _record(one: SampledJoint, ratio: float, cells: int, model: str) -> CaseReco
         name=case_name(name, mesh, ratio),
         model=model,
         variant=REFERENCE,
-        sample=name,
-        joint=joint,
-        mesh=mesh,
-        nodes=NodeLayout.LOBATTO,
-        loading=Loading(Direction(ratio), push=one.push),
+        subject=JointSubject(
+            sample=name,
+            joint=joint,
+            mesh=mesh,
+            nodes=NodeLayout.LOBATTO,
+            loading=Loading(Direction(ratio), push=one.push),
+        ),
         numerics=None,
     )
     return solved(case, SOLVED[model])[0]
 
 
-def _loads(joint: Joint, coarse: CaseRecord, fine: CaseRecord) -> dict[str, Any]:
+def _loads(joint: Joint, coarse: JointRecord, fine: JointRecord) -> dict[str, Any]:
     """First failure and peak on the finer mesh, over T0, with their mesh errors, and weights."""
     assert coarse.load_N and fine.load_N and fine.first_failure_load_N is not None
     assert coarse.first_failure_load_N is not None
-    weights = [asdict(each) for each in fine.weights]
+    weights = [asdict(each) for each in fine.part.weights]
     return {
         "first_failure": fine.first_failure_load_N / joint.T0,
         "peak": fine.load_N / joint.T0,

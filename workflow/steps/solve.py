@@ -8,34 +8,37 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from sidmacib.errors import CapacityError
+from sidmacib.engines.scripts.assembly import NEVER_FALLS
+from sidmacib.errors import CapacityError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.model import Ability
+from sidmacib.models import MODELS
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
-from workflow.joints.case import Case
-from workflow.joints.problem import problem_of
+from workflow.case import Case
 from workflow.results.files import NODE_COLUMNS, force_to_stress
-from workflow.results.record import CaseRecord, ResultError, failed_record, record_of
+from workflow.results.record import Record, ResultError, record_of, record_without_result
 from workflow.run.step import Arguments, Files, step
 
+Solve = Callable[[Problem], Outcome]
+Solved = tuple[Record[Any], Assembly, Outcome]
 HISTORY_COLUMNS = ("load_N", "displacement_m")
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
-    """Write records, nodes and histories; the record of a case that fails holds the reason."""
-    solver = importlib.import_module(arguments["module"])
-    records: list[CaseRecord] = []
+    """Write records, nodes and histories; the record of a case without a result has the reason."""
+    solve: Solve = importlib.import_module(arguments["module"]).solve
+    records: list[Record[Any]] = []
     nodes: list[pa.Table] = []
     histories: list[pa.Table] = []
     for data in arguments["cases"]:
-        case = Case.from_json(data)
-        try:
-            record, assembly, outcome = solved(case, solver.solve)
-        except (CapacityError, ResultError, ValueError, MemoryError) as error:
-            reason = str(error) or "out of memory"
-            records.append(failed_record(case, f"{case.model}: {reason}"))
+        case: Case[Any] = Case.from_json(data)
+        found = solved_or_not(case, solve)
+        if isinstance(found, Record):
+            records.append(found)
             continue
+        record, assembly, outcome = found
         records.append(record)
         nodes += node_table(case, assembly, outcome)
         histories.append(history_table(case, outcome))
@@ -47,22 +50,43 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
     return "\n".join(f"{record.name}: {record.error}" for record in failed) or None
 
 
-def solved(case: Case, solve: Callable[[Problem], Outcome]) -> tuple[CaseRecord, Assembly, Outcome]:
+def solved_or_not(case: Case[Any], solve: Solve) -> Solved | Record[Any]:
+    """What `solved` returns, or a record with the reason why there is no result."""
+    try:
+        problem = case.subject.problem()
+        reason = problem.assembly.without_stiffness
+        if reason and Ability.CONDENSED not in MODELS[case.model].abilities:
+            return record_without_result(case, refused=f"{case.model}: {reason}")
+        return _solved(case, problem, solve)
+    except UnboundedError as error:
+        if problem.loads.axis is not None:
+            return record_without_result(case, refused=f"{case.model}: {NEVER_FALLS}")
+        return record_without_result(case, error=f"{case.model}: {error}")
+    except (CapacityError, ResultError, ValueError, MemoryError) as error:
+        reason = str(error) or "out of memory"
+        return record_without_result(case, error=f"{case.model}: {reason}")
+
+
+def solved(case: Case[Any], solve: Solve) -> Solved:
     """The checked record of ``case``, its assembly and the model's outcome."""
-    problem = problem_of(case)
+    return _solved(case, case.subject.problem(), solve)
+
+
+def _solved(case: Case[Any], problem: Problem, solve: Solve) -> Solved:
     outcome = solve(problem)
-    return record_of(case, problem, outcome, {}), problem.assembly, outcome
+    record = record_of(case, problem, outcome, {})
+    return record, outcome.cells or problem.assembly, outcome
 
 
-def node_table(case: Case, assembly: Assembly, outcome: Outcome) -> list[pa.Table]:
-    """Stresses at the peak, one row per node, in the columns of an engine's nodes.csv.
+def node_table(case: Case[Any], assembly: Assembly, outcome: Outcome) -> list[pa.Table]:
+    """Stresses at the load that counts, one row per node, in the columns of an engine's nodes.csv.
 
     No table if the model computes no stresses.
     """
-    nodes, peak = assembly.nodes, outcome.path[-1]
-    if peak.force is None or peak.bonded is None:
+    nodes, state = assembly.nodes, outcome.state
+    if state.force is None or state.bonded is None:
         return []
-    stress = force_to_stress(nodes, face_frames(assembly), peak.force)
+    stress = force_to_stress(nodes, face_frames(assembly), state.force)
     values: Floats = np.column_stack([nodes.position, nodes.area, stress])
     columns: dict[str, Any] = {
         "case": _repeated(case.name, len(values)),
@@ -70,10 +94,10 @@ def node_table(case: Case, assembly: Assembly, outcome: Outcome) -> list[pa.Tabl
         "kind": _named([str(face.kind) for face in assembly.faces], nodes.face),
     }
     columns |= dict(zip(NODE_COLUMNS[2:], values.T, strict=False))
-    return [pa.table(columns | {"bonded": peak.bonded.astype(np.int8)})]
+    return [pa.table(columns | {"bonded": state.bonded.astype(np.int8)})]
 
 
-def history_table(case: Case, outcome: Outcome) -> pa.Table:
+def history_table(case: Case[Any], outcome: Outcome) -> pa.Table:
     """Load and displacement of each equilibrium on the way, one row each."""
     load, moved = HISTORY_COLUMNS
     columns = {

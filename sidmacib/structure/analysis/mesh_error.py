@@ -7,29 +7,12 @@ have to agree then, and the range of their peaks, beside what no mesh shows, is 
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mesh_error import BOUNDS, DIGITS, LoadKind, kind_of, mesh_errors
-
-
-class Failures(NamedTuple):
-    """First failure and peak: loads in N, or angles in degrees where gravity turns."""
-
-    first: float
-    peak: float
-
-
-class MeshErrors(NamedTuple):
-    """Errors of the first failure and the peak, each over itself; None of one that is not known."""
-
-    first: float | None
-    peak: float | None
-
-
-UNKNOWN = MeshErrors(None, None)
+from sidmacib.outcome import Failures, MeshErrors
 
 
 def structure_mesh_errors(assembly: Assembly, found: Mapping[int, Failures]) -> MeshErrors:

@@ -1,18 +1,17 @@
 """The cases of a study's structures."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import groupby
 from operator import itemgetter
+from typing import Any
 
 from sidmacib.engines import ENGINES
 from sidmacib.model import Ability
 from sidmacib.models import MODELS, SOLVED
 from sidmacib.quantities import shown
-from workflow.joints.case import REFERENCE, CaseId
+from workflow.case import REFERENCE, Case, StructureCase, StructureSubject, structure_case_name
 from workflow.schema import Study
 from workflow.schema.structures import StructureSection
-from workflow.structures.case import StructureCase, changed, structure_case_name
 
 LOAD = "load"  # the name of the load in a description
 ABLE = tuple(  # models of structures: those of rigid pieces
@@ -22,36 +21,6 @@ ABLE = tuple(  # models of structures: those of rigid pieces
 )
 
 
-@dataclass(frozen=True)
-class StructureJobs:
-    """The cases of structures by the job that finds their results.
-
-    ``engines``: each in a separate job; ``solved``: by model and structure, one job for all loads
-    and variants.
-    """
-
-    engines: Mapping[CaseId, StructureCase]
-    solved: Mapping[tuple[str, str], tuple[StructureCase, ...]]
-
-    @property
-    def cases(self) -> dict[CaseId, StructureCase]:
-        """All cases by their identity."""
-        solved = (case for cases in self.solved.values() for case in cases)
-        return {case.id: case for case in (*self.engines.values(), *solved)}
-
-
-def structure_jobs(study: Study) -> StructureJobs:
-    """All cases of the structures of ``study``."""
-    engines: dict[CaseId, StructureCase] = {}
-    solved: dict[tuple[str, str], list[StructureCase]] = {}
-    for case in structure_cases(study):
-        if case.model in ENGINES:
-            engines[case.id] = case
-        else:
-            solved.setdefault((case.model, case.structure), []).append(case)
-    return StructureJobs(engines, {key: tuple(cases) for key, cases in solved.items()})
-
-
 def structure_cases(study: Study) -> Iterator[StructureCase]:
     """Each structure with each load and variant, in each of its models."""
     numerics = study.dem.numerics.numerics()
@@ -59,13 +28,11 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
         for model in models_of(study, section):
             engine = ENGINES.get(model)
             for load, variant, description in described(section):
-                yield StructureCase(
+                yield Case(
                     name=structure_case_name(name, load, variant),
                     model=model,
-                    structure=name,
-                    load=load,
                     variant=variant,
-                    description=description,
+                    subject=StructureSubject(name, load, description),
                     numerics=engine.numerics(numerics) if engine else None,
                 )
 
@@ -86,6 +53,20 @@ def described(section: StructureSection) -> Iterator[tuple[str, str, dict[str, o
         whole = changed(section.description, changes)
         for name, load in loads.items():
             yield name, variant, {**whole, "load": load} if load else whole
+
+
+def changed(description: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """``description`` with ``changes``, key by key; null takes a key away."""
+    found = dict(description)
+    for key, value in changes.items():
+        before = found.get(key)
+        if value is None:
+            found.pop(key, None)
+        elif isinstance(value, Mapping) and isinstance(before, Mapping):
+            found[key] = changed(before, value)
+        else:
+            found[key] = value
+    return found
 
 
 def structure_faults(study: Study) -> Iterator[str]:

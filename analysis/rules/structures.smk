@@ -1,0 +1,88 @@
+# Included if the study has structures: their tables, files for ParaView and summary.
+
+
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
+rule structure_tables:
+    input:
+        records=records_of(StructureSubject.kind),
+    output:
+        structures=shown("tables/structures.csv"),
+        interfaces=shown("tables/interfaces.csv"),
+        blocks=shown("tables/blocks.csv"),
+    log:
+        below("logs/structure_tables.log"),
+    params:
+        cases=[list(case) for case in JOBS.structures],
+        code=code("analysis.tables.structures", StructureSubject.modules),
+    message:
+        "Tabulate the structures"
+    script:
+        "../tables/structures.py"
+
+
+# Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
+rule structure_vtk:
+    input:
+        records=records_of(StructureSubject.kind),
+    output:
+        files=[
+            below(f"structures/vtk/{case.name}-{case.model}-{part}.vtu")
+            for case in JOBS.structures.values()
+            for part in ("blocks", "interfaces")
+        ],
+    log:
+        below("logs/structure_vtk.log"),
+    params:
+        cases=lambda wildcards: [case.to_json() for case in JOBS.structures.values()],
+        code=code("analysis.vtk", StructureSubject.modules),
+    message:
+        "Write the structures for ParaView"
+    script:
+        "../vtk.py"
+
+
+rule structure_summary:
+    input:
+        structures=rules.structure_tables.output.structures,
+    output:
+        summary=below("structures.txt"),
+    log:
+        below("logs/structure_summary.log"),
+    group:
+        "tables"
+    params:
+        results=lambda wildcards: STUDY.results,
+        code=code("analysis.summary.structures"),
+    message:
+        "Write the summary of the structures"
+    script:
+        "../summary/structures.py"
+
+
+# Not in a group, for the same reason as the rule `complete` of joints.
+rule structures_complete:
+    input:
+        structures=rules.structure_tables.output.structures,
+        summary=rules.structure_summary.output.summary,
+    output:
+        mark=below(".structures_complete"),
+    log:
+        below("logs/structures_complete.log"),
+    params:
+        code=code("analysis.summary.complete"),
+    message:
+        "Check that every structure has a result"
+    script:
+        "../summary/complete.py"
+
+
+STRUCTURE_FILES = [
+    *rules.structure_tables.output,
+    *rules.structure_vtk.output,
+    *rules.structure_summary.output,
+    *rules.structures_complete.output,
+]
+REPORT_INPUTS |= {
+    **dict(rules.structure_tables.output.items()),
+    "structure_summary": rules.structure_summary.output.summary,
+}

@@ -1,1 +1,0 @@
-"""A joint in a study: its case, the problem that it poses, samplings of joints."""

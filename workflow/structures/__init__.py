@@ -1,1 +1,0 @@
-"""Structures of blocks in a study: their cases, problems and records."""
