@@ -26,9 +26,9 @@ class Numerics:
     hold_periods: Annotated[float, Number(at_least=1, at_most=100_000)] = 400.0
     # mean unbalanced force on a piece over the load; less is equilibrium
     unbalanced_ratio: Annotated[float, Number(at_least=1e-9, at_most=0.01)] = 1e-4
-    # displacement over that of the unbroken assembly under the same load, with dry faces no stiffer
-    # than inner ones; more is failure
-    collapse_ratio: Annotated[float, Number(at_least=5, at_most=10_000)] = 200.0
+    # displacement since the last equilibrium over the mean size of pieces; what has moved further,
+    # and moves ever faster, falls
+    collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.05
     # share of the unbalanced force that is removed
     damping: Share = 0.4
     # over the largest stable time step

@@ -12,7 +12,6 @@ from .records import EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failur
 GROWTH = 1.5  # of the increment while the load is carried
 BEYOND = 0.01  # of such a load: further on, nothing is expected any more
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
-STEPS = 10  # to a load that is known
 
 
 class RaisedModel(Protocol):
@@ -26,14 +25,11 @@ class RaisedModel(Protocol):
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
 
-    def displacement(self) -> float:
-        """The displacement that the load works on, in m."""
-
     def node_forces(self) -> Sequence[NodeForce]:
         """Forces of all nodes, in their order."""
 
-    def check_flat(self, load: float) -> None:
-        """End with a reason if its contacts no longer represent flat faces."""
+    def check_sides(self, load: float) -> None:
+        """End with a reason if pieces have left the sides that they touch."""
 
     def keep(self) -> None:
         """Keep the present state."""
@@ -134,7 +130,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
         bracket.carries(load)
         if first:  # the first failure is found: on to the peak
             first_failure, bracket = load, bracket.towards_the_peak(guide)
-        model.check_flat(load)
+        model.check_sides(load)
         print(f"{load:12.4f} N stands", flush=True)
         if reason := search.endless(load):
             raise NoAnswerError(reason)
@@ -149,18 +145,3 @@ def _beyond(model: RaisedModel, start: float, load: float) -> EngineOutcome:
     broken = model.broken()
     outcome = model.raised(start, AWAY * load, (1.0, 1.0))
     return EngineOutcome.UNSETTLED if model.breakable and model.broken() > broken else outcome
-
-
-def displacements_towards(model: RaisedModel, load: float) -> list[float]:
-    """Displacements (m) of a new ``model`` at equilibria on the way to ``load`` (N).
-
-    `STEPS` of them, in equal steps of the load, or fewer where it does not come to equilibrium.
-    """
-    found: list[float] = []
-    outcome = model.raised(0.0, 0.0, (0.0, 1.0))
-    for step in range(STEPS):
-        if outcome is EngineOutcome.EQUILIBRIUM:
-            outcome = model.raised(load * step / STEPS, load * (step + 1) / STEPS, (1.0, 1.0))
-        if outcome is EngineOutcome.EQUILIBRIUM:
-            found.append(model.displacement())
-    return found

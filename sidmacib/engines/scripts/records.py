@@ -35,7 +35,7 @@ class EngineOutcome(Enum):
     """Outcome of raising the load or cutting bonds of an assembly."""
 
     EQUILIBRIUM = "equilibrium"
-    COLLAPSE = "collapse"  # it moved too far for this load
+    COLLAPSE = "collapse"  # pieces fall
     OVERSTRESSED = "overstressed"  # bonds will fail, so that nobody waited for an equilibrium
     UNSETTLED = "no equilibrium"  # it neither came to rest nor moved far
 

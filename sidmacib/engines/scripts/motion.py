@@ -1,0 +1,96 @@
+"""How pieces move: when they fall, and when one has left the side that it rests on."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from .assembly import GivenAssembly, Vector, dot, length, plus, turned
+from .records import NoAnswerError, NodeForce
+
+STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
+BEYOND_EDGE = 0.05  # over the mean size of pieces: what presses further outside a side has left it
+
+
+class PieceMotion(NamedTuple):
+    """Displacement (m) of a piece's centroid, and its rotation as a vector (rad)."""
+
+    displacement: Vector
+    rotation: Vector
+
+
+STILL = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+class Fall:
+    """Watches pieces on their way from one equilibrium to the next.
+
+    ``limit`` (m): they fall that have moved further, and move as fast as never before on this way.
+    What slows down may come to rest, wherever that is.
+    """
+
+    def __init__(
+        self, assembly: GivenAssembly, limit: float, start: Sequence[PieceMotion]
+    ) -> None:
+        """``start``: the motions of all pieces at the last equilibrium."""
+        self.limit, self.moved, self.fastest = limit, 0.0, 0.0
+        self.start = [
+            (index, math.sqrt(piece.inertia_kgm2 / piece.mass_kg), start[index])
+            for index, piece in enumerate(assembly.pieces)
+            if not piece.fixed
+        ]
+
+    def sees(self, motions: Sequence[PieceMotion], steps: int) -> bool:
+        """Whether a piece falls, ``steps`` of time after the last look; exits if it is nowhere."""
+        moved = max(
+            math.dist(motions[index].displacement, start.displacement)
+            + arm * math.dist(motions[index].rotation, start.rotation)
+            for index, arm, start in self.start
+        )
+        if not math.isfinite(moved):
+            raise SystemExit(f"the computation has diverged: displacement {moved} m")
+        speed, self.moved = (moved - self.moved) / steps, moved
+        self.fastest = max(self.fastest, speed)
+        return moved > self.limit and speed >= STILL_FASTEST * self.fastest
+
+
+def check_sides(
+    assembly: GivenAssembly,
+    motions: Sequence[PieceMotion],
+    forces: Sequence[NodeForce],
+    load: float,
+) -> None:
+    """End with a reason if a vertex presses, at a ``load`` (N), where there is no side any more.
+
+    ``motions``: of each piece; ``forces``: of each node.
+    """
+    for node, force in zip(assembly.nodes, forces, strict=True):
+        face = assembly.faces[node.face]
+        if force.normal <= 0.0 or force.bonded:
+            continue
+        flat, vertex = (
+            (face.below, face.above) if node.vertex_above else (face.above, face.below)
+        )
+        slip = plus(
+            *(
+                moved(node.position_m, assembly.pieces[piece].centre_m, motions[piece])
+                for piece in (vertex, flat)
+            ),
+            -1.0,
+        )
+        place = plus(node.position_m, slip)
+        edges = face.edges_below if node.vertex_above else face.edges_above
+        if any(dot(place, edge[:3]) - edge[3] > BEYOND_EDGE * assembly.length_m for edge in edges):
+            raise NoAnswerError(
+                f"no peak: at {load:g} N {assembly.pieces[vertex].name} has moved off the side of "
+                f"{assembly.pieces[flat].name} that it touched; its next contacts are not found"
+            )
+
+
+def moved(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:
+    """Displacement (m) of a point of a piece with this ``centre``."""
+    arm = plus(position, centre, -1.0)
+    angle = length(motion.rotation)
+    if angle == 0.0:
+        return list(motion.displacement)
+    axis = [part / angle for part in motion.rotation]
+    return plus(motion.displacement, plus(turned(arm, axis, angle), arm, -1.0))
