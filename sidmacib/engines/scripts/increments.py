@@ -28,9 +28,6 @@ class RaisedModel(Protocol):
     def node_forces(self) -> Sequence[NodeForce]:
         """Forces of all nodes, in their order."""
 
-    def check_sides(self, load: float) -> None:
-        """End with a reason if pieces have left the sides that they touch."""
-
     def keep(self) -> None:
         """Keep the present state."""
 
@@ -130,7 +127,6 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
         bracket.carries(load)
         if first:  # the first failure is found: on to the peak
             first_failure, bracket = load, bracket.towards_the_peak(guide)
-        model.check_sides(load)
         print(f"{load:12.4f} N stands", flush=True)
         if reason := search.endless(load):
             raise NoAnswerError(reason)

@@ -1,14 +1,14 @@
-"""How pieces move: when they fall, and when one has left the side that it rests on."""
+"""How pieces move: when they fall, and which vertices have left the side that they touched."""
 
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from .assembly import GivenAssembly, Vector, dot, length, plus, turned
-from .records import NoAnswerError, NodeForce
 
 STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
-BEYOND_EDGE = 0.05  # over the mean size of pieces: what presses further outside a side has left it
+BEYOND_EDGE = 0.05  # over the mean size of pieces: a vertex further outside a side has left it
+LOOK = 0.01  # over that size: after so much motion, vertices may have left
 
 
 class PieceMotion(NamedTuple):
@@ -33,6 +33,7 @@ class Fall:
     ) -> None:
         """``start``: the motions of all pieces at the last equilibrium."""
         self.limit, self.moved, self.fastest = limit, 0.0, 0.0
+        self.stride, self.far = LOOK * assembly.length_m, 0
         self.start = [
             (index, math.sqrt(piece.inertia_kgm2 / piece.mass_kg), start[index])
             for index, piece in enumerate(assembly.pieces)
@@ -52,38 +53,31 @@ class Fall:
         self.fastest = max(self.fastest, speed)
         return moved > self.limit and speed >= STILL_FASTEST * self.fastest
 
+    def went_on(self) -> bool:
+        """Whether a piece has moved on so far that a vertex may have left its side since."""
+        before, self.far = self.far, int(self.moved / self.stride)
+        return self.far > before
 
-def check_sides(
-    assembly: GivenAssembly,
-    motions: Sequence[PieceMotion],
-    forces: Sequence[NodeForce],
-    load: float,
-) -> None:
-    """End with a reason if a vertex presses, at a ``load`` (N), where there is no side any more.
 
-    ``motions``: of each piece; ``forces``: of each node.
+def nodes_off_sides(assembly: GivenAssembly, motions: Sequence[PieceMotion]) -> list[int]:
+    """Numbers of the nodes whose vertex is no longer on the other piece's side.
+
+    ``motions``: of each piece.
     """
-    for node, force in zip(assembly.nodes, forces, strict=True):
+    off = []
+    for number, node in enumerate(assembly.nodes):
         face = assembly.faces[node.face]
-        if force.normal <= 0.0 or force.bonded:
-            continue
-        flat, vertex = (
-            (face.below, face.above) if node.vertex_above else (face.above, face.below)
+        flat, vertex, edges = face.above, face.below, face.edges_above
+        if node.vertex_above:
+            flat, vertex, edges = face.below, face.above, face.edges_below
+        to, back = (
+            moved(node.position_m, assembly.pieces[piece].centre_m, motions[piece])
+            for piece in (vertex, flat)
         )
-        slip = plus(
-            *(
-                moved(node.position_m, assembly.pieces[piece].centre_m, motions[piece])
-                for piece in (vertex, flat)
-            ),
-            -1.0,
-        )
-        place = plus(node.position_m, slip)
-        edges = face.edges_below if node.vertex_above else face.edges_above
+        place = plus(node.position_m, plus(to, back, -1.0))
         if any(dot(place, edge[:3]) - edge[3] > BEYOND_EDGE * assembly.length_m for edge in edges):
-            raise NoAnswerError(
-                f"no peak: at {load:g} N {assembly.pieces[vertex].name} has moved off the side of "
-                f"{assembly.pieces[flat].name} that it touched; its next contacts are not found"
-            )
+            off.append(number)
+    return off
 
 
 def moved(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:

@@ -35,9 +35,6 @@ class CutModel(Protocol):
     def record(self, load: float, stage: str) -> Sequence[NodeForce]:
         """Add the state to the history; forces of all nodes."""
 
-    def check_sides(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason if pieces have left the sides that they touch."""
-
 
 def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
     """The load to go to (N): at most just below the next failure, where that can be predicted.
@@ -95,7 +92,6 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
         before.append((model.load, most))
         peak = model.load
         nodes = model.record(peak, EngineOutcome.EQUILIBRIUM.value)
-        model.check_sides(nodes)
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
             outcome, used = _cascade(model, used, tolerance)

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import Any
 
 from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
-from ..scripts.motion import Fall, PieceMotion, check_sides
+from ..scripts.motion import Fall, PieceMotion, nodes_off_sides
 from ..scripts.records import EngineOutcome, History, NodeForce
 from .program import O, Vector3, create_interaction, wrapper
 
@@ -49,7 +49,8 @@ class YadeModel:
         self.clumps, self.pairs = self._build()
         # Node forces, while nothing has moved since, and those of the state that was kept.
         self.seen: list[NodeForce] | None = None
-        self.kept: list[NodeForce] | None = None
+        self.kept: tuple[list[NodeForce] | None, set[int]] = None, set()
+        self.lost: set[int] = set()  # nodes whose vertex has left the side that it touched
         self.free = [self.clumps[index] for index in assembly.free]
 
     # --- bodies ----------------------------------------------------------------------------------
@@ -192,10 +193,6 @@ class YadeModel:
             for force, face in zip(forces, self.face_of, strict=True)
         )
 
-    def check_sides(self, load: float) -> None:
-        """End with a reason if pieces have left the sides that they touch."""
-        check_sides(self.assembly, self.motions(), self.node_forces(), load)
-
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
         """Raise the load smoothly from start to end (N) and wait for the outcome.
@@ -228,8 +225,21 @@ class YadeModel:
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
-        self.seen = None
-        return fall.sees(self.motions(), SLICE)
+        self.seen, motions = None, self.motions()
+        falls = fall.sees(motions, SLICE)
+        if fall.went_on():
+            self._lose(nodes_off_sides(self.assembly, motions))
+        return falls
+
+    def _lose(self, nodes: list[int]) -> None:
+        """Let nodes touch no more."""
+        for node in set(nodes) - self.lost:
+            O.interactions.erase(*self.pairs[node])
+            self.lost.add(node)
+
+    def _touching(self) -> list[tuple[int, int]]:
+        """Spheres of the nodes that are not lost."""
+        return [pair for node, pair in enumerate(self.pairs) if node not in self.lost]
 
     def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
         self._record(load, outcome.value)
@@ -243,13 +253,14 @@ class YadeModel:
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
-        self.kept = self.seen
+        self.kept = self.seen, set(self.lost)
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
-        _watch(self.pairs)  # open nodes are not saved
-        self.seen = self.kept
+        self.seen, lost = self.kept
+        self.lost = set(lost)
+        _watch(self._touching())  # open nodes are not saved
 
 
 def _node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
