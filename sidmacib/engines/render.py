@@ -30,13 +30,13 @@ from sidmacib.mechanics.assembly import (
     Rectangle,
 )
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.mechanics.springs import compliance, natural_frequencies
+from sidmacib.mechanics.springs import natural_frequencies
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
 TEMPLATES = Path(__file__).parents[2] / "templates"
-# Radii of contact spheres over the mean size of pieces. The small one must be far from what contacts
-# are pressed together by, the large one lets a normal turn by the slip over it.
+# Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
+# contacts together, and by the slip over the large one a normal turns.
 POINT, FLAT = 0.01, 1000.0
 ENVIRONMENT = jinja2.Environment(
     loader=jinja2.FileSystemLoader(TEMPLATES),
@@ -107,10 +107,7 @@ def _rigid_pieces_in_time(
         "period_steps": _rounded(period_steps),
         "ramp_steps": math.ceil(numerics.ramp_periods * period_steps),
         "hold_steps": math.ceil(numerics.hold_periods * period_steps),
-        # Where contacts are soft, no less than what the load moves the unbroken assembly by.
-        "collapse_m": _rounded(
-            max(numerics.collapse_share * assembly.length, compliance(assembly, loads) * loads.scale)
-        ),
+        "collapse_m": numerics.collapse_share * assembly.length,
         "damping": numerics.damping,
         "gradual": blocks,
         "unbalanced_ratio": numerics.unbalanced_ratio,
@@ -128,7 +125,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             _piece(piece, permanent)
             for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
         ],
-        "faces": [_face(face, names[face.material]) | sides(assembly, face) for face in assembly.faces],
+        "faces": [
+            _face(face, names[face.material]) | sides(assembly, face) for face in assembly.faces
+        ],
         "loads": [
             {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
             for index, load in enumerate(loads.variable)

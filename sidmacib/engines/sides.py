@@ -26,9 +26,7 @@ def vertices_above(assembly: Assembly) -> NDArray[np.bool_]:
         corners = KDTree(_corners(piece))
         for side, pieces in enumerate((below, above)):
             mine = pieces == index
-            at_corner[side, mine] = (
-                corners.query(nodes.position[mine])[0] <= AT * assembly.length
-            )
+            at_corner[side, mine] = corners.query(nodes.position[mine])[0] <= AT * assembly.length
     fixed_below = np.array([piece.fixed for piece in assembly.pieces])[below]
     return np.where(at_corner[0] != at_corner[1], at_corner[1], fixed_below)
 

@@ -5,8 +5,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .assembly import GivenAssembly, Vector, dot, length, plus, turned
+from .records import EngineOutcome
 
 STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
+DRIVEN = 0.01  # displacement that the load works on over the motion: less is a drift
 BEYOND_EDGE = 0.05  # over the mean size of pieces: a vertex further outside a side has left it
 LOOK = 0.01  # over that size: after so much motion, vertices may have left
 
@@ -28,11 +30,10 @@ class Fall:
     What slows down may come to rest, wherever that is.
     """
 
-    def __init__(
-        self, assembly: GivenAssembly, limit: float, start: Sequence[PieceMotion]
-    ) -> None:
+    def __init__(self, assembly: GivenAssembly, limit: float, start: Sequence[PieceMotion]) -> None:
         """``start``: the motions of all pieces at the last equilibrium."""
         self.limit, self.moved, self.fastest = limit, 0.0, 0.0
+        self.assembly, self.before = assembly, assembly.displacement(start.__getitem__)
         self.stride, self.far = LOOK * assembly.length_m, 0
         self.start = [
             (index, math.sqrt(piece.inertia_kgm2 / piece.mass_kg), start[index])
@@ -52,6 +53,12 @@ class Fall:
         speed, self.moved = (moved - self.moved) / steps, moved
         self.fastest = max(self.fastest, speed)
         return moved > self.limit and speed >= STILL_FASTEST * self.fastest
+
+    def outcome(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
+        """Whether what falls collapses under the load, or drifts off where that does no work."""
+        worked = self.assembly.displacement(motions.__getitem__) - self.before
+        driven = abs(worked) > DRIVEN * self.moved
+        return EngineOutcome.COLLAPSE if driven else EngineOutcome.DRIFT
 
     def went_on(self) -> bool:
         """Whether a piece has moved on so far that a vertex may have left its side since."""

@@ -18,14 +18,13 @@ from .program import O, Vector3, create_interaction, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
 HEAVY = 1e24  # mass of the sphere at a piece's centroid over those of contact spheres
-PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
 
 
 @dataclass(frozen=True)
 class YadeSettings:
     """The parts that only YADE has.
 
-    ``point_m``, ``flat_m``: radii of the contact spheres of vertices and of flat sides. ``damping``:
+    ``point_m``, ``flat_m``: radii of spheres that are vertices and flat sides. ``damping``:
     Cundall's, not viscous. ``ductile``: whether inner faces keep their strength once it is reached.
     """
 
@@ -195,29 +194,23 @@ class YadeModel:
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
-        """Raise the load smoothly from start to end (N) and wait for the outcome.
-
-        While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
-        """
+        """Raise the load smoothly from start to end (N) and wait for the outcome."""
         self.history.attempts += 1
         rise = end - start + (permanent[1] - permanent[0]) * self.assembly.permanent_N
-        before, ramp = self.broken(), self.search.ramp(rise, end)
+        ramp = self.search.ramp(rise, end)
         fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         for step in range(SLICE, ramp + SLICE, SLICE):
             share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
             load = start + share * (end - start)
             self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
             if self._falls(fall):
-                return self._ended(load, EngineOutcome.COLLAPSE)
+                return self._ended(load, fall.outcome(self.motions()))
         self._record(end, "loaded")
-        for _ in range(PATIENCE):
-            for _ in range(0, self.search.hold_steps, SLICE):
-                if self._falls(fall):
-                    return self._ended(end, EngineOutcome.COLLAPSE)
-                if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
-                    return self._ended(end, EngineOutcome.EQUILIBRIUM)
-            if self.broken() > before:
-                break
+        for _ in range(0, self.search.hold_steps, SLICE):
+            if self._falls(fall):
+                return self._ended(end, fall.outcome(self.motions()))
+            if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
+                return self._ended(end, EngineOutcome.EQUILIBRIUM)
         return self._ended(end, EngineOutcome.UNSETTLED)
 
     def _falls(self, fall: Fall) -> bool:
