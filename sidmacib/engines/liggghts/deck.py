@@ -30,7 +30,7 @@ GROUPS = 28  # that LIGGGHTS has left, of its 32
 DRAG = 0.05
 # Of blocks that friction holds: less does not keep them from swinging themselves up. An arch gave
 # way at 1310 N, and with this at 1363 N; the static model has 1361 N.
-DRAG_OF_BLOCKS = 0.1
+DRAG_OF_BLOCKS = 0.02
 AXES = (0, 1, 2)
 HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
 VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"

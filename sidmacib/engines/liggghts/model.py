@@ -14,8 +14,6 @@ from .process import LiggghtsProcess
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
 LOOKS = 10  # at least, in every time as long as all that was waited before
-STEADY = 0.1  # of a speed: less is coming to rest
-DRIFT = 1e-3  # over the motion that counts as a fall: less is rest, but for swinging
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ class LiggghtsModel:
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
         times the unbalanced ratio.
         """
-        waited, way = 0, [(0, self.fall.moved)]
+        waited = 0
         while waited < self.search.hold_steps:
             steps = max(self.slice, waited // LOOKS)
             if self._falls(steps):
@@ -155,20 +153,7 @@ class LiggghtsModel:
             if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
                 return EngineOutcome.OVERSTRESSED
             waited += steps
-            way.append((waited, self.fall.moved))
-        if self._goes_on(way):
-            return self.fall.outcome(self.motions())
-        return EngineOutcome.UNSETTLED
-
-    def _goes_on(self, way: Sequence[tuple[int, float]]) -> bool:
-        """Whether pieces have moved on in the second half of the ``way`` (steps, m) too.
-
-        Under next to no force, drag lets them fall at a slow and steady pace.
-        """
-        half, middle = min(way, key=lambda point: abs(point[0] - way[-1][0] / 2))
-        first = (middle - way[0][1]) / half
-        second = (way[-1][1] - middle) / (way[-1][0] - half)
-        return second > STEADY * max(first, DRIFT * self.search.collapse_m / way[-1][0])
+        return self.fall.at_last(self.motions())
 
     def _run(self, steps: int) -> None:
         self.engine.run(steps)

@@ -8,6 +8,8 @@ from .assembly import GivenAssembly, Vector, dot, length, plus, turned
 from .records import EngineOutcome
 
 STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
+STEADY = 0.1  # of the way in the first half of the time: less in the second is coming to rest
+SWING = 1e-4  # over the motion that is a fall: less may be a swing
 DRIVEN = 0.01  # displacement that the load works on over the motion: less is a drift
 BEYOND_EDGE = 0.05  # over the mean size of pieces: a vertex further outside a side has left it
 LOOK = 0.01  # over that size: after so much motion, vertices may have left
@@ -32,7 +34,7 @@ class Fall:
 
     def __init__(self, assembly: GivenAssembly, limit: float, start: Sequence[PieceMotion]) -> None:
         """``start``: the motions of all pieces at the last equilibrium."""
-        self.limit, self.moved, self.fastest = limit, 0.0, 0.0
+        self.limit, self.way, self.fastest = limit, [(0, 0.0)], 0.0
         self.assembly, self.before = assembly, assembly.displacement(start.__getitem__)
         self.stride, self.far = LOOK * assembly.length_m, 0
         self.start = [
@@ -43,26 +45,35 @@ class Fall:
 
     def sees(self, motions: Sequence[PieceMotion], steps: int) -> bool:
         """Whether a piece falls, ``steps`` of time after the last look; exits if it is nowhere."""
-        moved = max(
+        ways = [
             math.dist(motions[index].displacement, start.displacement)
             + arm * math.dist(motions[index].rotation, start.rotation)
             for index, arm, start in self.start
-        )
-        if not math.isfinite(moved):
-            raise SystemExit(f"the computation has diverged: displacement {moved} m")
-        speed, self.moved = (moved - self.moved) / steps, moved
+        ]
+        if not math.isfinite(sum(ways)):
+            raise SystemExit(f"the computation has diverged: displacements {ways} m")
+        (time, before), moved = self.way[-1], max(ways)
+        self.way.append((time + steps, moved))
+        speed = (moved - before) / steps
         self.fastest = max(self.fastest, speed)
         return moved > self.limit and speed >= STILL_FASTEST * self.fastest
+
+    def at_last(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
+        """Outcome where nobody waits longer: just above the peak, pieces may fall very slowly."""
+        (end, moved), start = self.way[-1], self.way[0]
+        middle = next(far for time, far in self.way if 2 * time >= end)
+        goes_on = moved - middle > max(STEADY * (middle - start[1]), SWING * self.limit)
+        return self.outcome(motions) if goes_on else EngineOutcome.UNSETTLED
 
     def outcome(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Whether what falls collapses under the load, or drifts off where that does no work."""
         worked = self.assembly.displacement(motions.__getitem__) - self.before
-        driven = abs(worked) > DRIVEN * self.moved
+        driven = abs(worked) > DRIVEN * self.way[-1][1]
         return EngineOutcome.COLLAPSE if driven else EngineOutcome.DRIFT
 
     def went_on(self) -> bool:
         """Whether a piece has moved on so far that a vertex may have left its side since."""
-        before, self.far = self.far, int(self.moved / self.stride)
+        before, self.far = self.far, int(self.way[-1][1] / self.stride)
         return self.far > before
 
 

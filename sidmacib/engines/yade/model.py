@@ -211,7 +211,7 @@ class YadeModel:
                 return self._ended(end, fall.outcome(self.motions()))
             if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
                 return self._ended(end, EngineOutcome.EQUILIBRIUM)
-        return self._ended(end, EngineOutcome.UNSETTLED)
+        return self._ended(end, fall.at_last(self.motions()))
 
     def _falls(self, fall: Fall) -> bool:
         """Advance by a slice of time steps; whether a piece falls."""
