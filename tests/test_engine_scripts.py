@@ -66,7 +66,7 @@ def stack(tmp_path: Path) -> scripts.GivenAssembly:
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
 def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, *RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     for index in three.free:
         piece = three.pieces[index]
         rows = [deck.atoms.lines[atom - 1].split() for atom in deck.atoms.handles[index]]
@@ -94,7 +94,7 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
 def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
     three: scripts.GivenAssembly,
 ) -> None:
-    deck = LiggghtsDeck(three, SEARCH, *RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     rows = [line.split() for line in deck.atoms.lines]
     centre = np.array([[float(v) for v in row[2:5]] for row in rows])
     radius = np.array([float(row[5]) / 2 for row in rows])
@@ -148,7 +148,7 @@ def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_
 
 
 def test_only_the_two_sides_of_a_face_touch(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, *RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     lines = list(deck.input_script())
     excluded = {frozenset(map(int, line.split()[3:])) for line in lines if "exclude type" in line}
     every = set(
@@ -160,7 +160,7 @@ def test_only_the_two_sides_of_a_face_touch(three: scripts.GivenAssembly) -> Non
 def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
     three: scripts.GivenAssembly,
 ) -> None:
-    lines = list(LiggghtsDeck(three, SEARCH, *RADII).input_script())
+    lines = list(LiggghtsDeck(three, SEARCH, RADII).input_script())
     rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
     forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
     assert forces and max(forces) < rigid
@@ -169,7 +169,7 @@ def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
 
 
 def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, *RADII)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
     assert len(lines) == sum(three.faces[node.face].cohesive for node in three.nodes)
     total = sum(2 * float(line[2]) for line in lines)  # the energy is coefficient * length^2
@@ -181,11 +181,11 @@ def test_weight_is_gravity_and_what_else_always_acts_is_forces(
     stack: scripts.GivenAssembly,
 ) -> None:
     assert common_gravity(stack) == pytest.approx(9.81)
-    assert any(" gravity " in line for line in LiggghtsDeck(stack, SEARCH, *RADII).input_script())
+    assert any(" gravity " in line for line in LiggghtsDeck(stack, SEARCH, RADII).input_script())
     pushed = replace(stack.pieces[2], force_N=(1.0, 0.0, stack.pieces[2].force_N[2]))
     leaning = replace(stack, pieces=[*stack.pieces[:2], pushed])
     assert common_gravity(leaning) == common_gravity(stack)
-    lines = list(LiggghtsDeck(leaning, SEARCH, *RADII).input_script())
+    lines = list(LiggghtsDeck(leaning, SEARCH, RADII).input_script())
     assert any(" gravity " in line for line in lines)
     always = [line for line in lines if re.match(r"variable handle\d+_x ", line)]
     assert any(line.endswith("+(0.5)") for line in always)
@@ -196,7 +196,7 @@ def test_what_presses_on_a_piece_comes_on_top_of_its_gravity(stack: scripts.Give
     pressed = replace(stack.pieces[2], force_N=(0.0, 0.0, weight - 8.0))
     whole = replace(stack, pieces=[*stack.pieces[:2], pressed])
     assert common_gravity(whole) == pytest.approx(9.81)
-    lines = list(LiggghtsDeck(whole, SEARCH, *RADII).input_script())
+    lines = list(LiggghtsDeck(whole, SEARCH, RADII).input_script())
     down = [line for line in lines if re.match(r"variable handle\d+_z ", line)]
     assert [float(line.rsplit("+(", 1)[1][:-1]) for line in down] == pytest.approx([-4.0, -4.0])
 
@@ -206,14 +206,14 @@ def test_pieces_that_are_held_up_leave_no_gravity_for_all(stack: scripts.GivenAs
     whole = replace(stack, pieces=[*stack.pieces[:2], floating])
     assert common_gravity(whole) == 0.0
     assert not any(
-        " gravity " in line for line in LiggghtsDeck(whole, SEARCH, *RADII).input_script()
+        " gravity " in line for line in LiggghtsDeck(whole, SEARCH, RADII).input_script()
     )
 
 
 def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
     many = as_read(*tilted_stack(15), tmp_path)
     raised = [
-        line for line in LiggghtsDeck(many, SEARCH, *RADII).input_script() if "v_load*" in line
+        line for line in LiggghtsDeck(many, SEARCH, RADII).input_script() if "v_load*" in line
     ]
     assert [line.split()[:3] for line in raised] == [
         ["variable", f"acceleration_{axis}", "atom"] for axis in "xyz"
@@ -224,10 +224,10 @@ def test_an_acceleration_of_many_pieces_takes_one_fix(tmp_path: Path) -> None:
 
 def test_permanent_loads_are_raised_where_that_is_asked_for(stack: scripts.GivenAssembly) -> None:
     (at_once,) = (
-        line for line in LiggghtsDeck(stack, SEARCH, *RADII).input_script() if "gravity" in line
+        line for line in LiggghtsDeck(stack, SEARCH, RADII).input_script() if "gravity" in line
     )
     assert at_once.startswith("fix gravity handles gravity 9.81 ")
-    slowly = list(LiggghtsDeck(stack, SEARCH, *RADII, gradual=True).input_script())
+    slowly = list(LiggghtsDeck(stack, SEARCH, RADII, gradual=True).input_script())
     (share,) = (line for line in slowly if line.startswith("variable permanent "))
     assert f"cos(PI*step/{SEARCH.ramp(stack.permanent_N, 0.0)})" in share
     assert not any(" gravity 9.81" in line for line in slowly)
@@ -239,7 +239,7 @@ def test_more_loads_than_liggghts_has_groups_are_refused(tmp_path: Path) -> None
     heavier = replace(many.pieces[-1], mass_kg=2 * many.pieces[-1].mass_kg)
     many = replace(many, pieces=[*many.pieces[:-1], heavier])  # which is accelerated by half
     with pytest.raises(SystemExit, match="30 points of load application; at most 28"):
-        list(LiggghtsDeck(many, SEARCH, *RADII).input_script())
+        list(LiggghtsDeck(many, SEARCH, RADII).input_script())
 
 
 # --- LIGGGHTS' answers ---------------------------------------------------------------------------

@@ -36,25 +36,17 @@ def sides(assembly: Assembly, face: Face) -> dict[str, list[list[float]]]:
 
     Of their convex hulls; those of the face itself where a piece has no side in its plane.
     """
-    return {
-        f"edges_{where}": _edges(
-            _near_plane(_corners(assembly.pieces[index]), face, AT * assembly.length), face
-        )
-        for where, index in (("below", face.below), ("above", face.above))
-    }
+    ends = {"edges_below": face.below, "edges_above": face.above}
+    near = AT * assembly.length
+    return {name: _edges(_corners(assembly.pieces[k]), face, near) for name, k in ends.items()}
 
 
-def _near_plane(corners: Floats, face: Face, near: float) -> Floats:
-    """Those of ``corners``, (K, 3), in the plane of ``face``; of the face if they are no side."""
+def _edges(corners: Floats, face: Face, near: float) -> list[list[float]]:
+    """Edges of the convex hull of those ``corners``, (K, 3), that are ``near`` (m) the plane."""
     found = corners[np.abs((corners - face.middle) @ face.axes[0]) <= near]
-    flat = (found - face.middle) @ face.axes[1:].T
-    broad = len(found) > 2 and np.linalg.matrix_rank(flat - flat[0], tol=near) == 2
-    return found if broad else face.corners
-
-
-def _edges(corners: Floats, face: Face) -> list[list[float]]:
-    """Edges of the convex hull of ``corners``, (K, 3), in the plane of ``face``."""
-    equations = ConvexHull((corners - face.middle) @ face.axes[1:].T).equations
+    if len(found) < 3 or np.linalg.matrix_rank(found[1:] - found[0], tol=near) < 2:
+        found = face.corners
+    equations = ConvexHull((found - face.middle) @ face.axes[1:].T).equations
     across = equations[:, :2] @ face.axes[1:]
     return np.column_stack([across, across @ face.middle - equations[:, 2]]).tolist()
 

@@ -125,14 +125,9 @@ class LiggghtsDeck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
     def __init__(
-        self,
-        assembly: GivenAssembly,
-        search: GivenSearch,
-        point: float,
-        flat: float,
-        gradual: bool = False,
+        self, assembly: GivenAssembly, search: GivenSearch, radii: Vector, gradual: bool = False
     ) -> None:
-        """``point``, ``flat``: radii of contact spheres, the latter at most; see `.run`."""
+        """``radii``: of vertices and, at most, of flat sides, m; ``gradual``: see `.run`."""
         self.assembly, self.search = assembly, search
         # Steps in which the permanent loads are raised; 0: they act at once.
         self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
@@ -149,7 +144,7 @@ class LiggghtsDeck:
             for patch in range(len(self.patches))
         ]
         self.types = self.lone + 2 * len(self.patches)
-        self.point, self.flat_radii = point, flat_radii(assembly, self.patches, flat)
+        self.point, self.flat_radii = radii[0], flat_radii(assembly, self.patches, radii[1])
         self.reach = [reach(piece) for piece in assembly.pieces]
         self.atoms = self._build()
         self.bond = {node: number for number, node in enumerate(self.atoms.ends, start=1)}

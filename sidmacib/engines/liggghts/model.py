@@ -103,8 +103,8 @@ class LiggghtsModel:
             ramp = max(ramp, self.deck.permanent_ramp)
         self._set_load(self.load, load - self.load, ramp)
         self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
-        for _ in range(math.ceil(ramp / self.slice)):
-            if self._falls(self.slice):
+        for done in range(0, ramp, self.slice):
+            if self._falls(min(self.slice, ramp - done)):
                 return self.fall.outcome(self.motions())
         self.load = load
         self._set_load(load, 0.0, ramp)

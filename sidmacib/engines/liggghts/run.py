@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from ..scripts.assembly import GivenAssembly, GivenSearch
+from ..scripts.assembly import GivenAssembly, GivenSearch, Vector
 from ..scripts.next_failure import peak_by_failures
 from ..scripts.records import History
 from .deck import LiggghtsDeck
@@ -13,20 +13,19 @@ def find_peak(
     title: str,
     assembly: GivenAssembly,
     search: GivenSearch,
-    point_m: float,
-    flat_m: float,
+    radii_m: Vector,
     ranks: int,
     gradual: bool = False,
 ) -> None:
     """Search the peak and write ``history.csv``, ``nodes.csv`` and, at the end, ``result.json``.
 
     It writes LIGGGHTS' input script and atoms, starts it on them, and goes on to give it commands.
-    ``point_m``, ``flat_m``: radii of the contact spheres of vertices and, at most, of flat sides;
+    ``radii_m``: of the contact spheres of vertices and, at most, of flat sides;
     ``ranks``: processes of LIGGGHTS; ``gradual``: whether the permanent loads are raised too, and
     pieces move against more drag. Blocks that friction and their weight hold would swing and slip
     otherwise.
     """
-    deck = LiggghtsDeck(assembly, search, point_m, flat_m, gradual)
+    deck = LiggghtsDeck(assembly, search, radii_m, gradual)
     Path(INPUT_SCRIPT).write_text("\n".join(deck.input_script()) + "\n")
     Path(DATA_FILE).write_text(deck.data_file(title))
     history = History(assembly)

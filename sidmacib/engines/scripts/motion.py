@@ -54,22 +54,21 @@ class Fall:
             raise SystemExit(f"the computation has diverged: displacements {ways} m")
         (time, before), moved = self.way[-1], max(ways)
         self.way.append((time + steps, moved))
-        speed = (moved - before) / steps
-        self.fastest = max(self.fastest, speed)
-        return moved > self.limit and speed >= STILL_FASTEST * self.fastest
+        self.fastest = max(self.fastest, (moved - before) / steps)
+        return moved > self.limit and moved - before >= STILL_FASTEST * self.fastest * steps
 
     def at_last(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Outcome where nobody waits longer: just above the peak, pieces may fall very slowly."""
-        (end, moved), start = self.way[-1], self.way[0]
+        end, moved = self.way[-1]
         middle = next(far for time, far in self.way if 2 * time >= end)
-        goes_on = moved - middle > max(STEADY * (middle - start[1]), SWING * self.limit)
+        goes_on = moved - middle > max(STEADY * middle, SWING * self.limit)
         return self.outcome(motions) if goes_on else EngineOutcome.UNSETTLED
 
     def outcome(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Whether what falls collapses under the load, or drifts off where that does no work."""
         worked = self.assembly.displacement(motions.__getitem__) - self.before
-        driven = abs(worked) > DRIVEN * self.way[-1][1]
-        return EngineOutcome.COLLAPSE if driven else EngineOutcome.DRIFT
+        drifts = abs(worked) <= DRIVEN * self.way[-1][1]
+        return EngineOutcome.DRIFT if drifts else EngineOutcome.COLLAPSE
 
     def went_on(self) -> bool:
         """Whether a piece has moved on so far that a vertex may have left its side since."""
@@ -78,10 +77,7 @@ class Fall:
 
 
 def nodes_off_sides(assembly: GivenAssembly, motions: Sequence[PieceMotion]) -> list[int]:
-    """Numbers of the nodes whose vertex is no longer on the other piece's side.
-
-    ``motions``: of each piece.
-    """
+    """Numbers of the nodes whose vertex is off the other piece's side; ``motions``: of pieces."""
     off = []
     for number, node in enumerate(assembly.nodes):
         face = assembly.faces[node.face]
