@@ -4,19 +4,18 @@ import contextlib
 import math
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from conftest import DISTINCT, a_case, run_guided
+from conftest import DISTINCT, a_case
 from test_execute import becomes_true
 
 from sidmacib.engines import ENGINES
-from sidmacib.engines.execute import EngineError, EngineNoAnswerError, execute
+from sidmacib.engines.execute import EngineError, execute
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import write_script
-from sidmacib.joint.joint import DRY, INNER, Direction, Joint
-from sidmacib.joint.loading import Loading, lateral_load, posed
+from sidmacib.joint.joint import Direction, Joint
+from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.mechanics.static.model import static_peak
@@ -90,14 +89,6 @@ def test_a_broken_input_script_fails_with_liggghts_own_words(
     ):
         execute(LIGGGHTS, tmp_path, 60)
     assert not (tmp_path / "result.json").exists()
-
-
-def test_faces_too_soft_for_spheres_end_with_the_reason(tmp_path: Path) -> None:
-    soft = {"normal_stiffness": 1e6, "shear_stiffness": 1e6}
-    joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))
-    problem = posed(joint, Loading(Direction(0.0)), 0.02, NodeLayout.VERTICES)
-    with pytest.raises(EngineNoAnswerError, match="further than contact spheres can follow"):
-        run_guided("liggghts", problem, Numerics(), tmp_path, 120)
 
 
 def processes_in(folder: Path) -> set[int]:
