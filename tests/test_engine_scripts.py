@@ -162,10 +162,10 @@ def test_forces_come_before_the_rigid_bodies_and_load_variables_come_last(
 ) -> None:
     lines = list(LiggghtsDeck(three, SEARCH, RADII).input_script())
     rigid = next(i for i, line in enumerate(lines) if " rigid " in line)
-    forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity|viscous", line)]
+    forces = [i for i, line in enumerate(lines) if re.search("addforce|gravity", line)]
     assert forces and max(forces) < rigid
-    names = ["load_before", "load_rise", "load_start", "load_ramp"]
-    assert [line.split()[1] for line in lines[-4:]] == names
+    names = ["load_before", "load_rise", "load_start", "load_ramp", "load_drag"]
+    assert [line.split()[1] for line in lines[-5:]] == names
 
 
 def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:

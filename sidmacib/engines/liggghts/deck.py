@@ -30,7 +30,7 @@ GROUPS = 28  # that LIGGGHTS has left, of its 32
 DRAG = 0.05
 # Of blocks that friction holds: less does not keep them from swinging themselves up. An arch gave
 # way at 1310 N, and with this at 1363 N; the static model has 1361 N.
-DRAG_OF_BLOCKS = 0.02
+DRAG_OF_BLOCKS = 0.5
 AXES = (0, 1, 2)
 HANDLES_OF_FORCE = 2  # of a piece, which share a force on it; see `handle_forces`
 VARIABLES = "v_acceleration_x v_acceleration_y v_acceleration_z"
@@ -131,7 +131,8 @@ class LiggghtsDeck:
         self.assembly, self.search = assembly, search
         # Steps in which the permanent loads are raised; 0: they act at once.
         self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
-        self.drag = DRAG_OF_BLOCKS if gradual else DRAG
+        critical = 4 * math.pi / (search.period_steps * search.time_step_s)
+        self.drag = (DRAG_OF_BLOCKS if gradual else DRAG) * critical  # force over momentum, 1/s
         free = assembly.free
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
         # for each patch, below and above, that touch each other.
@@ -342,19 +343,16 @@ class LiggghtsDeck:
 
     def _bodies(self) -> Iterator[str]:
         """The drag, the rigid bodies, and the variables of their motion."""
-        search, pieces, free = self.search, self.assembly.pieces, self.assembly.free
-        rate = 2 * self.drag * 2 * math.pi / (search.period_steps * search.time_step_s)
-        scales = " ".join(
-            f"scale {self.handle_type[piece]} {rate * pieces[piece].mass_kg / 6:.12g}"
-            for piece in free
-        )
-        yield f"fix drag handles viscous 1.0 {scales}"
+        pieces, free = self.assembly.pieces, self.assembly.free
+        for name in "xyz":
+            yield f"variable drag_{name} atom -v_load_drag*mass*v{name}"
+        yield "fix drag handles addforce v_drag_x v_drag_y v_drag_z"
         yield "fix bodies free rigid molecule"
         yield "thermo 1000000"
         yield "thermo_modify lost error"
         for number, piece in enumerate(free, start=1):
             for axis in (1, 2, 3):  # the net force, but for the drag
-                drag = f"{rate * pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
+                drag = f"v_load_drag*{pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
                 yield f"variable f{number}_{axis} equal f_bodies[{number}][{6 + axis}]+{drag}"
             for atom in self.atoms.handles[piece]:
                 for name in "xyz":
@@ -362,6 +360,7 @@ class LiggghtsDeck:
         # The last of all: a variable that is set anew moves there, and fixes know them by number.
         yield from (f"variable load_{name} equal 0.0" for name in ("before", "rise", "start"))
         yield "variable load_ramp equal 1.0"  # steps
+        yield f"variable load_drag equal {self.drag!r}"  # 1/s
 
     @property
     def place_variables(self) -> list[str]:

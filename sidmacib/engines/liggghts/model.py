@@ -13,6 +13,8 @@ from .process import LiggghtsProcess
 
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
+SOON = 0.05  # of the longest wait: what moves then still goes on against less drag, and so faster
+LESS_DRAG = 0.1
 LOOKS = 10  # at least, in every time as long as all that was waited before
 
 
@@ -107,17 +109,17 @@ class LiggghtsModel:
             if self._falls(min(self.slice, ramp - done)):
                 return self.fall.outcome(self.motions())
         self.load = load
-        self._set_load(load, 0.0, ramp)
+        self._set_load(load)
         return self._waits()
 
-    def _set_load(self, load: float, rise: float, ramp: int) -> None:
-        """Have the load (N) rise smoothly from ``load`` by ``rise``, in ``ramp`` steps from now."""
-        start = self.engine.steps
+    def _set_load(self, load: float, rise: float = 0, ramp: int = 1, drag: float = 1) -> None:
+        """Have the load (N) rise from ``load`` by ``rise`` in ``ramp`` steps, against some drag."""
         values = {
             "load_before": load,
             "load_rise": rise,
-            "load_start": start,
+            "load_start": self.engine.steps,
             "load_ramp": float(ramp),
+            "load_drag": drag * self.deck.drag,
         }
         self.engine.send(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
@@ -144,6 +146,8 @@ class LiggghtsModel:
         """
         waited = 0
         while waited < self.search.hold_steps:
+            if waited > SOON * self.search.hold_steps:
+                self._set_load(self.load, drag=LESS_DRAG)
             steps = max(self.slice, waited // LOOKS)
             if self._falls(steps):
                 return self.fall.outcome(self.motions())
