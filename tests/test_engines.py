@@ -84,11 +84,11 @@ def test_a_tilted_stack_slides_or_falls_where_the_hand_says(
 
 
 # --- a right answer or a clear no ----------------------------------------------------------------
-def test_pieces_that_nothing_holds_drift_off_and_have_no_peak(engine: str, tmp_path: Path) -> None:
+def test_pieces_that_nothing_holds_drift_off_and_have_no_peak(tmp_path: Path) -> None:
     # Without friction nothing holds the upper pieces along x, once a torque has turned them.
     joint = Joint(3, dry=replace(DRY, friction=0.0))
     with pytest.raises(EngineError, match=r"no peak: at .* drift off where the load does no work"):
-        run_case(a_case(engine, joint, Loading(Direction(np.inf)), mesh=0.02), tmp_path)
+        run_case(a_case("yade", joint, Loading(Direction(np.inf)), mesh=0.02), tmp_path)
 
 
 @pytest.mark.parametrize(("stiffness", "eccentricity"), [(1e9, 0.5), (1e8, 0.0)])
