@@ -1,9 +1,10 @@
-"""The parts of the engines' scripts that need no engine: decks, records, flatness, numbers."""
+"""The parts of the engines' scripts that need no engine: decks, motions, records, numbers."""
 
 import csv
 import itertools
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,31 +12,28 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from stack import tilted_stack
+from structures import dry
 
-from sidmacib.engines.liggghts.deck import (
-    LiggghtsDeck,
-    patches,
-)
+from sidmacib.engines.liggghts.deck import LiggghtsDeck, patches
 from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
 from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.scripts import assembly as scripts
-from sidmacib.engines.scripts.flatness import (
-    STILL,
-    PieceMotion,
-    check_flat,
-    contact_shift,
-    spurious_force,
-)
+from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved, nodes_off_sides
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
+from sidmacib.engines.sides import vertices_above
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
+from sidmacib.structure.blocks import box
+from sidmacib.structure.structure import structure
 
-SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-6, 12.0, 1e-3)
+SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-3, 12.0, 1e-3)
+RADII = 1e-3, 12.0  # m, of vertices and of flat sides
+PILE = [("low", 0.0), ("middle", 0.2), ("top", 0.4)]
 LAW = scripts.GivenMaterial(1e10, 1e10, 0.0, 8e4, 3.7e5)
 
 
@@ -67,7 +65,7 @@ def stack(tmp_path: Path) -> scripts.GivenAssembly:
 
 # --- LIGGGHTS' deck ------------------------------------------------------------------------------
 def test_the_handles_of_a_piece_have_its_mass_and_inertia(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, 0.12)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     for index in three.free:
         piece = three.pieces[index]
         rows = [deck.atoms.lines[atom - 1].split() for atom in deck.atoms.handles[index]]
@@ -95,19 +93,23 @@ def test_the_forces_on_the_handles_add_up_to_force_and_moment(
 def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
     three: scripts.GivenAssembly,
 ) -> None:
-    deck = LiggghtsDeck(three, SEARCH, 0.12)
-    centre = np.array([[float(v) for v in line.split()[2:5]] for line in deck.atoms.lines])
+    deck = LiggghtsDeck(three, SEARCH, RADII)
+    rows = [line.split() for line in deck.atoms.lines]
+    centre = np.array([[float(v) for v in row[2:5]] for row in rows])
+    radius = np.array([float(row[5]) / 2 for row in rows])
     for pair, node in zip(deck.atoms.spheres, three.nodes, strict=True):
-        below, above = centre[pair[0] - 1], centre[pair[1] - 1]
-        assert (below + above) / 2 == pytest.approx(np.array(node.position_m))
-        radius = deck.patch_radii[deck.patch_of[three.nodes.index(node)]]
-        assert np.linalg.norm(above - below) == pytest.approx(2 * radius)
-    for patch, radius in zip(deck.patches, deck.patch_radii, strict=True):
+        below, above = np.array(pair) - 1
+        normal, place = np.array(three.faces[node.face].normal), np.array(node.position_m)
+        assert centre[below] + radius[below] * normal == pytest.approx(place)
+        assert centre[above] - radius[above] * normal == pytest.approx(place)
+        point = above if node.vertex_above else below
+        assert radius[point] == pytest.approx(RADII[0])
+        assert radius[below + above - point] > 100 * RADII[0]
+    for patch in deck.patches:
         for one, other in itertools.permutations(patch.nodes, 2):
-            apart = np.linalg.norm(
-                centre[deck.atoms.spheres[one][0] - 1] - centre[deck.atoms.spheres[other][1] - 1]
-            )
-            assert apart > 2 * radius + 1e-6
+            below, above = deck.atoms.spheres[one][0] - 1, deck.atoms.spheres[other][1] - 1
+            apart = np.linalg.norm(centre[below] - centre[above])
+            assert apart > radius[below] + radius[above] + 1e-6
 
 
 def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
@@ -123,7 +125,7 @@ def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_
 
 
 def test_springs_are_as_stiff_as_their_nodes(three: scripts.GivenAssembly) -> None:
-    deck = LiggghtsDeck(three, SEARCH, 0.12)
+    deck = LiggghtsDeck(three, SEARCH, RADII)
     lines = [line.split() for line in deck.input_script() if line.startswith("bond_coeff")]
     assert len(lines) == sum(three.faces[node.face].cohesive for node in three.nodes)
     total = sum(2 * float(line[2]) for line in lines)  # the energy is coefficient * length^2
@@ -169,57 +171,90 @@ def test_utilisation_is_the_larger_of_shear_and_tension() -> None:
     assert utilisation((0.1 * shear, 0.0, 9 * tension), up, LAW, area) == pytest.approx(0.1)
 
 
-# --- flatness ------------------------------------------------------------------------------------
-def pressed(assembly: scripts.GivenAssembly) -> list[NodeForce]:
-    return [NodeForce(1.0, (0.0, 0.0, 0.0), False) for _ in assembly.nodes]
+def test_without_tensile_strength_only_more_than_rounding_breaks_a_bond() -> None:
+    law, up = replace(LAW, tensile_strength=0.0), (0.0, 0.0, 1.0)
+    assert utilisation((0.0, 0.0, -1e-12), up, law, 1e-4) < 1e-3
+    assert utilisation((0.0, 0.0, -1e-3), up, law, 1e-4) > 1.0
 
 
-def test_slip_parts_two_spheres_as_geometry_requires(stack: scripts.GivenAssembly) -> None:
-    # The exact distance of two spheres' centres, against what is taken of it to second order.
-    radius, slip, area, stiffness = 0.4, 1e-4, 0.04, 1e10
-    moved = [STILL, PieceMotion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
-    gap = math.hypot(slip, 2 * radius) - 2 * radius
-    found = spurious_force(stack, moved, [radius] * 2, pressed(stack))
-    assert found == pytest.approx(2 * gap * stiffness * area, rel=1e-3)  # two faces slip
+# --- motions -------------------------------------------------------------------------------------
+def shifted(*far: float) -> list[PieceMotion]:
+    """Motions of the pieces of a stack along x, from the lowest one up."""
+    return [PieceMotion((x, 0.0, 0.0), (0.0, 0.0, 0.0)) for x in far]
 
 
-def test_a_turn_moves_the_point_of_contact_of_two_spheres_as_geometry_requires(
-    stack: scripts.GivenAssembly,
+def test_what_has_moved_far_and_gains_speed_falls(stack: scripts.GivenAssembly) -> None:
+    fall = Fall(stack, 1e-2, [STILL] * 3)
+    ways = [1e-3, 3e-3, 6e-3, 10e-3, 15e-3]
+    assert [fall.sees(shifted(0.0, way, 0.0), 10) for way in ways] == [False] * 4 + [True]
+
+
+def test_what_has_moved_far_and_slows_down_may_come_to_rest(stack: scripts.GivenAssembly) -> None:
+    fall = Fall(stack, 1e-2, [STILL] * 3)
+    ways = [5e-3, 9e-3, 12e-3, 14e-3, 14.1e-3]
+    assert not any(fall.sees(shifted(0.0, 0.0, way), 10) for way in ways)
+
+
+def test_motions_count_from_the_last_equilibrium(stack: scripts.GivenAssembly) -> None:
+    assert not Fall(stack, 1e-2, shifted(0.0, 0.5, 0.5)).sees(shifted(0.0, 0.5, 0.509), 10)
+
+
+def test_a_spin_about_the_centroid_is_a_motion(stack: scripts.GivenAssembly) -> None:
+    spun = [STILL, STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))]
+    assert Fall(stack, 1e-2, [STILL] * 3).sees(spun, 10)
+
+
+def test_a_fall_that_the_load_does_no_work_on_is_a_drift(stack: scripts.GivenAssembly) -> None:
+    sideways = [STILL, STILL, PieceMotion((0.0, 0.02, 0.0), (0.0, 0.0, 0.0))]
+    for motions, outcome in ((shifted(0.0, 0.0, 0.02), "collapse"), (sideways, "drift")):
+        fall = Fall(stack, 1e-2, [STILL] * 3)
+        assert fall.sees(motions, 10)
+        assert fall.outcome(motions).value == outcome
+
+
+@pytest.mark.parametrize("nowhere", [math.nan, math.inf])
+def test_a_motion_that_is_no_number_ends_the_run(
+    stack: scripts.GivenAssembly, nowhere: float
 ) -> None:
-    # The middle of two spheres' centres, of which one turns about the node by a small angle.
-    radius, turn = 0.4, 1e-4
-    below = stack.pieces[1].centre_m[2]
-    turned = [STILL, PieceMotion((turn * below, 0.0, 0.0), (0.0, turn, 0.0)), STILL]
-    middle = radius * math.sin(turn) / 2
-    found = contact_shift(stack, turned, [radius] * 2, pressed(stack))
-    assert found == pytest.approx(middle / 0.1)  # over half the width of the stack
-    with pytest.raises(SystemExit, match=r"contacts move by 0\.12 of half a face"):
-        large = [STILL, PieceMotion((0.0, 0.0, 0.0), (0.0, 6e-2, 0.0)), STILL]
-        only_last = [NodeForce(float(n.face), (0.0, 0.0, 0.0), False) for n in stack.nodes]
-        check_flat(stack, large, [0.4] * 2, only_last, 1e12)
-
-
-def test_a_peak_on_round_contacts_ends_with_a_reason(stack: scripts.GivenAssembly) -> None:
-    def at(slip: float) -> None:
-        moved = [STILL, PieceMotion((slip, 0.0, 0.0), (0.0, 0.0, 0.0)), STILL]
-        check_flat(stack, moved, [0.4] * 2, pressed(stack), 100.0)
-
-    # Two faces of 4e8 N/m, a load of 157 N (the weight): 0.1 of it at slip^2 / 1.6 m = 2e-8 m.
-    at(1.7e-4)
-    with pytest.raises(SystemExit, match=r"spurious forces are 0\.11 of the load"):
-        at(1.9e-4)
-
-
-@pytest.mark.parametrize("displacement", [math.nan, math.inf, -math.inf])
-def test_a_displacement_that_is_no_number_ends_the_run(displacement: float) -> None:
     with pytest.raises(SystemExit, match="diverged"):
-        SEARCH.collapsed(displacement, 12.0)
+        Fall(stack, 1e-2, [STILL] * 3).sees(shifted(0.0, 0.0, nowhere), 10)
 
 
-def test_collapse_is_a_displacement_beyond_the_limit_to_either_side() -> None:
-    assert SEARCH.collapsed(1.01e-4, 100.0) and SEARCH.collapsed(-1.01e-4, 100.0)
-    assert not SEARCH.collapsed(0.99e-4, 100.0)
-    assert not SEARCH.collapsed(1.1e-5, 0.0)  # next to no load: that of the first increment
+def test_a_point_moves_on_a_circle_however_far_its_piece_turns() -> None:
+    quarter = PieceMotion((0.0, 0.0, 1.0), (0.0, 0.0, math.pi / 2))
+    assert moved((3.0, 0.0, 0.0), (1.0, 0.0, 0.0), quarter) == pytest.approx([-2.0, 2.0, 1.0])
+
+
+def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssembly) -> None:
+    width = max(node.position_m[0] for node in stack.nodes) * 2
+    assert nodes_off_sides(stack, shifted(0.0, 0.0, 0.04 * stack.length_m)) == []
+    upper = [n for n, node in enumerate(stack.nodes) if node.face == 1]
+    off = nodes_off_sides(stack, shifted(0.0, 0.0, width / 4))
+    assert off and set(off) < set(upper)
+    assert nodes_off_sides(stack, shifted(0.0, 0.0, 1.4 * width)) == upper
+    assert nodes_off_sides(stack, shifted(0.0, width, width)) != upper  # they move as one
+
+
+# --- vertices and sides --------------------------------------------------------------------------
+def test_the_piece_whose_corner_a_node_is_brings_the_vertex() -> None:
+    ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3)
+    small = box("small", (-0.2, -0.2, 0.0), (0.2, 0.2, 0.3), 2e3)
+    slab = box("slab", (-0.6, -0.6, 0.3), (0.6, 0.6, 0.5), 2e3, fixed=True)
+    assembly = structure([ground, small, slab], dry(0.5))
+    above = vertices_above(assembly)
+    for number, face in enumerate(assembly.faces):
+        brought = {
+            face.above if one else face.below for one in above[assembly.nodes.face == number]
+        }
+        assert brought == {1}
+
+
+def test_between_two_corners_the_flat_side_is_the_fixed_ones() -> None:
+    blocks = [box(n, (0.0, 0.0, z), (0.4, 0.4, z + 0.2), 2e3, fixed=z == 0.0) for n, z in PILE]
+    assembly = structure(blocks, dry(0.5))
+    above = vertices_above(assembly)
+    fixed_below = np.array([assembly.pieces[face.below].fixed for face in assembly.faces])
+    assert (above == fixed_below[assembly.nodes.face]).all()
 
 
 # --- records -------------------------------------------------------------------------------------

@@ -15,13 +15,13 @@ from sidmacib.engines import ENGINES
 from sidmacib.engines.execute import EngineNoAnswerError
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
-from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout
+from sidmacib.mechanics.assembly import Assembly, FaceMaterial, Loads, NodeLayout, Vector
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration
 from sidmacib.structure.locks import ALL, Condensed, Locks
 from sidmacib.structure.structure import structure
@@ -127,6 +127,82 @@ def test_an_arch_carries_what_the_static_model_says(
     problem = pushed(structure(arch(5, 0.25), law))
     expected, outcome = static_peak(*problem), found("yade", problem, tmp_path)
     assert outcome.path[-1].load == pytest.approx(expected.peak.load, rel=close)
+
+
+# --- blocks that move far ------------------------------------------------------------------------
+def on_the_ground(width: float, height: float, law: FaceMaterial, far: float = 2.0) -> Assembly:
+    """A block, a third of a metre deep, on a fixed one that ends ``far`` (m) from its middle."""
+    return structure(
+        [
+            box("ground", (-2.0, -1.0, -0.2), (far, 1.0, 0.0), 2e3, fixed=True),
+            box("block", (-width / 2, -0.15, 0.0), (width / 2, 0.15, height), 2e3),
+        ],
+        law,
+    )
+
+
+def tilted_until_it_falls(engine: str, model: Assembly, axis: Vector, folder: Path) -> float:
+    """The tilt (degrees) at which an engine sees ``model`` fall."""
+    problem = Problem(model, tilting(model, Tilt(axis)))
+    return tilt_of_load(found(engine, problem, folder).path[-1].load, problem.loads.scale)
+
+
+@pytest.mark.engine
+def test_a_block_pushed_at_its_centroid_rocks_at_its_weight_times_the_slope_of_its_diagonal(
+    engine: str, tmp_path: Path
+) -> None:
+    model = on_the_ground(0.3, 0.6, dry(2.0))
+    outcome = found(engine, Problem(model, acceleration(model, (1.0, 0.0, 0.0))), tmp_path)
+    # F = W tan(alpha - theta), at its start.
+    assert outcome.path[-1].load == pytest.approx(model.pieces[1].weight * 0.3 / 0.6, rel=0.01)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("far", [0.1, 0.05])
+def test_a_block_that_juts_out_over_an_edge_turns_over_it(
+    engine: str, far: float, tmp_path: Path
+) -> None:
+    model = on_the_ground(0.4, 0.4, dry(2.0), far)
+    # The ground's edge is the vertex here, and the block's underside the flat side.
+    expected = math.degrees(math.atan(far / 0.2))
+    angle = tilted_until_it_falls(engine, model, (0.0, -1.0, 0.0), tmp_path)
+    assert angle == pytest.approx(expected, abs=0.2)
+
+
+def in_a_groove(friction: float, above: tuple[tuple[float, float], ...]) -> Assembly:
+    """A block in a groove along y, its flanks 30 degrees from the horizontal, as in type c.
+
+    ``above``: corners (m) of the block, x and z, besides those on the flanks.
+    """
+    rise = math.tan(math.radians(30.0))
+    left = ((-1.0, rise), (0.0, 0.0), (0.0, -0.5), (-1.0, -0.5))
+    bases = {
+        "left": left,
+        "right": tuple((-x, z) for x, z in left),
+        "block": ((0.0, 0.0), (1.0, rise), *above, (-1.0, rise)),
+    }
+    blocks = [
+        prism(n, [(x, 0.0, z) for x, z in base], (0.0, 1.0, 0.0), 2e3, fixed=n != "block")
+        for n, base in bases.items()
+    ]
+    return structure(blocks, dry(friction))
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize(
+    ("friction", "above"),
+    # The last one rocks first, and its rotation wedges it: small rotations say 35 degrees.
+    [(0.2, ()), (0.5, ()), (0.84, ((1.0, 1.8382), (-1.0, 1.8382)))],
+)
+def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_cosine(
+    friction: float, above: tuple[tuple[float, float], ...], tmp_path: Path
+) -> None:
+    model = in_a_groove(friction, above)
+    expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
+    if above:
+        assert static_tilt(model, Tilt((1.0, 0.0, 0.0))).angle < 0.9 * expected
+    angle = tilted_until_it_falls("yade", model, (1.0, 0.0, 0.0), tmp_path)
+    assert angle == pytest.approx(expected, abs=0.4)
 
 
 # --- what is written for the engines ------------------------------------------------------------

@@ -19,16 +19,16 @@ class Numerics:
     # whether the search starts near the result of the static model
     guided: bool = True
     # over the loads' scale, where it does not
-    first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.05
+    first_increment: Annotated[float, Number(above=0, at_most=1)] = 0.02
     # time in which the whole load is raised, and the longest wait for equilibrium after an
     # increment, both over the longest natural period of the unbroken assembly
     ramp_periods: Annotated[float, Number(at_least=1, at_most=1000)] = 40.0
-    hold_periods: Annotated[float, Number(at_least=1, at_most=100_000)] = 400.0
+    hold_periods: Annotated[float, Number(at_least=1, at_most=100_000)] = 4000.0
     # mean unbalanced force on a piece over the load; less is equilibrium
     unbalanced_ratio: Annotated[float, Number(at_least=1e-9, at_most=0.01)] = 1e-4
-    # displacement over that of the unbroken assembly under the same load, with dry faces no stiffer
-    # than inner ones; more is failure
-    collapse_ratio: Annotated[float, Number(at_least=5, at_most=10_000)] = 200.0
+    # displacement since the last equilibrium over the mean size of pieces; what has moved further,
+    # and moves ever faster, falls
+    collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.02
     # share of the unbalanced force that is removed
     damping: Share = 0.4
     # over the largest stable time step

@@ -17,6 +17,7 @@ import jinja2.meta
 from sidmacib.engines.engine import Engine
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
+from sidmacib.engines.sides import sides, vertices_above
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -29,17 +30,14 @@ from sidmacib.mechanics.assembly import (
     Rectangle,
 )
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.mechanics.springs import compliance, natural_frequencies
+from sidmacib.mechanics.springs import natural_frequencies
 
 DATA_FILE = "joint.json"
 MODULES = Path(__file__).parent
 TEMPLATES = Path(__file__).parents[2] / "templates"
-# Of contact spheres, over the length of a lock. Pieces with ductile bonds slip further before they
-# give way, and roundness counts with the square of the slip; see scripts/flatness.py.
-FLAT_RADIUS = {Failure.BRITTLE: 2, Failure.DUCTILE: 6}
-# Times that, over the mean size of blocks. These rock, which spheres follow the better the smaller
-# they are: peaks of a trilith and an arch were the same from 0.05 to 0.25, and 1.8 % too high at 1.
-OF_BLOCKS = 0.1
+# Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
+# contacts together, and by the slip over the large one a normal turns.
+POINT, FLAT = 0.01, 1000.0
 ENVIRONMENT = jinja2.Environment(
     loader=jinja2.FileSystemLoader(TEMPLATES),
     undefined=jinja2.StrictUndefined,
@@ -99,17 +97,17 @@ def _rigid_pieces_in_time(
 ) -> dict[str, float | int | bool]:
     """Additional data for rigid pieces that move in time on contact spheres."""
     blocks = not all(isinstance(piece, Cuboid) for piece in assembly.pieces)
-    share = OF_BLOCKS if blocks else 1.0
     frequencies = natural_frequencies(assembly)
     time_step = numerics.time_step_ratio * 2.0 / float(frequencies[-1])
     period_steps = 2.0 * math.pi / float(frequencies[0]) / time_step
     return {
-        "flat_radius_m": FLAT_RADIUS[assembly.failure] * assembly.length * share,
+        "point_m": POINT * assembly.length,
+        "flat_m": FLAT * assembly.length,
         "time_step_s": _rounded(time_step),
         "period_steps": _rounded(period_steps),
         "ramp_steps": math.ceil(numerics.ramp_periods * period_steps),
         "hold_steps": math.ceil(numerics.hold_periods * period_steps),
-        "collapse_m_per_N": _rounded(numerics.collapse_ratio * compliance(assembly, loads)),
+        "collapse_m": numerics.collapse_share * assembly.length,
         "damping": numerics.damping,
         "gradual": blocks,
         "unbalanced_ratio": numerics.unbalanced_ratio,
@@ -127,7 +125,9 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
             _piece(piece, permanent)
             for piece, permanent in zip(assembly.pieces, loads.permanent, strict=True)
         ],
-        "faces": [_face(face, names[face.material]) for face in assembly.faces],
+        "faces": [
+            _face(face, names[face.material]) | sides(assembly, face) for face in assembly.faces
+        ],
         "loads": [
             {"piece": index, "force": load[:3].tolist(), "moment_m": load[3:].tolist()}
             for index, load in enumerate(loads.variable)
@@ -135,12 +135,14 @@ def assembly_data(assembly: Assembly, loads: Loads) -> dict[str, Any]:
         ],
         "axis": loads.axis and list(loads.axis),
         "sides": [{**asdict(side), "wrench": list(side.wrench)} for side in loads.sides],
+        "length_m": assembly.length,
         "mesh_m": assembly.mesh if math.isfinite(assembly.mesh) else None,
         "layout": str(assembly.layout),
         "nodes": {
             "face": assembly.nodes.face.tolist(),
             "position_m": assembly.nodes.position.tolist(),
             "area_m2": assembly.nodes.area.tolist(),
+            "vertex_above": vertices_above(assembly).tolist(),
         },
     }
 

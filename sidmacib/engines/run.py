@@ -8,6 +8,7 @@ from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import write_script
 from sidmacib.engines.scripts.assembly import Guide
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Failure, Kind
+from sidmacib.mechanics.springs import compliance
 from sidmacib.model import Ability
 from sidmacib.problem import Problem
 
@@ -27,6 +28,8 @@ def run_engine(
     Raises `EngineError` if the engine cannot compute such an assembly, or ends without a result.
     """
     if reason := refusal(engine, problem.assembly):
+        raise EngineNoAnswerError(f"{engine.name}: {reason}")
+    if not engine.elastic and (reason := _soft_contacts(problem, numerics)):
         raise EngineNoAnswerError(f"{engine.name}: {reason}")
     write_script(engine, *problem, numerics, title, folder, guide)
     execute(engine, folder, time_limit)
@@ -50,6 +53,17 @@ def refusal(engine: Engine, assembly: Assembly) -> str | None:
         return "pieces are elastic; this engine models only rigid pieces"
     reasons = (_bond_refusal(engine, face) for face in assembly.faces if face.kind is Kind.INNER)
     return next(filter(None, reasons), None)
+
+
+def _soft_contacts(problem: Problem, numerics: Numerics) -> str | None:
+    """Why the contacts are too soft for distinct elements; None if they are not."""
+    moved = compliance(*problem) * problem.loads.scale / problem.assembly.length
+    if moved <= numerics.collapse_share:
+        return None
+    return (
+        f"contacts are so soft that the load moves the pieces by {moved:.2g} of their size; this "
+        f"engine takes more than {numerics.collapse_share:g} for a collapse"
+    )
 
 
 def _structure_refusal(engine: Engine, assembly: Assembly) -> str | None:

@@ -71,7 +71,7 @@ def within(results: Path) -> str:
     rows = []
     for what, ours, theirs, near in (
         ("static model, 3DEC", "static_degrees", "threedec_degrees", 1.5),
-        ("YADE, 3DEC", "yade_degrees", "threedec_degrees", 2.0),
+        ("YADE, 3DEC", "yade_degrees", "threedec_degrees", 0.5),
         ("YADE, static model", "yade_degrees", "static_degrees", 0.5),
         (
             "relaxation with finite rotations, 3DEC",

@@ -1,8 +1,9 @@
 """An assembly as LIGGGHTS' atoms and commands.
 
-Every piece is a rigid body. Every contact node is a pair of large spheres, one in each piece, which
-touch nobody else. At inner faces two more atoms, both at the node, are joined by a spring of length
-zero; when the spring is cut, the spheres come into play.
+Every piece is a rigid body. Every contact node is a pair of spheres, one in each piece, which touch
+nobody else: a small one in the piece that brings the vertex, a large one in that of the flat side.
+At inner faces two more atoms, both at the node, are joined by a spring of length zero; when the
+spring is cut, the spheres come into play.
 """
 
 import math
@@ -46,22 +47,24 @@ def reach(piece: GivenPiece) -> float:
 
 @dataclass(frozen=True)
 class Patch:
-    """The nodes of one face, by index, that have the same area (m2).
+    """The nodes of one face, by index, that have the same area (m2), and vertices of one piece.
 
     A contact's stiffness is a property of the types of its atoms, and so of a patch.
     """
 
     face: int
     area_m2: float
+    vertex_above: bool
     nodes: tuple[int, ...]
 
 
 def patches(assembly: GivenAssembly) -> list[Patch]:
     """The patches of all faces, in the order of their first nodes."""
-    found: dict[tuple[int, float], list[int]] = {}
+    found: dict[tuple[int, float, bool], list[int]] = {}
     for number, node in enumerate(assembly.nodes):
-        found.setdefault((node.face, float(f"{node.area_m2:.9g}")), []).append(number)
-    return [Patch(face, area, tuple(nodes)) for (face, area), nodes in found.items()]
+        key = node.face, float(f"{node.area_m2:.9g}"), node.vertex_above
+        found.setdefault(key, []).append(number)
+    return [Patch(*key, tuple(nodes)) for key, nodes in found.items()]
 
 
 def pitch(places: Sequence[Vector]) -> float:
@@ -75,11 +78,11 @@ def pitch(places: Sequence[Vector]) -> float:
     return least
 
 
-def sphere_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) -> list[float]:
-    """Radius of the contact spheres of each patch (m), at most ``largest``.
+def flat_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) -> list[float]:
+    """Radius of the large spheres of each patch (m), at most ``largest``.
 
-    Spheres that face each other at different nodes have a gap of pitch^2 / (4 radius): twice what
-    the face is pressed together by the largest strength of a face.
+    From the small spheres of other nodes they have a gap of pitch^2 / (2 radius): twice what the
+    face is pressed together by the largest strength of a face.
     """
     area = [0.0] * len(assembly.faces)
     for node in assembly.nodes:
@@ -90,7 +93,7 @@ def sphere_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float
         stiffness = assembly.faces[patch.face].material.normal_stiffness
         pressed = force / (stiffness * area[patch.face])
         apart = pitch([assembly.nodes[node].position_m for node in patch.nodes])
-        result.append(min(largest, apart**2 / (8 * pressed)))
+        result.append(min(largest, apart**2 / (4 * pressed)))
     return result
 
 
@@ -122,13 +125,14 @@ class LiggghtsDeck:
     """LIGGGHTS' atoms and input script for an assembly without load."""
 
     def __init__(
-        self, assembly: GivenAssembly, search: GivenSearch, radius: float, gradual: bool = False
+        self, assembly: GivenAssembly, search: GivenSearch, radii: Vector, gradual: bool = False
     ) -> None:
-        """``radius``: of contact spheres, at most; ``gradual``: see `engines.liggghts.run`."""
+        """``radii``: of vertices and, at most, of flat sides, m; ``gradual``: see `.run`."""
         self.assembly, self.search = assembly, search
         # Steps in which the permanent loads are raised; 0: they act at once.
         self.permanent_ramp = search.ramp(assembly.permanent_N, 0.0) if gradual else 0
-        self.drag = DRAG_OF_BLOCKS if gradual else DRAG
+        critical = 4 * math.pi / (search.period_steps * search.time_step_s)
+        self.drag = (DRAG_OF_BLOCKS if gradual else DRAG) * critical  # force over momentum, 1/s
         free = assembly.free
         # Types of atoms: one for the handles of each free piece, one that touches nothing, and two
         # for each patch, below and above, that touch each other.
@@ -141,8 +145,7 @@ class LiggghtsDeck:
             for patch in range(len(self.patches))
         ]
         self.types = self.lone + 2 * len(self.patches)
-        self.largest_radius = radius
-        self.patch_radii = sphere_radii(assembly, self.patches, radius)
+        self.point, self.flat_radii = radii[0], flat_radii(assembly, self.patches, radii[1])
         self.reach = [reach(piece) for piece in assembly.pieces]
         self.atoms = self._build()
         self.bond = {node: number for number, node in enumerate(self.atoms.ends, start=1)}
@@ -162,12 +165,12 @@ class LiggghtsDeck:
         light = 1e-9 * min(piece.mass_kg for piece in assembly.pieces)
         for number, node in enumerate(assembly.nodes):
             face, patch = assembly.faces[node.face], self.patch_of[number]
-            radius, lone = self.patch_radii[patch], (self.lone, self.lone)
+            radii, lone = node.radii(self.point, self.flat_radii[patch]), (self.lone, self.lone)
             types = lone if face.cohesive else self.patch_types[patch]
             below, above = (
-                atoms.add(kind, plus(node.position_m, face.normal, shift), radius, light, piece)
-                for kind, piece, shift in zip(
-                    types, (face.below, face.above), (-radius, radius), strict=True
+                atoms.add(kind, plus(node.position_m, face.normal, sign * r), r, light, piece)
+                for kind, piece, sign, r in zip(
+                    types, (face.below, face.above), (-1, 1), radii, strict=True
                 )
             )
             atoms.spheres.append((below, above))
@@ -196,7 +199,7 @@ class LiggghtsDeck:
     def data_file(self, title: str) -> str:
         """Text of the file of atoms and bonds."""
         atoms, nodes = self.atoms, self.assembly.nodes
-        margin = 4 * self.largest_radius + max(self.reach[piece] for piece in self.assembly.free)
+        margin = 4 * max(self.flat_radii) + max(self.reach[piece] for piece in self.assembly.free)
         lines = [f"{title}\n", f"{len(atoms.lines)} atoms", f"{len(atoms.bonds)} bonds"]
         lines += [f"{self.types} atom types", f"{max(1, len(atoms.bonds))} bond types\n"]
         for axis, name in enumerate("xyz"):
@@ -340,19 +343,16 @@ class LiggghtsDeck:
 
     def _bodies(self) -> Iterator[str]:
         """The drag, the rigid bodies, and the variables of their motion."""
-        search, pieces, free = self.search, self.assembly.pieces, self.assembly.free
-        rate = 2 * self.drag * 2 * math.pi / (search.period_steps * search.time_step_s)
-        scales = " ".join(
-            f"scale {self.handle_type[piece]} {rate * pieces[piece].mass_kg / 6:.12g}"
-            for piece in free
-        )
-        yield f"fix drag handles viscous 1.0 {scales}"
+        pieces, free = self.assembly.pieces, self.assembly.free
+        for name in "xyz":
+            yield f"variable drag_{name} atom -v_load_drag*mass*v{name}"
+        yield "fix drag handles addforce v_drag_x v_drag_y v_drag_z"
         yield "fix bodies free rigid molecule"
         yield "thermo 1000000"
         yield "thermo_modify lost error"
         for number, piece in enumerate(free, start=1):
             for axis in (1, 2, 3):  # the net force, but for the drag
-                drag = f"{rate * pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
+                drag = f"v_load_drag*{pieces[piece].mass_kg!r}*f_bodies[{number}][{3 + axis}]"
                 yield f"variable f{number}_{axis} equal f_bodies[{number}][{6 + axis}]+{drag}"
             for atom in self.atoms.handles[piece]:
                 for name in "xyz":
@@ -360,14 +360,7 @@ class LiggghtsDeck:
         # The last of all: a variable that is set anew moves there, and fixes know them by number.
         yield from (f"variable load_{name} equal 0.0" for name in ("before", "rise", "start"))
         yield "variable load_ramp equal 1.0"  # steps
-
-    @property
-    def radii(self) -> list[float]:
-        """Radius (m) of the smallest contact spheres of each face."""
-        least = [math.inf] * len(self.assembly.faces)
-        for patch, radius in zip(self.patches, self.patch_radii, strict=True):
-            least[patch.face] = min(least[patch.face], radius)
-        return least
+        yield f"variable load_drag equal {self.drag!r}"  # 1/s
 
     @property
     def place_variables(self) -> list[str]:

@@ -41,7 +41,7 @@ LIGGGHTS = Engine(
     reads=frozenset(
         {
             *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
-            *("unbalanced_ratio", "collapse_ratio", "time_step_ratio", "ranks"),
+            *("unbalanced_ratio", "collapse_share", "time_step_ratio", "ranks"),
         }
     ),
 )

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..scripts.assembly import Vector, dot, length, plus, utilisation
-from ..scripts.flatness import STILL, PieceMotion, check_flat
+from ..scripts.motion import STILL, Fall, PieceMotion, nodes_off_sides
 from ..scripts.next_failure import most_used
 from ..scripts.records import EngineOutcome, History, NodeForce
 from .deck import LiggghtsDeck
@@ -13,7 +13,9 @@ from .process import LiggghtsProcess
 
 INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
-PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
+SOON = 0.05  # of the longest wait: what moves then still goes on against less drag, and so faster
+LESS_DRAG = 0.1
+LOOKS = 10  # at least, in every time as long as all that was waited before
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ class LiggghtsModel:
     def _start(self) -> None:
         self.engine, self.load = LiggghtsProcess(self.ranks), 0.0
         self.cut_nodes: set[int] = set()
+        self.lost: set[int] = set()  # nodes whose vertex has left the side that it touched
+        self.fall = Fall(self.assembly, self.search.collapse_m, [STILL] * len(self.assembly.pieces))
         self.engine.send(f"include {INPUT_SCRIPT}")
         self._run(0)
 
@@ -87,15 +91,6 @@ class LiggghtsModel:
         for event in self.events:
             self._do(event)
 
-    def replayed(self, events: Sequence[Event]) -> list[float]:
-        """Do all of that while an equilibrium follows; displacements (m) at the equilibria."""
-        found = []
-        for event in events:
-            if self._new(event) is not EngineOutcome.EQUILIBRIUM:
-                break
-            found.append(self.displacement())
-        return found
-
     def _new(self, event: Event) -> EngineOutcome:
         self.history.attempts += 1
         self.events.append(event)
@@ -109,27 +104,28 @@ class LiggghtsModel:
         if self.engine.steps < self.deck.permanent_ramp:
             ramp = max(ramp, self.deck.permanent_ramp)
         self._set_load(self.load, load - self.load, ramp)
-        for steps in (*[self.slice] * (ramp // self.slice), ramp % self.slice):
-            self._run(steps)
-            if self._gives_way(load):
-                return EngineOutcome.COLLAPSE
+        self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
+        for done in range(0, ramp, self.slice):
+            if self._falls(min(self.slice, ramp - done)):
+                return self.fall.outcome(self.motions())
         self.load = load
-        self._set_load(load, 0.0, ramp)
-        return self._waits(PATIENCE)
+        self._set_load(load)
+        return self._waits()
 
-    def _set_load(self, load: float, rise: float, ramp: int) -> None:
-        """Have the load (N) rise smoothly from ``load`` by ``rise``, in ``ramp`` steps from now."""
-        start = self.engine.steps
+    def _set_load(self, load: float, rise: float = 0, ramp: int = 1, drag: float = 1) -> None:
+        """Have the load (N) rise from ``load`` by ``rise`` in ``ramp`` steps, against some drag."""
         values = {
             "load_before": load,
             "load_rise": rise,
-            "load_start": start,
+            "load_start": self.engine.steps,
             "load_ramp": float(ramp),
+            "load_drag": drag * self.deck.drag,
         }
         self.engine.send(*(f"variable {name} equal {value!r}" for name, value in values.items()))
 
     def _cut(self, nodes: Iterable[int]) -> EngineOutcome:
         self.cut_nodes |= set(nodes)
+        self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         commands = []
         for node in nodes:
             commands.append(f"bond_coeff {self.deck.bond[node]} 0.0 0.0")
@@ -140,31 +136,49 @@ class LiggghtsModel:
             ]
         self.engine.send(*commands)
         self.engine.fresh = True
-        return self._waits(1, SWING)
+        return self._waits(SWING)
 
-    def _waits(self, patience: int, swing: float = math.inf) -> EngineOutcome:
+    def _waits(self, swing: float = math.inf) -> EngineOutcome:
         """Wait for the outcome.
 
         No longer than until a bond is overstressed by more than it may swing back by: ``swing``
         times the unbalanced ratio.
         """
-        for _ in range(patience * math.ceil(self.search.hold_steps / self.slice)):
-            self._run(self.slice)
-            if self._gives_way(self.load):
-                return EngineOutcome.COLLAPSE
+        waited = 0
+        while waited < self.search.hold_steps:
+            if waited > SOON * self.search.hold_steps:
+                self._set_load(self.load, drag=LESS_DRAG)
+            steps = max(self.slice, waited // LOOKS)
+            if self._falls(steps):
+                return self.fall.outcome(self.motions())
             unbalanced = self.unbalanced_ratio(self.load)
             if unbalanced < self.search.unbalanced_ratio:
                 return EngineOutcome.EQUILIBRIUM
             if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
                 return EngineOutcome.OVERSTRESSED
-        return EngineOutcome.UNSETTLED
+            waited += steps
+        return self.fall.at_last(self.motions())
 
     def _run(self, steps: int) -> None:
         self.engine.run(steps)
         self.history.time_steps += steps
 
-    def _gives_way(self, load: float) -> bool:
-        return self.search.collapsed(self.displacement(), load)
+    def _falls(self, steps: int) -> bool:
+        """Advance by ``steps`` of time; whether a piece falls."""
+        self._run(steps)
+        motions = self.motions()
+        falls = self.fall.sees(motions, steps)
+        if self.fall.went_on():
+            self._lose(nodes_off_sides(self.assembly, motions))
+        return falls
+
+    def _lose(self, nodes: list[int]) -> None:
+        """Let nodes touch no more."""
+        lost = set(nodes) - self.lost
+        self.lost |= lost
+        spheres = [atom for node in sorted(lost) for atom in self.deck.atoms.spheres[node]]
+        self.engine.send(*(f"set atom {atom} type {self.deck.lone}" for atom in spheres))
+        self.engine.fresh = self.engine.fresh or bool(lost)
 
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:
@@ -237,7 +251,3 @@ class LiggghtsModel:
         nodes = self.node_forces()
         self.history.record(load, stage, self.displacement(), self.unbalanced_ratio(load), nodes)
         return nodes
-
-    def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason if contact spheres no longer represent flat faces."""
-        check_flat(self.assembly, self.motions(), self.deck.radii, nodes, self.load)

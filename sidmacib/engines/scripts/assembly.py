@@ -62,6 +62,8 @@ class GivenFace:
 
     ``size_m``: of a rectangle along the axes, along x, y and z. A face of another outline or in
     another direction has ``tangents``, two unit vectors; its size is along the normal and these.
+    ``edges_below``, ``edges_above``: of the two pieces' sides there, each a unit vector across it,
+    outwards, and its distance (m) from the origin in this direction.
     """
 
     name: str
@@ -72,6 +74,8 @@ class GivenFace:
     size_m: Vector
     material: GivenMaterial
     tangents: Sequence[Vector] = ()
+    edges_below: Sequence[Vector] = ()
+    edges_above: Sequence[Vector] = ()
 
     @property
     def cohesive(self) -> bool:
@@ -105,16 +109,24 @@ class GivenSideLoad:
 
 @dataclass(frozen=True)
 class Node:
-    """A contact node: index of its face, position in m, tributary area in m2."""
+    """A contact node: index of its face, position in m, tributary area in m2.
+
+    It is a vertex of one piece on the flat side of the other: of the one above if ``vertex_above``.
+    """
 
     face: int
     position_m: Vector
     area_m2: float
+    vertex_above: bool
+
+    def radii(self, point: float, flat: float) -> tuple[float, float]:
+        """Radii (m) of the spheres below and above: of a ``point`` and of a ``flat`` side."""
+        return (flat, point) if self.vertex_above else (point, flat)
 
 
 @dataclass(frozen=True)
 class GivenAssembly:
-    """Pieces that meet across faces with nodes, and the loads on them.
+    """Pieces that meet across faces with nodes, and the loads on them; ``length_m``: mean size.
 
     ``axis``: a unit vector if gravity turns: what always acts turns about it, by the load over
     `permanent_N` in radians. For elastic pieces only: ``sides``, the parts of the loads that act on
@@ -126,6 +138,7 @@ class GivenAssembly:
     faces: list[GivenFace]
     nodes: list[Node]
     loads: list[PieceLoad]
+    length_m: float
     axis: Vector | None = None
     sides: Sequence[GivenSideLoad] = ()
     mesh_m: float | None = None
@@ -193,7 +206,7 @@ class GivenSearch:
     ``ramp_steps``: time steps in which the whole load is raised; ``hold_steps``: of the longest
     wait for equilibrium after an increment; ``period_steps``: of the assembly's longest natural
     period. ``unbalanced_ratio``: mean unbalanced force on a piece over the load, at equilibrium.
-    ``collapse_m_per_N``: displacement over load at which the assembly has failed. ``tolerance``:
+    ``collapse_m``: what has moved so far since then, and ever faster, falls. ``tolerance``:
     last increment over the peak. ``guide``: where the search starts, if known.
     ``half_turn_N``: the load at which gravity that turns has done so by 180 degrees, the last one.
     """
@@ -203,7 +216,7 @@ class GivenSearch:
     ramp_steps: int
     hold_steps: int
     unbalanced_ratio: float
-    collapse_m_per_N: float
+    collapse_m: float
     first_increment_N: float
     tolerance: float
     guide: Guide | None = None
@@ -231,12 +244,6 @@ class GivenSearch:
         part = min(1.0, max(LEAST_RAMP, math.sqrt(share)))
         return max(1, math.ceil(part * self.ramp_steps))
 
-    def collapsed(self, displacement: float, load: float) -> bool:
-        """Whether a displacement (m) is too large for a load (N); exits if it is no number."""
-        if not math.isfinite(displacement):
-            raise SystemExit(f"the computation has diverged: displacement {displacement} m")
-        return abs(displacement) > self.collapse_m_per_N * max(load, self.first_increment_N)
-
 
 def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> GivenAssembly:
     """The assembly of a data file, with the materials that its faces name."""
@@ -249,6 +256,7 @@ def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> GivenAss
         faces,
         nodes,
         [PieceLoad(**load) for load in data["loads"]],
+        data["length_m"],
         data["axis"],
         [GivenSideLoad(**side) for side in data["sides"]],
         data["mesh_m"],

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 AT_ONCE = 0.9  # of the way to a load at which something is expected: so far in one go
 APART = 0.05  # of the load, between equilibria that give a slope
-AWAY = 1.05  # times a load that did not settle: pieces that really give way move off there
+BEYOND = 0.01  # of a load at which something is expected: further on, nothing is any more
 HALF = 0.5  # of such a load: a stop on the way, as displacements do not grow quite in proportion
 STOPS = (HALF, AT_ONCE, 0.97, 0.99)  # of a load at which something is expected
 STRIDE = 2.0  # over the tolerance, the increment near a load at which something is expected

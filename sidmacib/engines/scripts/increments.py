@@ -6,13 +6,11 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from .assembly import GivenSearch, Guide
-from .extrapolation import AWAY, STOPS, STRIDE
+from .extrapolation import BEYOND, STOPS, STRIDE
 from .records import EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
-BEYOND = 0.01  # of such a load: further on, nothing is expected any more
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
-STEPS = 10  # to a load that is known
 
 
 class RaisedModel(Protocol):
@@ -26,14 +24,8 @@ class RaisedModel(Protocol):
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
 
-    def displacement(self) -> float:
-        """The displacement that the load works on, in m."""
-
     def node_forces(self) -> Sequence[NodeForce]:
         """Forces of all nodes, in their order."""
-
-    def check_flat(self, load: float) -> None:
-        """End with a reason if its contacts no longer represent flat faces."""
 
     def keep(self) -> None:
         """Keep the present state."""
@@ -96,8 +88,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     on by small increments. Without, the increment grows until the assembly fails. From then on
     every failure is taken back to the last equilibrium and halves the increment, so that the last
     one, which decides, is small and slow, whatever was expected. The first node that fails is
-    looked for in the same way, before the load goes on. Just above the peak pieces may move off so
-    slowly that nobody sees it: then `AWAY` times that load decides. Exits with a reason where the
+    looked for in the same way, before the load goes on. Exits with a reason where the
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
     if model.raised(0.0, 0.0, (0.0, 1.0)) is not EngineOutcome.EQUILIBRIUM:
@@ -121,8 +112,6 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
                 break
             print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:
-                if outcome is EngineOutcome.UNSETTLED and not breaks:
-                    outcome = _beyond(model, start, load)
                 mode = failure_mode(outcome, breaks, load)
                 if first_failure is None and breaks:
                     first_failure = start
@@ -134,33 +123,6 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
         bracket.carries(load)
         if first:  # the first failure is found: on to the peak
             first_failure, bracket = load, bracket.towards_the_peak(guide)
-        model.check_flat(load)
         print(f"{load:12.4f} N stands", flush=True)
         if reason := search.endless(load):
             raise NoAnswerError(reason)
-
-
-def _beyond(model: RaisedModel, start: float, load: float) -> EngineOutcome:
-    """Outcome above a ``load`` (N) at which no bond broke and the pieces did not settle.
-
-    ``start``: the load (N) of the state that is kept.
-    """
-    model.go_back()
-    broken = model.broken()
-    outcome = model.raised(start, AWAY * load, (1.0, 1.0))
-    return EngineOutcome.UNSETTLED if model.breakable and model.broken() > broken else outcome
-
-
-def displacements_towards(model: RaisedModel, load: float) -> list[float]:
-    """Displacements (m) of a new ``model`` at equilibria on the way to ``load`` (N).
-
-    `STEPS` of them, in equal steps of the load, or fewer where it does not come to equilibrium.
-    """
-    found: list[float] = []
-    outcome = model.raised(0.0, 0.0, (0.0, 1.0))
-    for step in range(STEPS):
-        if outcome is EngineOutcome.EQUILIBRIUM:
-            outcome = model.raised(load * step / STEPS, load * (step + 1) / STEPS, (1.0, 1.0))
-        if outcome is EngineOutcome.EQUILIBRIUM:
-            found.append(model.displacement())
-    return found

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from typing import Protocol
 
 from .assembly import GivenSearch
-from .extrapolation import AT_ONCE, AWAY, HALF, STOPS, STRIDE, failure_ahead
+from .extrapolation import AT_ONCE, BEYOND, HALF, STOPS, STRIDE, failure_ahead
 from .records import BONDS, EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
 
 GROWTH = 1.5  # of the increment while the load is carried
@@ -34,9 +34,6 @@ class CutModel(Protocol):
 
     def record(self, load: float, stage: str) -> Sequence[NodeForce]:
         """Add the state to the history; forces of all nodes."""
-
-    def check_flat(self, nodes: Sequence[NodeForce]) -> None:
-        """End with a reason if its contacts no longer represent flat faces."""
 
 
 def next_load(used: Sequence[tuple[float, float]], increment: float, tolerance: float) -> float:
@@ -95,7 +92,6 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
         before.append((model.load, most))
         peak = model.load
         nodes = model.record(peak, EngineOutcome.EQUILIBRIUM.value)
-        model.check_flat(nodes)
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
             outcome, used = _cascade(model, used, tolerance)
@@ -104,7 +100,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
                 return EnginePeak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
             before, increment, expected = [], max(first / 4, AFTER * peak), 0.0
             continue
-        if search.guide and not bonds:
+        if search.guide and not bonds and peak <= (1.0 + BEYOND) * search.guide.peak_N:
             increment = towards_mechanism(peak, search.guide.peak_N, tolerance)
         load = next_load(before, increment, tolerance)
         while True:
@@ -118,7 +114,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
             print(f"{load:12.4f} N {'breaks' if balanced else 'fails'}", flush=True)
             model.record(load, EngineOutcome.OVERSTRESSED.value if balanced else outcome.value)
             if near:
-                mode = failure_mode(_beyond(model, outcome, load), False, load)
+                mode = failure_mode(outcome, False, load)
                 return EnginePeak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")
@@ -131,17 +127,6 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
         if reason := search.endless(load):
             raise NoAnswerError(reason)
         increment *= GROWTH if load >= expected else 1.0
-
-
-def _beyond(model: CutModel, outcome: EngineOutcome, load: float) -> EngineOutcome:
-    """Outcome of the pieces at a ``load`` (N) that they do not carry.
-
-    Where they move off so slowly that nobody saw it, `AWAY` times that load decides.
-    """
-    if outcome is not EngineOutcome.UNSETTLED:
-        return outcome
-    model.back()
-    return model.raised(AWAY * load)
 
 
 def _cascade(

@@ -35,7 +35,8 @@ class EngineOutcome(Enum):
     """Outcome of raising the load or cutting bonds of an assembly."""
 
     EQUILIBRIUM = "equilibrium"
-    COLLAPSE = "collapse"  # it moved too far for this load
+    COLLAPSE = "collapse"  # pieces fall
+    DRIFT = "drift"  # pieces move off where the load does no work
     OVERSTRESSED = "overstressed"  # bonds will fail, so that nobody waited for an equilibrium
     UNSETTLED = "no equilibrium"  # it neither came to rest nor moved far
 
@@ -143,9 +144,9 @@ def failure_mode(outcome: EngineOutcome, breaks: bool, load: float) -> str:
         return BONDS
     if outcome is EngineOutcome.COLLAPSE:
         return MECHANISM
-    raise NoAnswerError(
-        f"no peak: at {load:g} N no bond breaks, and the pieces neither come to rest nor separate"
-    )
+    drifts = outcome is EngineOutcome.DRIFT
+    words = "drift off where the load does no work" if drifts else "neither rest nor fall"
+    raise NoAnswerError(f"no peak: at {load:g} N no bond breaks, and the pieces {words}")
 
 
 def node_row(assembly: GivenAssembly, number: int, force: NodeForce) -> Row:

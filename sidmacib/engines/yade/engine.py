@@ -37,7 +37,7 @@ YADE = Engine(
     reads=frozenset(
         {
             *("tolerance", "guided", "first_increment", "ramp_periods", "hold_periods"),
-            *("unbalanced_ratio", "collapse_ratio", "time_step_ratio", "damping"),
+            *("unbalanced_ratio", "collapse_share", "time_step_ratio", "damping"),
         }
     ),
 )

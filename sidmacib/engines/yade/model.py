@@ -1,7 +1,9 @@
 """An assembly in YADE.
 
 Every contact node is a pair of spheres, one in each of the two pieces that meet there; the node's
-tributary area is in their stiffness and strength. All spheres of a piece are one rigid clump.
+tributary area is in their stiffness and strength. All spheres of a piece are one rigid clump. The
+sphere of the piece that brings a vertex is small, so that the point of contact stays at it; that of
+the piece with the flat side is large, so that the normal turns with this one.
 """
 
 import math
@@ -10,24 +12,24 @@ from functools import lru_cache
 from typing import Any
 
 from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
-from ..scripts.flatness import PieceMotion, check_flat
+from ..scripts.motion import Fall, PieceMotion, nodes_off_sides
 from ..scripts.records import EngineOutcome, History, NodeForce
 from .program import O, Vector3, create_interaction, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
-PATIENCE = 3  # longest waits for equilibrium in a row, while no bond breaks
+HEAVY = 1e24  # mass of the sphere at a piece's centroid over those of contact spheres
 
 
 @dataclass(frozen=True)
 class YadeSettings:
     """The parts that only YADE has.
 
-    ``radius_m``: of the contact spheres. Large against all displacements, so that contacts are as
-    flat as faces: a contact's normal turns by the displacement over twice the radius. ``damping``:
+    ``point_m``, ``flat_m``: radii of spheres that are vertices and flat sides. ``damping``:
     Cundall's, not viscous. ``ductile``: whether inner faces keep their strength once it is reached.
     """
 
-    radius_m: float
+    point_m: float
+    flat_m: float
     damping: float
     ductile: bool
 
@@ -46,7 +48,8 @@ class YadeModel:
         self.clumps, self.pairs = self._build()
         # Node forces, while nothing has moved since, and those of the state that was kept.
         self.seen: list[NodeForce] | None = None
-        self.kept: list[NodeForce] | None = None
+        self.kept: tuple[list[NodeForce] | None, set[int]] = None, set()
+        self.lost: set[int] = set()  # nodes whose vertex has left the side that it touched
         self.free = [self.clumps[index] for index in assembly.free]
 
     # --- bodies ----------------------------------------------------------------------------------
@@ -56,11 +59,12 @@ class YadeModel:
         members: list[list[int]] = [[] for _ in self.assembly.pieces]
         pairs = []
         for node, face in zip(self.assembly.nodes, self.face_of, strict=True):
-            reach = self.settings.radius_m * Vector3(face.normal)
-            material = material_of(face.material, face.cohesive, node.area_m2)
+            below, above = node.radii(self.settings.point_m, self.settings.flat_m)
+            normal, place = Vector3(face.normal), Vector3(node.position_m)
+            law = face.material, face.cohesive, node.area_m2
             pair = (
-                self._add_sphere(Vector3(node.position_m) - reach, material),
-                self._add_sphere(Vector3(node.position_m) + reach, material),
+                self._add_sphere(place - below * normal, below, material_of(*law, below)),
+                self._add_sphere(place + above * normal, above, material_of(*law, above)),
             )
             members[face.below].append(pair[0])
             members[face.above].append(pair[1])
@@ -88,36 +92,33 @@ class YadeModel:
         detection.interactionDetectionFactor = 1.0
         return clumps, pairs
 
-    def _add_material(self, law: GivenMaterial, cohesive: bool, area: float) -> int:
-        """Material that gives two spheres the stiffness and strength of a node of this area (m2).
+    def _add_material(self, law: GivenMaterial, cohesive: bool, area: float, radius: float) -> int:
+        """Material of a sphere of this radius (m) at a node with this area (m2).
 
-        For equal spheres YADE takes kn = young * radius, ks = poisson * kn, adhesion = cohesion *
-        radius**2.
+        Of two spheres YADE takes as kn the harmonic mean of young * radius, ks = poisson * kn, and
+        as adhesion the cohesion times the square of the smaller radius.
         """
-        radius = self.settings.radius_m
+        least = self.settings.point_m
         material = wrapper.CohFrictMat(
             young=law.normal_stiffness * area / radius,
             poisson=law.shear_stiffness / law.normal_stiffness,
             frictionAngle=math.atan(law.friction),
             isCohesive=law.cohesion > 0,
-            normalCohesion=law.effective_tensile_strength * area / radius**2,
-            shearCohesion=law.cohesion * area / radius**2,
+            normalCohesion=law.effective_tensile_strength * area / least**2,
+            shearCohesion=law.cohesion * area / least**2,
             momentRotationLaw=False,
             # Dry nodes too: if not, one in tension shifts its reference and closes too early.
             fragile=not (self.settings.ductile and cohesive),
-            density=1.0,
+            density=1.0 / radius**3,
         )
         return int(O.materials.append(material))
 
-    def _add_sphere(self, centre: Any, material: int) -> int:
+    def _add_sphere(self, centre: Any, radius: float, material: int) -> int:
         body = wrapper.Body()
-        body.shape = wrapper.Sphere(radius=self.settings.radius_m)
+        body.shape = wrapper.Sphere(radius=radius)
         body.mat = O.materials[material]
         body.state = body.mat.newAssocState()
-        volume = 4.0 / 3.0 * math.pi * self.settings.radius_m**3
-        body.state.mass = volume * body.mat.density
-        inertia = 0.4 * volume * self.settings.radius_m**2 * body.mat.density
-        body.state.inertia = inertia * Vector3.Ones
+        body.state.mass, body.state.inertia = 1.0, Vector3.Ones  # those of its clump count
         body.state.pos = body.state.refPos = centre
         body.aspherical = False
         return int(O.bodies.append(body))
@@ -128,10 +129,11 @@ class YadeModel:
         A clump's origin is the centroid of its spheres: one that outweighs the others by far, and
         touches nothing, puts it at the centroid of the piece.
         """
-        heavy = O.materials.append(wrapper.CohFrictMat(density=1e15))
+        radius = self.settings.point_m
+        heavy = int(O.materials.append(wrapper.CohFrictMat(density=HEAVY / radius**3)))
         clumps = []
         for piece, spheres in zip(self.assembly.pieces, members, strict=True):
-            spheres.append(self._add_sphere(Vector3(piece.centre_m), heavy))
+            spheres.append(self._add_sphere(Vector3(piece.centre_m), radius, heavy))
             clumps.append(int(O.bodies.clump(spheres)))
             state = O.bodies[clumps[-1]].state
             state.mass = piece.mass_kg
@@ -190,44 +192,47 @@ class YadeModel:
             for force, face in zip(forces, self.face_of, strict=True)
         )
 
-    def check_flat(self, load: float) -> None:
-        """End with a reason if contact spheres no longer represent flat faces."""
-        radii = [self.settings.radius_m] * len(self.assembly.faces)
-        check_flat(self.assembly, self.motions(), radii, self.node_forces(), load)
-
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
-        """Raise the load smoothly from start to end (N) and wait for the outcome.
-
-        While no bond breaks, pieces that do not come to rest are given `PATIENCE` times as long.
-        """
+        """Raise the load smoothly from start to end (N) and wait for the outcome."""
         self.history.attempts += 1
         rise = end - start + (permanent[1] - permanent[0]) * self.assembly.permanent_N
-        before, ramp = self.broken(), self.search.ramp(rise, end)
+        ramp = self.search.ramp(rise, end)
+        fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         for step in range(SLICE, ramp + SLICE, SLICE):
             share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
             load = start + share * (end - start)
             self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
-            if self._gives_way(load):
-                return self._ended(load, EngineOutcome.COLLAPSE)
+            if self._falls(fall):
+                return self._ended(load, fall.outcome(self.motions()))
         self._record(end, "loaded")
-        for _ in range(PATIENCE):
-            for _ in range(0, self.search.hold_steps, SLICE):
-                if self._gives_way(end):
-                    return self._ended(end, EngineOutcome.COLLAPSE)
-                if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
-                    return self._ended(end, EngineOutcome.EQUILIBRIUM)
-            if self.broken() > before:
-                break
-        return self._ended(end, EngineOutcome.UNSETTLED)
+        for _ in range(0, self.search.hold_steps, SLICE):
+            if self._falls(fall):
+                return self._ended(end, fall.outcome(self.motions()))
+            if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
+                return self._ended(end, EngineOutcome.EQUILIBRIUM)
+        return self._ended(end, fall.at_last(self.motions()))
 
-    def _gives_way(self, load: float) -> bool:
-        """Advance by a slice of time steps; whether the pieces have moved too far for this load."""
+    def _falls(self, fall: Fall) -> bool:
+        """Advance by a slice of time steps; whether a piece falls."""
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
-        self.seen = None
-        return self.search.collapsed(self.displacement(), load)
+        self.seen, motions = None, self.motions()
+        falls = fall.sees(motions, SLICE)
+        if fall.went_on():
+            self._lose(nodes_off_sides(self.assembly, motions))
+        return falls
+
+    def _lose(self, nodes: list[int]) -> None:
+        """Let nodes touch no more."""
+        for node in set(nodes) - self.lost:
+            O.interactions.erase(*self.pairs[node])
+            self.lost.add(node)
+
+    def _touching(self) -> list[tuple[int, int]]:
+        """Spheres of the nodes that are not lost."""
+        return [pair for node, pair in enumerate(self.pairs) if node not in self.lost]
 
     def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
         self._record(load, outcome.value)
@@ -241,13 +246,14 @@ class YadeModel:
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
-        self.kept = self.seen
+        self.kept = self.seen, set(self.lost)
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
-        _watch(self.pairs)  # open nodes are not saved
-        self.seen = self.kept
+        self.seen, lost = self.kept
+        self.lost = set(lost)
+        _watch(self._touching())  # open nodes are not saved
 
 
 def _node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
