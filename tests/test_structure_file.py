@@ -284,13 +284,6 @@ def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
     assert shown["utilisation"] == pytest.approx(1.0, abs=1e-4)
 
 
-def test_a_mesh_in_place_of_a_description_is_answered_with_what_to_write(tmp_path: Path) -> None:
-    mesh = tmp_path / "arch.OBJ"
-    mesh.write_text("o v01\nv 1400.000 0 0\n")
-    message = run("assembly", str(mesh)).output
-    assert "arch.OBJ is a mesh. Refer to it from a YAML file: blocks: {arch: {file: " in message
-
-
 def test_blocks_in_millimetres_are_noted_with_their_scale(path: Path) -> None:
     wide = {"blocks": {"block": {"high": [720.0, 1.0, 1.0]}}}
     path.write_text(yaml.safe_dump(changed(ON_GROUND, wide)))

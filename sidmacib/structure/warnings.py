@@ -17,6 +17,7 @@ BLOCK = Number(unit="m", likely=(1e-3, 50.0))  # diagonal of a block
 DENSITY = Number(unit="kg/m3", likely=(100.0, 3e4))  # below are kN/m3 and t/m3
 MOST = 5  # lines: where one block is in another unit, all are
 LEAST = 1e-3  # over the square of the blocks' mean size: less area does not matter
+NEARLY = 0.01  # over the blocks' mean size: larger gaps are meant, as a rule
 STEP = 3.0  # times a gap: a larger one is meant
 Pair = tuple[int, int]
 
@@ -52,7 +53,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
             touch[_pair(face.below, face.above)] += face.outline.area
     size = mean_size(solids)
     apart: dict[Pair, list[tuple[float, float]]] = {}
-    for gap, each in close(solids, most_near(solids) * size):
+    for gap, each in close(solids, min(most_near(solids), NEARLY) * size):
         pair = _pair(owner[each.below], owner[each.above])
         taken = pair in touch if from_file else abs(gap) <= near * size * (1.0 + 1e-9)
         if not taken and pair[0] != pair[1]:
