@@ -284,8 +284,8 @@ def test_interfaces_are_told_at_the_load_that_counts(path: Path) -> None:
     assert shown["utilisation"] == pytest.approx(1.0, abs=1e-4)
 
 
-def test_blocks_in_millimetres_are_noted_with_their_scale(path: Path) -> None:
+def test_blocks_that_may_be_in_millimetres_are_noted(path: Path) -> None:
     wide = {"blocks": {"block": {"high": [720.0, 1.0, 1.0]}}}
     path.write_text(yaml.safe_dump(changed(ON_GROUND, wide)))
     noted = run("assembly", str(path)).stderr
-    assert "block: block diagonal 720" in noted and 'add "scale: 0.001"' in noted
+    assert "block: diagonal: 720.001 m is very large; is it in m?" in noted

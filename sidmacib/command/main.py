@@ -57,7 +57,7 @@ HELP = """Compute the shear and torsion capacity of a joint with several interlo
   multilock joint -V 200 -e 0.3        fewest locks that carry V = 200 N
   multilock assembly arch.yaml         capacity of an arch or a wall of blocks
   multilock design vault.yaml          locks that an arch or a vault needs
-  multilock build -n 5 -o blocks       blocks as solids, for a printer or workshop
+  multilock build -n 5 -o blocks       blocks as solids, to print or to cut
 
 Lengths in m, forces in N, stresses in Pa, unless a unit follows: 80mm, 5kN.
 Defaults are those of the published study. "multilock COMMAND --help" describes
