@@ -1,6 +1,8 @@
 """Vertices and flat sides of the pieces that meet at a face, from the geometry."""
 
+from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,5 +56,5 @@ def _corners(piece: Piece) -> Floats:
     """Corners of a piece in m, (K, 3)."""
     if isinstance(piece, Cuboid):
         return np.array(list(product(*zip(piece.low, piece.high, strict=True))))
-    solids = getattr(piece, "solids", (piece,))  # of a compound; a block is one
+    solids: Sequence[Any] = getattr(piece, "solids", (piece,))  # of a compound; a block is one
     return np.concatenate([solid.places for solid in solids])
