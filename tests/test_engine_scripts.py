@@ -120,13 +120,20 @@ def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
         return flat_radii(assembly, patches(assembly), 1.0)
 
     assert set(radii(stack)) == {1.0}
-    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
+    soft = replace(stack.faces[0].material, normal_stiffness=4e6)
     faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
     found = radii(replace(stack, faces=faces))
     first = [found[k] for k, patch in enumerate(patches(stack)) if patch.face == 0]
     assert max(first) < 1.0 and set(found) - set(first) == {1.0}
-    pressed = stack.permanent_N / (1e5 * 0.2 * 0.2)
+    pressed = stack.permanent_N / (4e6 * 0.2 * 0.2)
     assert 0.05**2 / (2 * min(first)) == pytest.approx(2 * pressed)
+
+
+def test_a_face_too_soft_for_flat_sides_is_refused(stack: scripts.GivenAssembly) -> None:
+    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
+    softer = replace(stack, faces=[replace(stack.faces[0], material=soft), stack.faces[1]])
+    with pytest.raises(SystemExit, match=r"is too soft for nodes 0\.05 m apart"):
+        flat_radii(softer, patches(softer), 1.0)
 
 
 def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
