@@ -112,6 +112,38 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > radius[below] + radius[above] + 1e-6
 
 
+<<<<<<< HEAD
+=======
+def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
+    stack: scripts.GivenAssembly,
+) -> None:
+    def radii(assembly: scripts.GivenAssembly) -> list[float]:
+        return flat_radii(assembly, patches(assembly), 1.0)
+
+    assert set(radii(stack)) == {1.0}
+    soft = replace(stack.faces[0].material, normal_stiffness=4e6)
+    faces = [replace(stack.faces[0], material=soft), stack.faces[1]]
+    found = radii(replace(stack, faces=faces))
+    first = [found[k] for k, patch in enumerate(patches(stack)) if patch.face == 0]
+    assert max(first) < 1.0 and set(found) - set(first) == {1.0}
+    pressed = stack.permanent_N / (4e6 * 0.2 * 0.2)
+    assert 0.05**2 / (2 * min(first)) == pytest.approx(2 * pressed)
+
+
+def test_a_face_too_soft_for_flat_sides_is_refused(stack: scripts.GivenAssembly) -> None:
+    soft = replace(stack.faces[0].material, normal_stiffness=1e5)
+    softer = replace(stack, faces=[replace(stack.faces[0], material=soft), stack.faces[1]])
+    with pytest.raises(SystemExit, match=r"is too soft for nodes 0\.05 m apart"):
+        flat_radii(softer, patches(softer), 1.0)
+
+
+def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
+    assert pitch([(0.0, 0.0, 1.0), (0.02, 0.0, 1.0), (0.0, 0.03, 1.0)]) == pytest.approx(0.02)
+    assert pitch([(0.0, 0.03, 0.0), (0.04, 0.0, 0.0)]) == pytest.approx(0.05)
+    assert pitch([(0.0, 0.0, 0.0)]) == math.inf
+
+
+>>>>>>> contacts
 def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
     built = assemble(joint, 0.03, NodeLayout.LOBATTO)
     three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)

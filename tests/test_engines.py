@@ -91,9 +91,12 @@ def test_pieces_that_nothing_holds_drift_off_and_have_no_peak(tmp_path: Path) ->
         run_case(a_case("yade", joint, Loading(Direction(np.inf)), mesh=0.02), tmp_path)
 
 
-@pytest.mark.parametrize(("stiffness", "eccentricity"), [(1e9, 0.5), (1e8, 0.0)])
+@pytest.mark.parametrize(
+    ("engine", "stiffness", "eccentricity"),
+    [("yade", 1e9, 0.5), ("liggghts", 1e9, 0.5), ("yade", 1e8, 0.0)],
+)
 def test_soft_faces_fail_where_the_static_model_says(
-    engine: str, run, stiffness: float, eccentricity: float
+    run, engine: str, stiffness: float, eccentricity: float
 ) -> None:
     soft = {"normal_stiffness": stiffness, "shear_stiffness": stiffness}
     joint = Joint(3, inner=replace(INNER, **soft), dry=replace(DRY, **soft))

@@ -1,13 +1,14 @@
 """Vertices and flat sides of the pieces that meet at a face, from the geometry."""
 
+from collections.abc import Sequence
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, KDTree
 
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Floats, Piece
-from sidmacib.structure.blocks import Block, Compound
 
 AT = 1e-3  # over the assembly's length: interfaces may lie as far from the blocks' faces
 
@@ -55,8 +56,5 @@ def _corners(piece: Piece) -> Floats:
     """Corners of a piece in m, (K, 3)."""
     if isinstance(piece, Cuboid):
         return np.array(list(product(*zip(piece.low, piece.high, strict=True))))
-    if isinstance(piece, Compound):
-        return np.concatenate([solid.places for solid in piece.solids])
-    if isinstance(piece, Block):
-        return piece.places
-    raise TypeError(f"{piece.name}: must be a cuboid, a block or several")
+    solids: Sequence[Any] = getattr(piece, "solids", (piece,))  # of a compound; a block is one
+    return np.concatenate([solid.places for solid in solids])

@@ -24,6 +24,7 @@ from ..scripts.records import NoAnswerError
 from .loads import beyond_gravity, common_acceleration, common_gravity, handle_forces
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
+LEAST_FLAT = 20.0  # radius of a flat side over what presses it together: less is round
 GROUPS = 28  # that LIGGGHTS has left, of its 32
 # Drag on the pieces over critical drag, at the longest natural period: more would hold up what
 # slides.
@@ -94,6 +95,9 @@ def flat_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) 
         pressed = force / (stiffness * area[patch.face])
         apart = pitch([assembly.nodes[node].position_m for node in patch.nodes])
         result.append(min(largest, apart**2 / (4 * pressed)))
+        if result[-1] < LEAST_FLAT * pressed:
+            name = assembly.faces[patch.face].name
+            raise NoAnswerError(f"liggghts: {name} is too soft for nodes {apart:.3g} m apart")
     return result
 
 
