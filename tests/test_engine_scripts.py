@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from stack import tilted_stack
 from structures import dry
 
-from sidmacib.engines.liggghts.deck import LiggghtsDeck, patches
+from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches, pitch
 from sidmacib.engines.liggghts.loads import handle_forces
 from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
@@ -112,8 +112,6 @@ def test_spheres_of_a_node_touch_at_the_node_and_no_others_of_the_face(
             assert apart > radius[below] + radius[above] + 1e-6
 
 
-<<<<<<< HEAD
-=======
 def test_radii_shrink_where_a_face_is_soft_or_its_nodes_are_close(
     stack: scripts.GivenAssembly,
 ) -> None:
@@ -143,7 +141,6 @@ def test_the_pitch_of_nodes_is_the_least_distance_between_two() -> None:
     assert pitch([(0.0, 0.0, 0.0)]) == math.inf
 
 
->>>>>>> contacts
 def test_nodes_of_one_area_are_a_patch_and_have_its_stiffness(joint: Joint, tmp_path: Path) -> None:
     built = assemble(joint, 0.03, NodeLayout.LOBATTO)
     three = as_read(built, lateral_load(joint, built, Loading(Direction(0.0))), tmp_path)
