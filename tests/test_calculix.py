@@ -65,6 +65,7 @@ def as_read(assembly: Discretised, loads: Loads) -> GivenAssembly:
         [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],
         [Node(*row) for row in zip(*data["nodes"].values(), strict=True)],
         [PieceLoad(**load) for load in data["loads"]],
+        data["length_m"],
         data["axis"],
         [GivenSideLoad(**side) for side in data["sides"]],
         data["mesh_m"],

@@ -256,7 +256,7 @@ def test_help_is_there_for_every_command(command: str) -> None:
 
 
 def test_pictures_have_the_colours_of_the_figures() -> None:
-    assert {name: label_of(name).colour for name in NAMES} == COLOURS
+    assert {name: label_of(name).colour for name in NAMES}.items() <= COLOURS.items()
 
 
 def test_an_answer_asked_for_twice_is_printed_once() -> None:

@@ -97,7 +97,7 @@ def test_a_joint_that_was_sought_has_a_note_with_its_utilisation(tmp_path: Path)
     words = ["joint", "-V", "300", *GIVEN[2:]]
     rows = json.loads(run(*words, "--format", "json"))
     note = note_in(tmp_path / "note.html", *words)
-    assert f"Utilisation {rows[-1]['needed / safe']:.3f}: verified" in note
+    assert f"Utilisation {rows[-1]['required / safe']:.3f}: verified" in note
 
 
 @pytest.mark.parametrize("ratio", ["0", "torsion", "-0.4"])

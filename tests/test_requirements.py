@@ -37,7 +37,7 @@ NOT_IMPORTED = {
         "types-pyyaml",
         "uv",
     ),
-    *("highspy", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
+    *("highspy", "rhino3dm", "setuptools", "snakemake", "snakemake-executor-plugin-slurm"),
     "snakemake-logger-plugin-rich",
 }
 
