@@ -24,6 +24,15 @@ def chromium() -> Iterator[Browser]:
         opened.close()
 
 
+def until(page: Page, expression: str) -> None:
+    """Wait until ``expression`` holds. Pages forbid scripts the ``eval`` that Playwright's takes."""
+    for _ in range(PATIENCE // 100):
+        if page.evaluate(expression):
+            return
+        page.wait_for_timeout(100)
+    raise TimeoutError(expression)
+
+
 class Opened:
     """A page in a browser, with what it said and asked for."""
 

@@ -9,7 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, needs_browser
+from chromium import Opened, needs_browser, until
 
 from analysis.report import paths
 from analysis.report.json_values import json_table
@@ -81,7 +81,7 @@ def opened(browser: Any, report: Path) -> Iterator[Opened]:
     page = browser.new_page(viewport={"width": 1200, "height": 800})
     found = Opened(page)
     page.goto(report.as_uri())
-    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    until(page, "document.querySelectorAll('.js-plotly-plot').length >= 6")
     yield found
     page.close()
 
@@ -222,7 +222,7 @@ def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
     again = browser.new_page(viewport={"width": 1200, "height": 800})
     found = Opened(again)
     again.goto(f"{page.url.replace('#', '#weights&')}")
-    again.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    until(again, "document.querySelectorAll('.js-plotly-plot').length >= 6")
     assert again.input_value("#sample") == "n5"
     assert again.input_value("#table-name") == "weights"
     assert not again.is_checked("#curve-models input[value=limit]")
@@ -232,21 +232,12 @@ def test_one_joint_is_chosen_for_the_whole_page_and_the_address_opens_it_again(
     again.close()
 
 
-def settles(page: Any, expression: str, value: str) -> bool:
-    """Whether ``expression`` comes to ``value``; the page's policy forbids scripts that wait."""
-    for _ in range(100):
-        if page.evaluate(expression) == value:
-            return True
-        page.wait_for_timeout(100)
-    return False
-
-
 @needs_browser
 def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
     page = opened.page
     page.select_option("#sample", "n5")
     page.click("nav a[href='#tables']")
-    assert settles(page, "location.hash", "#tables&sample=n5")
+    until(page, "location.hash === '#tables&sample=n5'")
     assert page.input_value("#sample") == "n5"
 
 
@@ -257,7 +248,7 @@ def test_an_address_that_names_what_is_not_there_opens_the_page_as_it_is(
     page = browser.new_page()
     found = Opened(page)
     page.goto(f"{report.as_uri()}#nowhere&sample=q&table-name=q&curve-models-q=true&q=1")
-    page.wait_for_function("document.querySelectorAll('.js-plotly-plot').length >= 6")
+    until(page, "document.querySelectorAll('.js-plotly-plot').length >= 6")
     assert page.input_value("#sample") in ("n3", "n5")
     assert found.errors == []
     page.close()

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from axe_playwright_python.sync_playwright import Axe
-from chromium import Opened, needs_browser
+from chromium import Opened, needs_browser, until
 from offline import WATCH, leaving_in_browser, leaving_in_html
 from structures import ONLY_STRUCTURES, example
 from test_report import MOST_BYTES
@@ -126,7 +126,7 @@ def alone(browser: Any, results: Path) -> Opened:
     """The report of the structures alone."""
     found = Opened(browser.new_page(viewport=WIDE))
     found.page.goto((results / "alone.html").as_uri())
-    found.page.wait_for_function(PLOTS)
+    until(found.page, PLOTS)
     return found
 
 
@@ -158,7 +158,7 @@ def test_it_opens_without_an_error_or_a_request(browser: Any, results: Path, nam
     page.add_init_script(WATCH)
     found = Opened(page)
     page.goto((results / name).as_uri())
-    page.wait_for_function(PLOTS)
+    until(page, PLOTS)
     assert found.errors == []
     assert [url for url in found.requests if not url.startswith(("file:", "data:", "blob:"))] == []
     assert page.locator("#structures .modebar-btn").count() > 3
