@@ -25,7 +25,7 @@ def chromium() -> Iterator[Browser]:
 
 
 def until(page: Page, expression: str) -> None:
-    """Wait until ``expression`` holds. Pages forbid scripts the ``eval`` that Playwright's takes."""
+    """Wait until ``expression`` holds; pages forbid the ``eval`` by which Playwright waits."""
     for _ in range(PATIENCE // 100):
         if page.evaluate(expression):
             return
