@@ -120,8 +120,9 @@ def test_controls_change_what_is_shown(opened: Opened) -> None:
         "limit analysis",
         "SiDMACIB Option 4",
     ]
+    page.select_option("#sample", "n3")
+    assert 1.5 * max(opened.traces("curve-plot")[0]["x"]) < max(before[0]["x"])
     page.select_option("#sample", "n5")
-    assert max(opened.traces("curve-plot")[0]["x"]) > 1.5 * max(before[0]["x"])
     page.select_option("#curve-reduction", "none")
     assert max(opened.traces("curve-plot")[-1]["x"]) == pytest.approx(1200, rel=1e-3)
     page.uncheck("#curve-models input[value=limit]")
@@ -237,7 +238,7 @@ def test_a_link_to_a_section_keeps_what_is_chosen(opened: Opened) -> None:
     page = opened.page
     page.select_option("#sample", "n5")
     page.click("nav a[href='#tables']")
-    until(page, "location.hash === '#tables&sample=n5'")
+    until(page, "location.hash.startsWith('#tables&sample=n5')")
     assert page.input_value("#sample") == "n5"
 
 

@@ -1,5 +1,5 @@
 """Arch under horizontal load
-=========================
+==========================
 
 The models work on arbitrary blocks. A semicircular arch of 20 voussoirs carries 0.29 of its weight
 as a horizontal force, and then becomes a mechanism with four hinges.

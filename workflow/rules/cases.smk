@@ -61,7 +61,7 @@ def group_of(model):
 
 
 def group_of_job(wildcards):
-    return group_of(wildcards.job.rsplit("/", maxsplit=1)[0] + "/")
+    return group_of(os.path.join(os.path.dirname(wildcards.job), ""))
 
 
 rule engine:

@@ -24,6 +24,7 @@ from ..scripts.records import NoAnswerError
 from .loads import beyond_gravity, common_acceleration, common_gravity, handle_forces
 
 SKIN = 1e-4  # m, between spheres that LIGGGHTS looks at: others of the same face are further away
+TURNED = 10.0  # force on a face over the weight, at most, while gravity turns
 LEAST_FLAT = 20.0  # radius of a flat side over what presses it together: less is round
 GROUPS = 28  # that LIGGGHTS has left, of its 32
 # Drag on the pieces over critical drag, at the longest natural period: more would hold up what
@@ -83,13 +84,15 @@ def flat_radii(assembly: GivenAssembly, every: Sequence[Patch], largest: float) 
     """Radius of the large spheres of each patch (m), at most ``largest``.
 
     From the small spheres of other nodes they have a gap of pitch^2 / (2 radius): twice what the
-    face is pressed together by the largest strength of a face.
+    face is pressed together by the largest strength of a face, or, where only gravity turns, by
+    `TURNED` times what always acts.
     """
     area = [0.0] * len(assembly.faces)
     for node in assembly.nodes:
         area[node.face] += node.area_m2
     strength = max(f.material.cohesion * a for f, a in zip(assembly.faces, area, strict=True))
-    force, result = max(strength, assembly.permanent_N), []
+    reached = strength if assembly.axis is None else TURNED * assembly.permanent_N
+    force, result = max(reached, assembly.permanent_N), []
     for patch in every:
         stiffness = assembly.faces[patch.face].material.normal_stiffness
         pressed = force / (stiffness * area[patch.face])
