@@ -152,7 +152,8 @@ def test_friction_stays_within_its_cone_and_dry_faces_carry_no_tension(engine: s
     dry = result.nodes[result.nodes["kind"] == "dry"]
     shear = np.linalg.norm(dry[["shear_x_Pa", "shear_y_Pa", "shear_z_Pa"]], axis=1)
     assert (dry["normal_Pa"] >= 0.0).all()
-    assert (shear <= 0.3 * dry["normal_Pa"] * (1 + 1e-6) + 1e-6).all()
+    # Stresses are in the axes of the joint at rest; sides turn by up to 1e-4 with their pieces.
+    assert (shear <= 0.3 * dry["normal_Pa"] * (1 + 5e-4) + 1e-6).all()
 
 
 def test_the_history_has_load_displacement_shear_and_breakage(engine: str, run) -> None:

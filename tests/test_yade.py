@@ -57,14 +57,14 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 
 
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
-    """Pulled upwards beside its middle, it reaches the plastic limit but for the last rotation."""
+    """Pulled upwards beside its middle, it reaches the plastic limit; as it turns, a little more."""
     joint = Joint(3, inner=replace(INNER, cohesion=1e6))
     block = replace(block_on_ground(joint, Kind.INNER, 0.01), failure=Failure.DUCTILE)
     variable = np.zeros((2, 6))
     variable[1, 2], variable[1, 3] = 1.0, 0.02  # N upwards, and N m for each of them
     loads = Loads(self_weight(block.pieces), variable, joint.T0)
     result = json.loads((run_block("yade", block, loads) / "result.json").read_text())
-    assert result["peak_load_N"] == pytest.approx(limit_load(block, loads).load, rel=0.05)
+    assert 1.0 <= result["peak_load_N"] / limit_load(block, loads).load <= 1.1
     assert (
         result["peak_load_N"]
         > 1.3 * static_peak(replace(block, failure=Failure.BRITTLE), loads).peak.load
