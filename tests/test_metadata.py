@@ -1,6 +1,7 @@
 """What the project says of itself in the files of registries and archives."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -53,10 +54,13 @@ def test_a_wheel_works_in_an_empty_environment(tmp_path: Path) -> None:
     uv, environment = Path(sys.executable).with_name("uv"), tmp_path / "environment"
 
     def run(*command: str | Path) -> str:
-        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            command, cwd=tmp_path, env=clean, capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
         return done.stdout
 
+    clean = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     python = ("--python", sys.executable)
     run(uv, "build", "--no-build-isolation", *python, "--out-dir", tmp_path, ROOT)
     (wheel,) = tmp_path.glob("*.whl")

@@ -57,7 +57,7 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 
 
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
-    """Pulled upwards beside its middle, it reaches the plastic limit; as it turns, a little more."""
+    """Pulled upwards beside its middle, it reaches the plastic limit, or more as it turns."""
     joint = Joint(3, inner=replace(INNER, cohesion=1e6))
     block = replace(block_on_ground(joint, Kind.INNER, 0.01), failure=Failure.DUCTILE)
     variable = np.zeros((2, 6))
