@@ -1,7 +1,11 @@
 """Tables of the report: headings with units, shares in percent, names in words."""
 
+import re
+from collections import Counter
+
 import pandas as pd
 import pytest
+from conftest import ROOT
 
 from analysis.report.headings import headings, words
 from analysis.report.provenance import sample_words
@@ -57,3 +61,11 @@ def test_samples_are_told_by_what_tells_them_apart() -> None:
     assert found["n5"] == "n5: 5 locks, friction 0.3 as printed"
     long = {"samples": {"n5": {"locks": 5}, "long": {"locks": 5, "a": 0.08}}}
     assert sample_words(read_study(long))["long"] == "long: 5 locks, a (mm) 80"
+
+
+def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
+    """They share one scope with those that draw."""
+    declared = re.compile(r"^(?:const|let|function\*?|class) +(\w+)", re.MULTILINE)
+    scripts = [*(ROOT / "analysis/report").glob("*.js"), *(ROOT / "analysis/drawing").glob("*.js")]
+    names = [name for script in scripts for name in declared.findall(script.read_text())]
+    assert [name for name, count in Counter(names).items() if count > 1] == []

@@ -1,20 +1,20 @@
 // The state of the page in its address: the section, then each control that was changed, as in
 // #stresses&sample=n5. A copied address opens the page in that state, also from a file.
 const changed = new Set(); // ids of controls
-let place = ""; // id of the section that was gone to
+let section = ""; // id of the section that was gone to
 
 const controls = () => [...document.querySelectorAll("header select, main select, main input")].filter((control) => control.id);
 const stateOf = (control) => (control.type === "checkbox" ? String(control.checked) : control.value);
 
 function writeAddress() {
   const state = new URLSearchParams(controls().filter(({ id }) => changed.has(id)).map((control) => [control.id, stateOf(control)]));
-  history.replaceState(null, "", `#${[place, String(state)].filter(Boolean).join("&")}`);
+  history.replaceState(null, "", `#${[section, String(state)].filter(Boolean).join("&")}`);
 }
 
 // In the order of the page, as a choice may decide what others there are.
 function readAddress() {
   const parts = location.hash.slice(1).split("&");
-  place = parts[0].includes("=") ? "" : parts.shift();
+  section = parts[0].includes("=") ? "" : parts.shift();
   const state = new URLSearchParams(parts.join("&"));
   for (const control of controls()) {
     const value = state.get(control.id);
@@ -23,7 +23,7 @@ function readAddress() {
     else control.value = value;
     for (const kind of ["input", "change"]) control.dispatchEvent(new Event(kind, { bubbles: true }));
   }
-  if (place && parts.length && at(place)) at(place).scrollIntoView();
+  if (section && parts.length && at(section)) at(section).scrollIntoView();
 }
 
 document.addEventListener("change", ({ target }) => {
@@ -34,6 +34,6 @@ document.addEventListener("change", ({ target }) => {
 // A link to a section keeps the state.
 addEventListener("hashchange", () => {
   if (location.hash.includes("=")) readAddress();
-  else { place = location.hash.slice(1); writeAddress(); }
+  else { section = location.hash.slice(1); writeAddress(); }
 });
 readAddress();
