@@ -204,7 +204,7 @@ def test_the_first_bond_to_fail_is_named_and_marked(opened: Opened) -> None:
 def test_models_stand_side_by_side_and_a_refusal_is_shown(opened: Opened) -> None:
     page = opened.page
     head = page.locator("#structure-models th").all_text_contents()
-    assert head[:4] == ["model", "load (N)", "load / weight", "counts"]
+    assert head[:4] == ["model", "load (N)", "load / weight", "governed by"]
     cells = page.locator("#structure-models tbody tr").first.locator("td").all_text_contents()
     assert cells[:3] == ["static model", "7848", "0.25"]
     choose(opened, name="keyed", model="static")
