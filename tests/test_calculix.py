@@ -17,15 +17,7 @@ from sidmacib.engines.calculix.run import load_at, raised
 from sidmacib.engines.execute import EngineError
 from sidmacib.engines.render import _material_names, assembly_data, engine_material
 from sidmacib.engines.run import refusal
-from sidmacib.engines.scripts.assembly import (
-    GivenAssembly,
-    GivenFace,
-    GivenMaterial,
-    GivenPiece,
-    GivenSideLoad,
-    Node,
-    PieceLoad,
-)
+from sidmacib.engines.scripts.assembly import GivenAssembly, assembly_of
 from sidmacib.joint.hold_down import HoldDown
 from sidmacib.joint.joint import DRY, Direction, Joint, UpperBody
 from sidmacib.joint.loading import Loading, lateral_load
@@ -56,21 +48,8 @@ def loaded(
 def as_read(assembly: Discretised, loads: Loads) -> GivenAssembly:
     """What a script reads of it."""
     data = assembly_data(assembly, loads)
-    laws = {
-        name: GivenMaterial(**engine_material(law))
-        for law, name in _material_names(assembly).items()
-    }
-    return GivenAssembly(
-        [GivenPiece(**piece) for piece in data["pieces"]],
-        [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]],
-        [Node(*row) for row in zip(*data["nodes"].values(), strict=True)],
-        [PieceLoad(**load) for load in data["loads"]],
-        data["length_m"],
-        data["axis"],
-        [GivenSideLoad(**side) for side in data["sides"]],
-        data["mesh_m"],
-        data["layout"],
-    )
+    materials = {n: engine_material(law) for law, n in _material_names(assembly).items()}
+    return assembly_of(data, materials)
 
 
 def deck_of(joint: Joint, eccentricity: float = 0.5, **layout: NodeLayout) -> CalculixDeck:

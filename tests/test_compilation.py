@@ -42,16 +42,23 @@ def answer(folder: Path) -> str:
     ).stdout.strip()
 
 
-def test_a_change_in_another_file_is_noticed(tmp_path: Path) -> None:
+@pytest.fixture
+def kernels(tmp_path: Path) -> Path:
+    """A package of compiled functions."""
     package = tmp_path / "kernels"
     package.mkdir()
     (package / "__init__.py").touch()
     shutil.copy(compilation.__file__, package)
     (package / "outer.py").write_text(OUTER)
     (package / "inner.py").write_text(INNER.replace("FACTOR", "2.0"))
-    assert answer(tmp_path) == answer(tmp_path) == "6.0"
-    (package / "inner.py").write_text(INNER.replace("FACTOR", "5.0"))
-    assert answer(tmp_path) == "15.0"
+    return package
+
+
+def test_a_change_in_another_file_is_noticed(kernels: Path) -> None:
+    place = kernels.parent
+    assert answer(place) == answer(place) == "6.0"
+    (kernels / "inner.py").write_text(INNER.replace("FACTOR", "5.0"))
+    assert answer(place) == "15.0"
 
 
 def test_what_is_compiled_ahead_is_what_the_static_model_calls() -> None:
@@ -78,18 +85,6 @@ def answers(package: Path, before: str = "", **environment: str) -> str:
     )
     assert not done.stderr, done.stderr
     return done.stdout.strip()
-
-
-@pytest.fixture
-def kernels(tmp_path: Path) -> Path:
-    """A package of compiled functions."""
-    package = tmp_path / "kernels"
-    package.mkdir()
-    (package / "__init__.py").touch()
-    shutil.copy(compilation.__file__, package)
-    (package / "outer.py").write_text(OUTER)
-    (package / "inner.py").write_text(INNER.replace("FACTOR", "2.0"))
-    return package
 
 
 def test_without_a_folder_to_write_to_functions_are_compiled_for_the_process(

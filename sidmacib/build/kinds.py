@@ -2,15 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import permutations, product
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from sidmacib.build.solids import Solid
 from sidmacib.mechanics.assembly import Floats
 
 ALIKE = 1e-4  # over the volume: what blocks of one kind may differ by
 RIGHT = 1e-3  # cosine: directions at right angles
+TURNS = np.round(Rotation.create_group("O").as_matrix())  # those of a cube
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,20 +99,10 @@ def _alike(one: Solid, other: Solid) -> bool:
     if abs(one.volume - other.volume) > ALIKE * one.volume:
         return False
     size = one.places.max(axis=0)
-    for turn in _turns():
+    for turn in TURNS:
         turned = laid(other, turn)
         if np.abs(turned.places.max(axis=0) - size).max() > ALIKE * size.max():
             continue
         if (one.manifold - turned.manifold).volume() <= ALIKE * one.volume:
             return True
     return False
-
-
-def _turns() -> list[Floats]:
-    """The 24 turns of a cube."""
-    every = [
-        np.array(signs, float)[:, None] * np.eye(3)[list(order)]
-        for order in permutations(range(3))
-        for signs in product((1, -1), repeat=3)
-    ]
-    return [turn for turn in every if np.linalg.det(turn) > 0.0]

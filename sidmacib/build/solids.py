@@ -20,7 +20,7 @@ from sidmacib.structure.crossing import grouped
 from sidmacib.structure.cutting import Plane, cut
 from sidmacib.structure.interfaces import NEAR, mean_size
 from sidmacib.structure.locks import LockPart, Row, cut_off
-from sidmacib.structure.overlaps import solid_of
+from sidmacib.structure.overlaps import common_volume, solid_of
 from sidmacib.structure.structure import Pair
 from sidmacib.validation import refused, require_not_negative
 
@@ -243,18 +243,6 @@ def require_apart(made: Sequence[Solid], fixed: set[str]) -> None:
         if not near or {first.name, second.name} <= fixed:
             continue
         most = SHARED * min(first.volume, second.volume)
-        if (shared := shared_volume(first, second, most)) > most:
+        if (shared := common_volume(first.manifold, second.manifold, most)) > most:
             words = f"{first.name} and {second.name} would share {shared:g} m3"
             raise ValueError(f"blocks: {words}")
-
-
-def shared_volume(one: Solid, other: Solid, most: float = 0.0) -> float:
-    """The volume (m3) that two solids share, to rounding; another way if it is above ``most``.
-
-    Where faces touch, Manifold (3.5) may find a part of a block in one order, none in the other.
-    """
-    first, second = one.manifold, other.manifold
-    for pair in ((first, second), (second, first)):
-        if (shared := float((pair[0] ^ pair[1]).volume())) <= most:
-            return shared
-    return min(shared, float(first.volume() + second.volume() - (first + second).volume()))

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
-from sidmacib.command.options import EXISTING, Once, format_option
+from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option
 from sidmacib.command.output import refused_in_one_line, require_answer, status_line, text_of
 from sidmacib.quantities import Number
 
@@ -33,19 +33,19 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Write forces and mechanism of limit analysis as JSON, as Results of compas_dem.",
 )
 @click.option(
     "--capacity-curve",
     "curve",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Follow the mechanism at finite displacements; write the load over the displacement, down "
     "to no load, into this CSV file. If a support moves: its reaction over its movement.",
 )
 @click.option(
     "--picture",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Draw the capacity curve into this file: .png, .svg or .pdf.",
 )
 @format_option
@@ -114,7 +114,7 @@ def assembly(
 @click.argument("file", type=EXISTING)
 @click.option(
     "--output",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Write the structure with its locks and the load of the first case into this YAML file, "
     "for multilock assembly; each other case goes into a file beside it.",
 )

@@ -5,10 +5,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from sidmacib.command.answers import Row, reason
-from sidmacib.command.output import draw, text_of
+from sidmacib.command.output import draw, text_of, write_text
 from sidmacib.drawing import SKY
 from sidmacib.errors import CapacityError
 from sidmacib.problem import Problem
@@ -156,10 +154,7 @@ def write_curve(rows: Sequence[Row], title: str, curve: Path | None, picture: Pa
     `click.UsageError` for a file that cannot be written.
     """
     if curve is not None:
-        try:
-            curve.write_text(text_of(rows, "csv") + "\n", encoding="utf-8")
-        except OSError as error:
-            raise click.UsageError(f"--capacity-curve {curve}: {error.strerror or error}") from None
+        write_text(text_of(rows, "csv") + "\n", curve, "--capacity-curve")
     if picture is not None:
         draw(_picture(rows, title), picture)
 

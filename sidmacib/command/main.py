@@ -35,6 +35,16 @@ MODELS = ("safe", "law", "static", "limit", "sidmacib")
 CONTEXT = {"help_option_names": ["--help"], "max_content_width": 80}
 
 FORCE, TORQUE = Number(unit="N"), Number(unit="N m")
+_ratio = click.option(
+    "-e",
+    "--eccentricity",
+    "ratio",
+    type=EccentricityType(),
+    default=0.0,
+    help="e / a, or torsion.  [default: 0, pure shear]",
+    cls=Grouped,
+    group=LOAD,
+)
 _models = click.option(
     "-m",
     "--model",
@@ -172,16 +182,7 @@ def envelope(
 
 @main.command()
 @joint_options
-@click.option(
-    "-e",
-    "--eccentricity",
-    "ratio",
-    type=EccentricityType(),
-    default=0.0,
-    help="e / a, or torsion.  [default: 0, pure shear]",
-    cls=Grouped,
-    group=LOAD,
-)
+@_ratio
 @format_option
 @picture_option
 def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: Any) -> None:
@@ -198,16 +199,7 @@ def weights(ratio: float, form: str, picture: Path | None, push: str, **flags: A
 
 @main.command()
 @joint_options
-@click.option(
-    "-e",
-    "--eccentricity",
-    "ratio",
-    type=EccentricityType(),
-    default=0.0,
-    help="e / a, or torsion.  [default: 0, pure shear]",
-    cls=Grouped,
-    group=LOAD,
-)
+@_ratio
 @format_option
 def sensitivity(ratio: float, form: str, push: str, **flags: Any) -> None:
     """Compute the effect of each size on the first failure.

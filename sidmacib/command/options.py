@@ -51,6 +51,7 @@ class Once(GroupedCommand):
         return super().parse_args(ctx, args)
 
 
+WRITTEN = click.Path(dir_okay=False, path_type=Path)
 EXISTING = click.Path(exists=True, dir_okay=False, path_type=Path)
 format_option = click.option(
     "--format",
@@ -64,14 +65,14 @@ format_option = click.option(
 )
 picture_option = click.option(
     "--picture",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Draw the answer into this file: .png, .svg or .pdf.",
     cls=Grouped,
     group=OUTPUT,
 )
 note_option = click.option(
     "--note",
-    type=click.Path(dir_okay=False, path_type=Path),
+    type=WRITTEN,
     help="Write a calculation note into this file: .html, to be printed or sent.",
     cls=Grouped,
     group=OUTPUT,

@@ -43,6 +43,13 @@ def free_rows(assembly: Assembly) -> NDArray[np.int64]:
     return (6 * np.array(free)[:, None] + np.arange(6)).ravel()
 
 
+def motion_of(assembly: Assembly, unknowns: Floats) -> Floats:
+    """Displacements (m) and rotations (rad) of all pieces, (P, 6), from those of the free ones."""
+    motion = np.zeros(6 * len(assembly.pieces))
+    motion[free_rows(assembly)] = unknowns
+    return motion.reshape(-1, 6)
+
+
 def unbalanced_forces(assembly: Assembly, loads: Loads, load: float, force: Floats) -> Floats:
     """Unbalanced force (N) and moment (N m) on each piece under ``load`` (N), (P, 6).
 

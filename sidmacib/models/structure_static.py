@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from sidmacib.answers.structure import StaticAnswer, bond_fails, static_answer
-from sidmacib.mechanics.assembly import Assembly, Floats, Kind, Loads
+from sidmacib.mechanics.assembly import Assembly, Kind, Loads
+from sidmacib.mechanics.equilibrium import motion_of
 from sidmacib.mechanics.solution import LEAST_INCREMENT, Equilibrium, Mode
 from sidmacib.mechanics.static.model import static_first_failure
 from sidmacib.outcome import AT_THE_LOAD, MECHANISM, Failures, Outcome, State
@@ -39,7 +40,7 @@ def solve(problem: Problem) -> Outcome:
         mode=answer.mode,
         peak_spread=answer.spread,
         peak_load=path[-1].load,
-        motion=answer.mechanism if tilts else _motion(answer),
+        motion=answer.mechanism if tilts else motion_of(answer.assembly, answer.state.unknowns),
         motion_kind=MECHANISM if tilts else AT_THE_LOAD,
         broken_at={f: load_of(load) for f, load in _broken_at(answer, problem.loads).items()},
         mesh_errors=answer.mesh_errors,
@@ -47,14 +48,6 @@ def solve(problem: Problem) -> Outcome:
         cells=answer.assembly,
         given=Failures(*map(load_of, answer.given)),
     )
-
-
-def _motion(answer: StaticAnswer) -> Floats:
-    """Displacements (m) and rotations (rad) of all pieces at the load that counts, (P, 6)."""
-    motion = np.zeros((len(answer.assembly.pieces), 6))
-    free = [number for number, piece in enumerate(answer.assembly.pieces) if not piece.fixed]
-    motion[free] = answer.state.unknowns.reshape(len(free), 6)
-    return motion
 
 
 def _broken_at(answer: StaticAnswer, loads: Loads) -> dict[int, float]:

@@ -10,7 +10,7 @@ import numpy as np
 import shapely
 import trimesh
 
-from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Vector
+from sidmacib.mechanics.assembly import CLOSE, GRAVITY, Elastic, Floats, Piece, Vector
 from sidmacib.structure.crossing import bodies, crossing
 from sidmacib.validation import LARGE, require_positive
 
@@ -255,3 +255,10 @@ def box(name: str, low: Vector, high: Vector, density: float, *, fixed: bool = F
     (x, y, z), (to_x, to_y, to_z) = low, high
     base = [(x, y, z), (to_x, y, z), (to_x, to_y, z), (x, to_y, z)]
     return prism(name, base, (0.0, 0.0, to_z - z), density, fixed=fixed)
+
+
+def solids_of(piece: Piece) -> tuple[Block, ...]:
+    """The blocks that a piece consists of; none of a cuboid."""
+    if isinstance(piece, Compound):
+        return piece.solids
+    return (piece,) if isinstance(piece, Block) else ()

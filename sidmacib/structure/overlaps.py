@@ -50,8 +50,9 @@ def require_apart(blocks: Sequence[Block], near: float, size: float) -> None:
             depth = overlap(one, other, near)
             words = f"{depth:.3g} m"
         else:
-            volume = shared_volume(one, other)
-            depth, words = volume / min(_surface(one), _surface(other)), f"{volume:.3g} m3"
+            surface = min(_surface(one), _surface(other))
+            volume = shared_volume(one, other, near * surface)
+            depth, words = volume / surface, f"{volume:.3g} m3"
         if depth > near:
             remedy = ""
             if depth <= WIDEST * size:
@@ -66,11 +67,22 @@ def tolerance_for(gap: float, size: float) -> float:
     return float(f"{math.ceil(share / digit) * digit:.1g}")
 
 
-def shared_volume(one: Block, other: Block) -> float:
-    """The volume (m3) that two blocks share, convex or not."""
+def shared_volume(one: Block, other: Block, most: float = 0.0) -> float:
+    """The volume (m3) that two blocks share, convex or not; see `common_volume`."""
     middle, size = one.places.mean(axis=0), one.size
     first, second = (solid_of(block, middle, size) for block in (one, other))
-    return float((first ^ second).volume()) * size**3
+    return common_volume(first, second, most / size**3) * size**3
+
+
+def common_volume(one: manifold3d.Manifold, other: manifold3d.Manifold, most: float = 0.0) -> float:
+    """The volume that two solids share, to rounding; another way if it is above ``most``.
+
+    Where faces touch, Manifold (3.5) may find a part of a block in one order, none in the other.
+    """
+    for first, second in ((one, other), (other, one)):
+        if (shared := float((first ^ second).volume())) <= most:
+            return shared
+    return min(shared, float(one.volume() + other.volume() - (one + other).volume()))
 
 
 def solid_of(block: Block, middle: Floats, size: float) -> manifold3d.Manifold:

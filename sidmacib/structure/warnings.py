@@ -9,7 +9,7 @@ from sidmacib.joint.unit_warnings import beyond, material_warnings
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.mechanics.polygons import Polygon
 from sidmacib.quantities import Number
-from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.blocks import Block, solids_of
 from sidmacib.structure.interfaces import NEAR, close, mean_size, most_near
 from sidmacib.structure.overlaps import tolerance_for
 
@@ -44,8 +44,7 @@ def _near_misses(assembly: Assembly, near: float, from_file: bool) -> Iterator[s
     solids: list[Block] = []
     owner: list[int] = []
     for number, piece in enumerate(assembly.pieces):
-        parts = piece.solids if isinstance(piece, Compound) else (piece,)
-        solids += [part for part in parts if isinstance(part, Block)]
+        solids += solids_of(piece)
         owner += [number] * (len(solids) - len(owner))
     touch: Counter[Pair] = Counter()  # m2
     for face in assembly.faces:

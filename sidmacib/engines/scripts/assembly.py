@@ -247,7 +247,11 @@ class GivenSearch:
 
 def read_assembly(path: str, materials: dict[str, dict[str, float]]) -> GivenAssembly:
     """The assembly of a data file, with the materials that its faces name."""
-    data: dict[str, Any] = json.loads(Path(path).read_text())
+    return assembly_of(json.loads(Path(path).read_text()), materials)
+
+
+def assembly_of(data: dict[str, Any], materials: dict[str, dict[str, float]]) -> GivenAssembly:
+    """`read_assembly` of what is in such a file."""
     laws = {name: GivenMaterial(**law) for name, law in materials.items()}
     faces = [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]]
     nodes = [Node(*row) for row in zip(*data["nodes"].values(), strict=True)]

@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from sidmacib.errors import CapacityError
 from sidmacib.mechanics.assembly import Assembly, Face, Floats, Integers, Kind, Piece
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.blocks import Block, Compound
+from sidmacib.structure.blocks import solids_of
 from sidmacib.structure.overlaps import candidates, overlap
 
 SAME = 1e-6  # of the assembly's length: planes no further apart coincide
@@ -193,7 +193,7 @@ def _side(end: int, piece: Piece, face: Polygon, axes: Floats, near: float) -> S
     """The whole side of a ``piece`` that an interface is part of; `axes`: outwards from it."""
     outline = face.outline
     parts = []
-    for corners in (corners for solid in _solids(piece) for corners in solid.outlines):
+    for corners in (corners for solid in solids_of(piece) for corners in solid.outlines):
         local = (corners - np.array(face.middle)) @ axes.T
         if np.abs(local[:, 0]).max() <= near:
             part = shapely.Polygon(local[:, 1:])
@@ -233,7 +233,7 @@ def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
             tuple(placed.at(number, outline) for outline in solid.outlines),
         )
         for number, piece in enumerate(assembly.pieces)
-        for solid in _solids(piece)
+        for solid in solids_of(piece)
         if solid.reentrant is None
     ]
     over = OVER * assembly.length
@@ -242,9 +242,3 @@ def meeting(assembly: Assembly, placed: Placement) -> tuple[str, str] | None:
         if apart and overlap(one, other, over) > over:
             return assembly.pieces[one.piece].name, assembly.pieces[other.piece].name
     return None
-
-
-def _solids(piece: Piece) -> tuple[Block, ...]:
-    if isinstance(piece, Compound):
-        return piece.solids
-    return (piece,) if isinstance(piece, Block) else ()

@@ -17,8 +17,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from sidmacib.mechanics.assembly import Assembly, Floats, Loads
-from sidmacib.mechanics.equilibrium import face_frames
+from sidmacib.mechanics.assembly import Assembly, Loads
+from sidmacib.mechanics.equilibrium import face_frames, motion_of
 from sidmacib.mechanics.solution import Equilibrium
 from sidmacib.structure.loads import PointForce
 
@@ -37,7 +37,7 @@ def rotation_effect(
     if not earlier:
         return None
     here, goes_on = (
-        _of_pieces(assembly, unknowns)
+        motion_of(assembly, unknowns)
         for unknowns in (path[-1].unknowns, path[-1].unknowns - earlier[-1].unknowns)
     )
     work = float(np.sum(loads.variable * goes_on))
@@ -63,11 +63,3 @@ def rotation_words(change: float | None) -> str:
     return (
         f"small displacements: finite rotation would {way} it by about {100.0 * abs(change):.2g} %"
     )
-
-
-def _of_pieces(assembly: Assembly, unknowns: Floats) -> Floats:
-    """Displacements (m) and rotations (rad) of all pieces, (P, 6)."""
-    motion = np.zeros((len(assembly.pieces), 6))
-    free = [number for number, piece in enumerate(assembly.pieces) if not piece.fixed]
-    motion[free] = unknowns.reshape(len(free), 6)
-    return motion

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import BeforeValidator, StrictBool, model_validator
@@ -18,9 +18,10 @@ from sidmacib.structure.files.meshes import blocks_from_mesh
 from sidmacib.structure.files.repair import chosen
 from sidmacib.structure.interfaces import Interface, mean_size
 from sidmacib.structure.warnings import BLOCK
+from sidmacib.units import MEASURED_IN
 from sidmacib.validation import refused
 
-UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}  # m
+Unit = Literal["m", "cm", "mm", "in", "ft"]
 UPWARDS = {  # what turns a file's coordinates so that z is up
     "x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
     "y": ((1, 0, 0), (0, 0, -1), (0, 1, 0)),
@@ -39,7 +40,7 @@ class FileSection(Keys):
 
     file: Text
     """its path, from the folder of this file; with `*` all that fit, a block or more from each"""
-    unit: Literal["m", "cm", "mm", "in", "ft"] | None = None
+    unit: Unit | None = None
     """unit of its lengths: by default that of a 3dm file, else m"""
     scale: Annotated[float, Number(above=0)] | None = None
     """m per unit of the file, in place of `unit`"""
@@ -59,7 +60,7 @@ class FileSection(Keys):
     @property
     def length(self) -> float | None:
         """M per unit of the file, if it is given."""
-        return self.scale if self.unit is None else UNITS[self.unit]
+        return self.scale if self.unit is None else MEASURED_IN["m"].units[self.unit]
 
     def blocks(self, name: str, folder: Path) -> list[Block]:
         """The blocks, whose names begin with ``name``; ValueError."""
@@ -123,5 +124,5 @@ class FileSection(Keys):
         if self.length is None and not self.file.endswith(".3dm") and size > BLOCK.likely[1]:
             raise ValueError(
                 f"file: {self.file}: its blocks would be {size:.4g} m across; say unit: mm, or "
-                f"{', '.join(each for each in UNITS if each != 'mm')}"
+                f"{', '.join(each for each in get_args(Unit) if each != 'mm')}"
             )
