@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from sidmacib.build.formats import obj_text, stl, threemf
 from sidmacib.build.kinds import kinds, laid, letters, own_axes
 from sidmacib.build.sheet import draw_sheet, spelled
-from sidmacib.build.solids import Clearance, Solid, shared_volume, solids
+from sidmacib.build.solids import Clearance, Solid, solids
 from sidmacib.build.sources import Found, blocks_of_file, joint_blocks
 from sidmacib.build.views import cut_place, section, view
 from sidmacib.command.main import main
@@ -26,6 +26,7 @@ from sidmacib.joint.pieces import cut_pieces
 from sidmacib.mechanics.assembly import Cuboid
 from sidmacib.structure.blocks import Block, prism
 from sidmacib.structure.files.structure_file import assembly_of, blocks_and_rows
+from sidmacib.structure.overlaps import common_volume
 from sidmacib.yaml_text import read_yaml
 
 ARCH = ROOT / "studies" / "arch" / "arch_with_locks.yaml"
@@ -143,7 +144,8 @@ def test_solids_are_closed_and_share_nothing_in_every_file(source, clearance) ->
     volume = sum(mesh.volume for mesh in read.geometry.values())  # its reader joins objects
     assert volume == pytest.approx(sum(each.volume for each in found), rel=1e-6)
     for one, other in combinations(found, 2):
-        assert shared_volume(one, other) <= 1e-9 * min(one.volume, other.volume)
+        shared = common_volume(one.manifold, other.manifold)
+        assert shared <= 1e-9 * min(one.volume, other.volume)
 
 
 @pytest.mark.parametrize("source", [lambda: joint_blocks(Joint(5)), lambda: turned(Joint(5))])

@@ -194,5 +194,5 @@ def test_the_static_model_finds_the_same_first_failure_and_weights(
 @pytest.mark.engine
 def test_pieces_that_slide_with_all_bonds_whole_have_no_first_failure(tmp_path: Path) -> None:
     joint = elastic(Joint(1, hold_down=HoldDown.force(100.0), dry=replace(DRY, friction=0.1)))
-    with pytest.raises(EngineError, match=r"no first failure: at 10\.1\d* N 3\.\d* % of"):
+    with pytest.raises(EngineError, match=r"no first failure: at 10\.1\d* N \d+\.?\d* % of"):
         run_case(a_case("calculix", joint, Loading(Direction(0.0)), 0.03), tmp_path)
