@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 from stack import tilted_stack
 from structures import dry
+from structures import moved as at_another_place
 
 from sidmacib.engines.liggghts.deck import LiggghtsDeck, flat_radii, patches, pitch
 from sidmacib.engines.liggghts.loads import handle_forces
@@ -20,15 +22,17 @@ from sidmacib.engines.liggghts.model import Placement, utilisation
 from sidmacib.engines.liggghts.process import dumped_rows, printed_values
 from sidmacib.engines.render import assembly_data, engine_material
 from sidmacib.engines.scripts import assembly as scripts
-from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved, nodes_off_sides
+from sidmacib.engines.scripts.motion import STILL, Fall, PieceMotion, moved
 from sidmacib.engines.scripts.records import BONDS, EnginePeak, History, NodeForce
+from sidmacib.engines.scripts.surroundings import LOOK, MET, Surroundings, meeting
 from sidmacib.engines.sides import vertices_above
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading, lateral_load
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics import assembly as mechanics
 from sidmacib.mechanics.assembly import NodeLayout
-from sidmacib.structure.blocks import box
+from sidmacib.structure.blocks import box, prism
+from sidmacib.structure.loads import acceleration
 from sidmacib.structure.structure import structure
 
 SEARCH = scripts.GivenSearch(1e-6, 20.0, 800, 8000, 1e-4, 1e-3, 12.0, 1e-3)
@@ -255,13 +259,79 @@ def test_a_point_moves_on_a_circle_however_far_its_piece_turns() -> None:
 
 
 def test_vertices_past_the_edge_of_a_side_have_left_it(stack: scripts.GivenAssembly) -> None:
+    def lost(*far: float) -> list[int]:
+        return Surroundings(stack).look(shifted(*far))
+
     width = max(node.position_m[0] for node in stack.nodes) * 2
-    assert nodes_off_sides(stack, shifted(0.0, 0.0, 0.04 * stack.length_m)) == []
+    assert lost(0.0, 0.0, 0.04 * stack.length_m) == []
     upper = [n for n, node in enumerate(stack.nodes) if node.face == 1]
-    off = nodes_off_sides(stack, shifted(0.0, 0.0, width / 4))
+    off = lost(0.0, 0.0, width / 4)
     assert off and set(off) < set(upper)
-    assert nodes_off_sides(stack, shifted(0.0, 0.0, 1.4 * width)) == upper
-    assert nodes_off_sides(stack, shifted(0.0, width, width)) != upper  # they move as one
+    assert lost(0.0, 0.0, 1.4 * width) == upper
+    assert lost(0.0, width, width) != upper  # they move as one
+
+
+def test_small_motions_that_add_up_are_seen(stack: scripts.GivenAssembly) -> None:
+    around, width = Surroundings(stack), max(node.position_m[0] for node in stack.nodes) * 2
+    steps = 1 + int(width / 2 / (0.6 * LOOK * stack.length_m))
+    lost = [
+        node
+        for step in range(1, steps)
+        for node in around.look(shifted(0.0, 0.0, 0.6 * LOOK * stack.length_m * step))
+    ]
+    assert lost and around.lost == set(lost) and len(lost) == len(set(lost))
+
+
+@pytest.fixture
+def row(tmp_path: Path) -> scripts.GivenAssembly:
+    """Two blocks side by side on the ground, with a gap of 0.05 m along x."""
+    ground = box("ground", (-1.0, -1.0, -0.2), (1.0, 1.0, 0.0), 2e3, fixed=True)
+    ends = {"left": (-0.25, 0.0), "right": (0.05, 0.3)}
+    cubes = [box(n, (x, -0.1, 0.0), (to, 0.1, 0.2), 2e3) for n, (x, to) in ends.items()]
+    model = structure([ground, *cubes], dry(0.5))
+    return as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+
+
+def test_blocks_without_an_interface_meet_where_the_gap_between_them_has_closed(
+    row: scripts.GivenAssembly,
+) -> None:
+    met = "left meets right, where they had no interface"
+    closed = 0.05 + MET * row.length_m
+    assert meeting(row, shifted(0.0, 0.99 * closed, 0.0)) is None
+    assert meeting(row, shifted(0.0, 1.01 * closed, 0.0)) == met
+    assert meeting(row, shifted(0.0, 0.4 * closed, -0.61 * closed)) == met
+    # Turned by 45 degrees, a corner is ahead by half the sum of its sides over the root of two.
+    closed -= 0.5 * (0.25 + 0.2) / math.sqrt(2.0) - 0.125
+    for share, expected in ((0.99, None), (1.01, met)):
+        turned = PieceMotion((share * closed, 0.0, 0.0), (0.0, 0.0, math.pi / 4))
+        assert meeting(row, [STILL, turned, STILL]) == expected
+
+
+def test_a_block_that_sinks_into_another_where_it_has_lost_its_contacts_meets_it(
+    row: scripts.GivenAssembly,
+) -> None:
+    leaning = PieceMotion((0.0, 0.0, 0.0), (0.0, 0.2, 0.0))
+    lost = range(len(row.nodes))
+    met = "ground meets left, beyond their interface"
+    assert meeting(row, [STILL, leaning, STILL], lost) == met
+    assert meeting(row, [STILL, leaning, STILL]) is None  # pressed in at its nodes
+    rocked = PieceMotion((0.0, 0.0, 0.125 * math.sin(0.2)), (0.0, 0.2, 0.0))
+    assert meeting(row, [STILL, rocked, STILL], lost) is None
+
+
+def test_crosswise_edges_meet_where_no_face_does(tmp_path: Path) -> None:
+    turn = Rotation.from_rotvec([0.4, 0.3, 0.2])
+    ridge = ((-1.0, -1.0), (1.0, -1.0), (0.0, 0.0))
+    low = prism("low", [(0.0, y, z) for y, z in ridge], (1.0, 0.0, 0.0), 2e3)
+    high = prism("high", [(x + 0.5, -0.5, 0.03 - z) for x, z in ridge], (0.0, 1.0, 0.0), 2e3)
+    ground = box("ground", (-1.0, -1.0, -1.2), (1.0, 1.0, -1.0), 2e3, fixed=True)
+    solids = [at_another_place(each, turn, (0.0, 0.0, 0.0)) for each in (ground, low, high)]
+    model = structure([*solids[:2], replace(solids[2], fixed=True)], dry(0.5))
+    given = as_read(model, acceleration(model, (1.0, 0.0, 0.0)), tmp_path)
+    closed = 0.03 + MET * given.length_m
+    for share, met in ((0.99, None), (1.01, "low meets high, where they had no interface")):
+        up = turn.apply([0.0, 0.0, share * closed])
+        assert meeting(given, [STILL, PieceMotion(tuple(up), STILL.rotation), STILL]) == met
 
 
 # --- vertices and sides --------------------------------------------------------------------------

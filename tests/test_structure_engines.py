@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -167,6 +168,32 @@ def test_a_block_that_juts_out_over_an_edge_turns_over_it(
     expected = math.degrees(math.atan(far / 0.2))
     angle = tilted_until_it_falls(engine, model, (0.0, -1.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.2)
+
+
+@pytest.mark.engine
+@pytest.mark.parametrize("gap", [0.01, 0.1])
+def test_a_block_that_slides_against_another_which_it_did_not_touch_has_no_peak(
+    engine: str, gap: float, tmp_path: Path
+) -> None:
+    model = structure(
+        [
+            box("ground", (-2.0, -1.0, -0.2), (2.0, 1.0, 0.0), 2e3, fixed=True),
+            box("block", (-0.2, -0.15, 0.0), (0.2, 0.15, 0.2), 2e3),
+            box("wall", (0.2 + gap, -0.15, 0.05), (0.5, 0.15, 0.2), 2e3, fixed=True),
+        ],
+        dry(0.3),
+    )
+    problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
+    slides = 0.3 * model.pieces[1].weight
+    if gap > 0.05:  # it is in full motion before it is there
+        assert found(engine, problem, tmp_path).path[-1].load == pytest.approx(slides, rel=2e-3)
+        return
+    with pytest.raises(
+        EngineNoAnswerError, match="block meets wall, where they had no interf"
+    ) as no:
+        found(engine, problem, tmp_path)
+    load = float(re.search(r"at ([\d.]+) N", str(no.value))[1])
+    assert load == pytest.approx(slides, rel=2e-3)
 
 
 def in_a_groove(friction: float, above: tuple[tuple[float, float], ...]) -> Assembly:

@@ -56,6 +56,16 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
     assert peaks[1] == pytest.approx(peaks[0], rel=0.005)
 
 
+def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run) -> None:
+    """Its first column breaks off, turns by five hundredths and rests against the next lock."""
+    joint = Joint(3, inner=replace(INNER, cohesion=1e6))
+    case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, NodeLayout.VERTICES)
+    found, expected = run(case), static_peak(*case.subject.problem())
+    assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
+    # The static model's rotations are small ones; LIGGGHTS has 1215 N.
+    assert found.peak_load == pytest.approx(expected.peak.load, rel=0.06)
+
+
 def test_a_ductile_bond_yields_in_tension_and_does_not_break(run_block) -> None:
     """Pulled upwards beside its middle, it reaches the plastic limit, or more as it turns."""
     joint = Joint(3, inner=replace(INNER, cohesion=1e6))

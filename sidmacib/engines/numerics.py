@@ -28,9 +28,9 @@ class Numerics:
     unbalanced_ratio: Annotated[float, Number(at_least=1e-9, at_most=0.01)] = 1e-4
     # displacement since the last equilibrium over the mean size of pieces; what has moved further,
     # and moves ever faster, falls
-    collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.02
+    collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.04
     # share of the unbalanced force that is removed
-    damping: Share = 0.4
+    damping: Share = 0.7
     # over the largest stable time step
     time_step_ratio: Share = 0.4
     # processes for one case

@@ -17,7 +17,7 @@ import jinja2.meta
 from sidmacib.engines.engine import Engine
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.scripts.assembly import GivenMaterial, Guide
-from sidmacib.engines.sides import sides, vertices_above
+from sidmacib.engines.sides import convex_solids, sides, vertices_above
 from sidmacib.mechanics.assembly import (
     Assembly,
     Cuboid,
@@ -157,6 +157,7 @@ def _piece(piece: Piece, permanent: Floats) -> dict[str, Any]:
         "inertia_kgm2": float(piece.inertia.max()),
         "force_N": permanent[:3].tolist(),
         "moment_Nm": permanent[3:].tolist(),
+        "solids": convex_solids(piece),
     }
     if isinstance(piece, Cuboid):
         data |= {

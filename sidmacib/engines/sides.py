@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull, KDTree
 
 from sidmacib.mechanics.assembly import Assembly, Cuboid, Face, Floats, Piece
 
+PARALLEL = 1e-12  # one less the cosine of the angle between what is parallel
 AT = 1e-3  # over the assembly's length: interfaces may lie as far from the blocks' faces
 
 
@@ -52,9 +53,41 @@ def _edges(corners: Floats, face: Face, near: float) -> list[list[float]]:
     return np.column_stack([across, across @ face.middle - equations[:, 2]]).tolist()
 
 
+def convex_solids(piece: Piece) -> list[list[list[list[float]]]]:
+    """Convex parts of a piece, as `GivenSolid` has them; those that are not convex are left out."""
+    if isinstance(piece, Cuboid):
+        axes = np.eye(3).tolist()
+        return [[_corners(piece).tolist(), axes, axes]]
+    return [
+        [solid.places.tolist(), _different(solid.normals), _different(_edges_of(solid))]
+        for solid in _solids(piece)
+        if solid.reentrant is None
+    ]
+
+
+def _edges_of(solid: Any) -> Floats:
+    """Edges of a block from corner to corner, (K, 3), as unit vectors."""
+    edges = np.concatenate([np.roll(each, -1, axis=0) - each for each in solid.outlines])
+    return np.asarray(edges / np.linalg.norm(edges, axis=1)[:, None])
+
+
+def _different(ways: Floats) -> list[list[float]]:
+    """Those of unit vectors, (K, 3), that are not parallel to another."""
+    found: list[Floats] = []
+    for way in ways:
+        if all(abs(way @ other) < 1.0 - PARALLEL for other in found):
+            found.append(way)
+    return np.array(found).tolist()
+
+
 def _corners(piece: Piece) -> Floats:
     """Corners of a piece in m, (K, 3)."""
     if isinstance(piece, Cuboid):
         return np.array(list(product(*zip(piece.low, piece.high, strict=True))))
-    solids: Sequence[Any] = getattr(piece, "solids", (piece,))  # of a compound; a block is one
-    return np.concatenate([solid.places for solid in solids])
+    return np.concatenate([solid.places for solid in _solids(piece)])
+
+
+def _solids(piece: Piece) -> Sequence[Any]:
+    """Blocks that a piece consists of: several of a compound."""
+    solids: Sequence[Any] = getattr(piece, "solids", (piece,))
+    return solids

@@ -243,8 +243,6 @@ class LiggghtsDeck:
         handles = " ".join(str(atom) for piece in free for atom in self.atoms.handles[piece])
         yield f"group handles id {handles}"
         # All force fixes before fix rigid, or each run would kick the bodies.
-        share = "(0.5-0.5*cos(PI*(step-v_load_start)/v_load_ramp))"
-        yield f"variable load equal v_load_before+v_load_rise*{share}"
         yield from self._loads()
         yield from self._bodies()
 
@@ -369,8 +367,7 @@ class LiggghtsDeck:
                 for name in "xyz":
                     yield f"variable p{atom}_{name} equal {name}[{atom}]"
         # The last of all: a variable that is set anew moves there, and fixes know them by number.
-        yield from (f"variable load_{name} equal 0.0" for name in ("before", "rise", "start"))
-        yield "variable load_ramp equal 1.0"  # steps
+        yield "variable load equal 0.0"  # N
         yield f"variable load_drag equal {self.drag!r}"  # 1/s
 
     @property

@@ -3,27 +3,32 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from ..scripts.assembly import Vector, dot, length, plus, utilisation
-from ..scripts.motion import STILL, Fall, PieceMotion, nodes_off_sides
+from ..scripts.motion import STILL, Fall, PieceMotion
 from ..scripts.next_failure import most_used
 from ..scripts.records import EngineOutcome, History, NodeForce
+from ..scripts.surroundings import Surroundings
 from .deck import LiggghtsDeck
 from .process import LiggghtsProcess
 
-INPUT_SCRIPT, DATA_FILE = "joint.in", "joint.atoms"
+INPUT_SCRIPT, DATA_FILE, RESTART = "joint.in", "joint.atoms", "joint.restart"
 SWING = 20.0  # utilisation over unbalanced ratio: by more, no bond swings after a cut
 SOON = 0.05  # of the longest wait: what moves then still goes on against less drag, and so faster
-LESS_DRAG = 0.1
+LESS_DRAG = 0.1  # share of the drag then
+LATER = 0.2  # of it: what then moves ever faster, even against drag, does not come to rest
 LOOKS = 10  # at least, in every time as long as all that was waited before
 
 
 @dataclass(frozen=True)
-class Event:
-    """A change of the assembly: its load was raised (N), or springs of nodes were cut."""
+class State:
+    """A state that LIGGGHTS has written to `RESTART`: its load (N), time step, and lost nodes."""
 
-    load: float | None
-    nodes: tuple[int, ...] = ()
+    load: float
+    steps: int
+    cut_nodes: frozenset[int]
+    lost: frozenset[int]
 
 
 class Placement:
@@ -48,9 +53,12 @@ class Placement:
         ]
 
     def motion(self) -> PieceMotion:
-        """Displacement of the centroid and small rotation about x, y, z."""
-        (_, xy, xz), (yx, _, yz), (zx, zy, _) = self.axes
+        """Displacement of the centroid and rotation as a vector."""
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = self.axes
         turn = [(yz - zy) / 2, (zx - xz) / 2, (xy - yx) / 2]
+        if sine := length(turn):
+            angle = math.atan2(sine, (xx + yy + zz - 1) / 2)
+            turn = [part * angle / sine for part in turn]
         return PieceMotion(plus(self.centre, self.start, -1.0), turn)
 
 
@@ -61,43 +69,54 @@ class LiggghtsModel:
         self.deck, self.assembly, self.search = deck, deck.assembly, deck.search
         self.ranks, self.history = ranks, history
         self.slice = max(1, round(2 * self.search.period_steps))  # steps between two looks at it
-        self.events: list[Event] = []
         self.place_variables = deck.place_variables
         self.force_variables = deck.force_variables
-        self._start()
+        self.kept = State(0.0, 0, frozenset(), frozenset())
+        self._start(f"include {INPUT_SCRIPT}")
 
-    def _start(self) -> None:
-        self.engine, self.load = LiggghtsProcess(self.ranks), 0.0
-        self.cut_nodes: set[int] = set()
-        self.lost: set[int] = set()  # nodes whose vertex has left the side that it touched
-        self.fall = Fall(self.assembly, self.search.collapse_m, [STILL] * len(self.assembly.pieces))
-        self.engine.send(f"include {INPUT_SCRIPT}")
+    def _start(self, *commands: str) -> None:
+        self.engine, self.load = LiggghtsProcess(self.ranks), self.kept.load
+        self.engine.steps = self.kept.steps
+        self.surroundings = Surroundings(self.assembly, self.kept.lost)
+        self.cut_nodes = set(self.kept.cut_nodes)
+        self.engine.send(*commands)
+        self._set_load(self.load)
         self._run(0)
+        self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
+
+    @property
+    def met(self) -> str | None:
+        """Which two pieces have met, in words."""
+        return self.surroundings.met
 
     # --- the way to equilibrium ------------------------------------------------------------------
     def raised(self, load: float) -> EngineOutcome:
         """Raise the load (N) smoothly and wait for the outcome."""
-        return self._new(Event(load))
+        self.history.attempts += 1
+        self.kept = State(
+            self.load,
+            self.engine.steps,
+            frozenset(self.cut_nodes),
+            frozenset(self.surroundings.lost),
+        )
+        self.engine.send(f"write_restart {RESTART}")
+        self.engine.fresh = True
+        return self._raise(load)
 
     def cut(self, nodes: Iterable[int]) -> EngineOutcome:
         """Cut the springs of nodes and wait for the outcome."""
-        return self._new(Event(None, tuple(sorted(nodes))))
+        self.history.attempts += 1
+        return self._cut(tuple(sorted(nodes)))
 
     def back(self) -> None:
-        """Undo the last event, by doing all before it again."""
+        """Return to where the load was raised last."""
         self.engine.stop()
-        self.events.pop()
-        self._start()
-        for event in self.events:
-            self._do(event)
+        script = Path(INPUT_SCRIPT).read_text().splitlines()
+        again = [f"read_restart {RESTART}" if c.startswith("read_data") else c for c in script]
+        self._start(*again, *(self._uncoupled(node) for node in sorted(self.cut_nodes)))
 
-    def _new(self, event: Event) -> EngineOutcome:
-        self.history.attempts += 1
-        self.events.append(event)
-        return self._do(event)
-
-    def _do(self, event: Event) -> EngineOutcome:
-        return self._cut(event.nodes) if event.load is None else self._raise(event.load)
+    def _uncoupled(self, node: int) -> str:
+        return f"bond_coeff {self.deck.bond[node]} 0.0 0.0"
 
     def _raise(self, load: float) -> EngineOutcome:
         ramp = self.search.ramp(load - self.load, load)
@@ -106,29 +125,26 @@ class LiggghtsModel:
         self._set_load(self.load, load - self.load, ramp)
         self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         for done in range(0, ramp, self.slice):
-            if self._falls(min(self.slice, ramp - done)):
-                return self.fall.outcome(self.motions())
+            if outcome := self._goes_on(min(self.slice, ramp - done)):
+                return outcome
         self.load = load
         self._set_load(load)
         return self._waits()
 
     def _set_load(self, load: float, rise: float = 0, ramp: int = 1, drag: float = 1) -> None:
         """Have the load (N) rise from ``load`` by ``rise`` in ``ramp`` steps, against some drag."""
-        values = {
-            "load_before": load,
-            "load_rise": rise,
-            "load_start": self.engine.steps,
-            "load_ramp": float(ramp),
-            "load_drag": drag * self.deck.drag,
-        }
-        self.engine.send(*(f"variable {name} equal {value!r}" for name, value in values.items()))
+        share = f"(0.5-0.5*cos(PI*(step-{self.engine.steps})/{ramp}))"
+        whole = f"{load!r}+({rise!r})*{share}" if rise else f"{load!r}"
+        self.engine.send(
+            f"variable load equal {whole}", f"variable load_drag equal {drag * self.deck.drag!r}"
+        )
 
     def _cut(self, nodes: Iterable[int]) -> EngineOutcome:
         self.cut_nodes |= set(nodes)
         self.fall = Fall(self.assembly, self.search.collapse_m, self.motions())
         commands = []
         for node in nodes:
-            commands.append(f"bond_coeff {self.deck.bond[node]} 0.0 0.0")
+            commands.append(self._uncoupled(node))
             types = self.deck.patch_types[self.deck.patch_of[node]]
             commands += [
                 f"set atom {atom} type {kind}"
@@ -149,36 +165,37 @@ class LiggghtsModel:
             if waited > SOON * self.search.hold_steps:
                 self._set_load(self.load, drag=LESS_DRAG)
             steps = max(self.slice, waited // LOOKS)
-            if self._falls(steps):
-                return self.fall.outcome(self.motions())
+            if outcome := self._goes_on(steps):
+                return outcome
             unbalanced = self.unbalanced_ratio(self.load)
             if unbalanced < self.search.unbalanced_ratio:
                 return EngineOutcome.EQUILIBRIUM
             if swing < math.inf and most_used(self.utilisation()) > 1.0 + swing * unbalanced:
                 return EngineOutcome.OVERSTRESSED
             waited += steps
-        return self.fall.at_last(self.motions())
+            if waited > LATER * self.search.hold_steps and self.fall.runs_away():
+                break
+        return self.surroundings.at_last(self.fall, self.motions())
 
     def _run(self, steps: int) -> None:
         self.engine.run(steps)
         self.history.time_steps += steps
 
-    def _falls(self, steps: int) -> bool:
-        """Advance by ``steps`` of time; whether a piece falls."""
+    def _goes_on(self, steps: int) -> EngineOutcome | None:
+        """Advance by ``steps`` of time; the outcome if pieces fall or meet."""
         self._run(steps)
         motions = self.motions()
-        falls = self.fall.sees(motions, steps)
-        if self.fall.went_on():
-            self._lose(nodes_off_sides(self.assembly, motions))
-        return falls
+        if self.fall.sees(motions, steps):
+            return self.fall.outcome(motions)
+        if lost := self.surroundings.look(motions):
+            self._lose(lost)
+        return EngineOutcome.MEETING if self.met else None
 
     def _lose(self, nodes: list[int]) -> None:
         """Let nodes touch no more."""
-        lost = set(nodes) - self.lost
-        self.lost |= lost
-        spheres = [atom for node in sorted(lost) for atom in self.deck.atoms.spheres[node]]
+        spheres = [atom for node in nodes for atom in self.deck.atoms.spheres[node]]
         self.engine.send(*(f"set atom {atom} type {self.deck.lone}" for atom in spheres))
-        self.engine.fresh = self.engine.fresh or bool(lost)
+        self.engine.fresh = True
 
     # --- measurements ----------------------------------------------------------------------------
     def _placed(self) -> dict[int, Placement]:

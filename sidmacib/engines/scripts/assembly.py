@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -35,12 +36,24 @@ class GivenMaterial:
 
 
 @dataclass(frozen=True)
+class GivenSolid:
+    """A convex part of a piece: its corners (m), unit normals of its faces, and its edges.
+
+    Edges as unit vectors; of parallel normals and edges one.
+    """
+
+    corners_m: Sequence[Vector]
+    normals: Sequence[Vector]
+    edges: Sequence[Vector]
+
+
+@dataclass(frozen=True)
 class GivenPiece:
     """A piece; force (N) and moment (N m) are its permanent loads at its centroid.
 
     ``inertia_kgm2`` is the largest principal moment, taken about every axis: equilibria do not
     depend on it. ``low_m``, ``high_m``: opposite corners. ``young_Pa``: Young's modulus, None of
-    a rigid piece.
+    a rigid piece. ``solids``: its convex parts.
     """
 
     name: str
@@ -54,6 +67,12 @@ class GivenPiece:
     high_m: Vector = ()
     young_Pa: float | None = None
     poisson: float = 0.0
+    solids: Sequence[GivenSolid] = ()
+
+    @cached_property
+    def gyration_m(self) -> float:
+        """Radius of gyration."""
+        return math.sqrt(self.inertia_kgm2 / self.mass_kg)
 
 
 @dataclass(frozen=True)
@@ -144,7 +163,7 @@ class GivenAssembly:
     mesh_m: float | None = None
     layout: str = ""
 
-    @property
+    @cached_property
     def free(self) -> list[int]:
         """Indices of the pieces that can move."""
         return [index for index, piece in enumerate(self.pieces) if not piece.fixed]
@@ -256,7 +275,10 @@ def assembly_of(data: dict[str, Any], materials: dict[str, dict[str, float]]) ->
     faces = [GivenFace(**{**face, "material": laws[face["material"]]}) for face in data["faces"]]
     nodes = [Node(*row) for row in zip(*data["nodes"].values(), strict=True)]
     return GivenAssembly(
-        [GivenPiece(**piece) for piece in data["pieces"]],
+        [
+            GivenPiece(**{**piece, "solids": [GivenSolid(*solid) for solid in piece["solids"]]})
+            for piece in data["pieces"]
+        ],
         faces,
         nodes,
         [PieceLoad(**load) for load in data["loads"]],

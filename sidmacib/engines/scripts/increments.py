@@ -7,7 +7,14 @@ from typing import Protocol
 
 from .assembly import GivenSearch, Guide
 from .extrapolation import BEYOND, STOPS, STRIDE
-from .records import EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
+from .records import (
+    EngineOutcome,
+    EnginePeak,
+    NoAnswerError,
+    NodeForce,
+    failure_mode,
+    require_contacts,
+)
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
@@ -20,6 +27,10 @@ class RaisedModel(Protocol):
 
     def raised(self, start: float, end: float, permanent: tuple[float, float]) -> EngineOutcome:
         """Raise load (N) and share of the permanent loads, and wait for the outcome."""
+
+    @property
+    def met(self) -> str | None:
+        """Which two pieces have met, in words."""
 
     def broken(self) -> int:
         """Number of nodes whose bond has broken."""
@@ -91,7 +102,9 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
     looked for in the same way, before the load goes on. Exits with a reason where the
     last failure is none: no bond breaks, and the pieces neither move off nor come to rest.
     """
-    if model.raised(0.0, 0.0, (0.0, 1.0)) is not EngineOutcome.EQUILIBRIUM:
+    outcome = model.raised(0.0, 0.0, (0.0, 1.0))
+    require_contacts(outcome, 0.0, model.met)
+    if outcome is not EngineOutcome.EQUILIBRIUM:
         raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     least, guide = search.first_increment_N, search.guide
     expected = guide.first_event_N if guide else 0.0
@@ -112,7 +125,7 @@ def peak_by_increments(model: RaisedModel, search: GivenSearch) -> EnginePeak:
                 break
             print(f"{load:12.4f} N {'breaks' if first else 'fails'}", flush=True)
             if near:
-                mode = failure_mode(outcome, breaks, load)
+                mode = failure_mode(outcome, breaks, load, model.met)
                 if first_failure is None and breaks:
                     first_failure = start
                 return EnginePeak(start, load, first_failure, mode, nodes)

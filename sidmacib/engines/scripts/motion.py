@@ -1,18 +1,17 @@
-"""How pieces move: when they fall, and which vertices have left the side that they touched."""
+"""How pieces move, and when they fall."""
 
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from .assembly import GivenAssembly, Vector, dot, length, plus, turned
+from .assembly import GivenAssembly, Vector, length, plus, turned
 from .records import EngineOutcome
 
 STILL_FASTEST = 0.9  # of its largest speed since the last equilibrium: less is coming to rest
 STEADY = 0.1  # of the way in the first half of the time: less in the second is coming to rest
+FASTER = 1.1  # times the way in the time before: more is running away
 SWING = 1e-4  # over the motion that is a fall: less may be a swing
 DRIVEN = 0.01  # displacement that the load works on over the motion: less is a drift
-BEYOND_EDGE = 0.05  # over the mean size of pieces: a vertex further outside a side has left it
-LOOK = 0.01  # over that size: after so much motion, vertices may have left
 
 
 class PieceMotion(NamedTuple):
@@ -36,19 +35,13 @@ class Fall:
         """``start``: the motions of all pieces at the last equilibrium."""
         self.limit, self.way, self.fastest = limit, [(0, 0.0)], 0.0
         self.assembly, self.before = assembly, assembly.displacement(start.__getitem__)
-        self.stride, self.far = LOOK * assembly.length_m, 0
-        self.start = [
-            (index, math.sqrt(piece.inertia_kgm2 / piece.mass_kg), start[index])
-            for index, piece in enumerate(assembly.pieces)
-            if not piece.fixed
-        ]
+        self.start = start
 
     def sees(self, motions: Sequence[PieceMotion], steps: int) -> bool:
         """Whether a piece falls, ``steps`` of time after the last look; exits if it is nowhere."""
         ways = [
-            math.dist(motions[index].displacement, start.displacement)
-            + arm * math.dist(motions[index].rotation, start.rotation)
-            for index, arm, start in self.start
+            way(self.assembly, index, self.start[index], motions[index])
+            for index in self.assembly.free
         ]
         if not math.isfinite(sum(ways)):
             raise SystemExit(f"the computation has diverged: displacements {ways} m")
@@ -57,12 +50,29 @@ class Fall:
         self.fastest = max(self.fastest, (moved - before) / steps)
         return moved > self.limit and moved - before >= STILL_FASTEST * self.fastest * steps
 
+    def runs_away(self) -> bool:
+        """Whether a piece has been faster in the last third of the time than in the second one."""
+        second, last, end = self._after(1 / 3), self._after(2 / 3), self.way[-1][1]
+        return end - last > max(FASTER * (last - second), SWING * self.limit)
+
+    def _after(self, share: float) -> float:
+        """How far (m) a piece had moved after a ``share`` of the time."""
+        end = self.way[-1][0]
+        return next(far for time, far in self.way if time >= share * end)
+
     def at_last(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Outcome where nobody waits longer: just above the peak, pieces may fall very slowly."""
-        end, moved = self.way[-1]
-        middle = next(far for time, far in self.way if 2 * time >= end)
+        middle, moved = self._after(1 / 2), self.way[-1][1]
         goes_on = moved - middle > max(STEADY * middle, SWING * self.limit)
         return self.outcome(motions) if goes_on else EngineOutcome.UNSETTLED
+
+    def ahead(self, motions: Sequence[PieceMotion]) -> list[PieceMotion]:
+        """Motions where pieces that go on as from the start to ``motions`` have fallen."""
+        factor = max(0.0, self.limit / self.way[-1][1] - 1.0)
+        return [
+            PieceMotion(*(plus(b, plus(b, a, -1.0), factor) for a, b in zip(*each, strict=True)))
+            for each in zip(self.start, motions, strict=True)
+        ]
 
     def outcome(self, motions: Sequence[PieceMotion]) -> EngineOutcome:
         """Whether what falls collapses under the load, or drifts off where that does no work."""
@@ -70,28 +80,11 @@ class Fall:
         drifts = abs(worked) <= DRIVEN * self.way[-1][1]
         return EngineOutcome.DRIFT if drifts else EngineOutcome.COLLAPSE
 
-    def went_on(self) -> bool:
-        """Whether a piece has moved on so far that a vertex may have left its side since."""
-        before, self.far = self.far, int(self.way[-1][1] / self.stride)
-        return self.far > before
 
-
-def nodes_off_sides(assembly: GivenAssembly, motions: Sequence[PieceMotion]) -> list[int]:
-    """Numbers of the nodes whose vertex is off the other piece's side; ``motions``: of pieces."""
-    off = []
-    for number, node in enumerate(assembly.nodes):
-        face = assembly.faces[node.face]
-        flat, vertex, edges = face.above, face.below, face.edges_above
-        if node.vertex_above:
-            flat, vertex, edges = face.below, face.above, face.edges_below
-        to, back = (
-            moved(node.position_m, assembly.pieces[piece].centre_m, motions[piece])
-            for piece in (vertex, flat)
-        )
-        place = plus(node.position_m, plus(to, back, -1.0))
-        if any(dot(place, edge[:3]) - edge[3] > BEYOND_EDGE * assembly.length_m for edge in edges):
-            off.append(number)
-    return off
+def way(assembly: GivenAssembly, piece: int, since: PieceMotion, now: PieceMotion) -> float:
+    """How far (m) a piece has moved: its centroid, and its rotation over its radius of gyration."""
+    turn = assembly.pieces[piece].gyration_m * math.dist(now.rotation, since.rotation)
+    return math.dist(now.displacement, since.displacement) + turn
 
 
 def moved(position: Vector, centre: Vector, motion: PieceMotion) -> list[float]:

@@ -6,7 +6,15 @@ from typing import Protocol
 
 from .assembly import GivenSearch
 from .extrapolation import AT_ONCE, BEYOND, HALF, STOPS, STRIDE, failure_ahead
-from .records import BONDS, EngineOutcome, EnginePeak, NoAnswerError, NodeForce, failure_mode
+from .records import (
+    BONDS,
+    EngineOutcome,
+    EnginePeak,
+    NoAnswerError,
+    NodeForce,
+    failure_mode,
+    require_contacts,
+)
 
 GROWTH = 1.5  # of the increment while the load is carried
 LEAST_INCREMENT = 1e-9  # over the first: less is no load
@@ -28,6 +36,10 @@ class CutModel(Protocol):
 
     def back(self) -> None:
         """Undo the last event."""
+
+    @property
+    def met(self) -> str | None:
+        """Which two pieces have met, in words."""
 
     def utilisation(self) -> dict[int, float]:
         """Utilisation of each intact bond."""
@@ -79,7 +91,9 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
     one. That bond is cut, at this load, and all that fail in turn; where no equilibrium follows is
     the peak. A load that fails with no bond at its limit is taken back and halves the increment.
     """
-    if model.raised(0.0) is not EngineOutcome.EQUILIBRIUM:
+    outcome = model.raised(0.0)
+    require_contacts(outcome, 0.0, model.met)
+    if outcome is not EngineOutcome.EQUILIBRIUM:
         raise NoAnswerError("the assembly carries no load: it fails under its permanent loads")
     tolerance, first = search.tolerance, search.first_increment_N
     expected = search.guide.first_event_N if search.guide else 0.0
@@ -95,6 +109,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
         if most >= 1.0 - tolerance:
             first_failure = peak if first_failure is None else first_failure
             outcome, used = _cascade(model, used, tolerance)
+            require_contacts(outcome, peak, model.met)
             if outcome is not EngineOutcome.EQUILIBRIUM:
                 model.record(peak, outcome.value)
                 return EnginePeak(peak, peak * (1.0 + tolerance), first_failure, BONDS, nodes)
@@ -114,7 +129,7 @@ def peak_by_failures(model: CutModel, search: GivenSearch) -> EnginePeak:
             print(f"{load:12.4f} N {'breaks' if balanced else 'fails'}", flush=True)
             model.record(load, EngineOutcome.OVERSTRESSED.value if balanced else outcome.value)
             if near:
-                mode = failure_mode(outcome, False, load)
+                mode = failure_mode(outcome, False, load, model.met)
                 return EnginePeak(peak, load, first_failure, mode, nodes)
             if load - peak < LEAST_INCREMENT * first:
                 raise NoAnswerError("the assembly carries no load in this direction")

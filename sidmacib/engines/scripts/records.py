@@ -37,6 +37,7 @@ class EngineOutcome(Enum):
     EQUILIBRIUM = "equilibrium"
     COLLAPSE = "collapse"  # pieces fall
     DRIFT = "drift"  # pieces move off where the load does no work
+    MEETING = "meeting"  # pieces touch where they have no contact
     OVERSTRESSED = "overstressed"  # bonds will fail, so that nobody waited for an equilibrium
     UNSETTLED = "no equilibrium"  # it neither came to rest nor moved far
 
@@ -138,8 +139,15 @@ class History:
         Path(RESULT).write_text(json.dumps(result, indent=1) + "\n")
 
 
-def failure_mode(outcome: EngineOutcome, breaks: bool, load: float) -> str:
+def require_contacts(outcome: EngineOutcome, load: float, met: str | None) -> None:
+    """Exit with the reason if pieces have ``met`` at ``load`` (N): what follows is not known."""
+    if outcome is EngineOutcome.MEETING:
+        raise NoAnswerError(f"no peak: at {load:g} N {met}, and contacts there are not modelled")
+
+
+def failure_mode(outcome: EngineOutcome, breaks: bool, load: float, met: str | None) -> str:
     """Mode of failure of the assembly at ``load`` (N); exits with a reason if it did not fail."""
+    require_contacts(outcome, load, met)
     if breaks:
         return BONDS
     if outcome is EngineOutcome.COLLAPSE:

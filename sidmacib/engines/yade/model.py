@@ -12,8 +12,9 @@ from functools import lru_cache
 from typing import Any
 
 from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
-from ..scripts.motion import Fall, PieceMotion, nodes_off_sides
+from ..scripts.motion import Fall, PieceMotion
 from ..scripts.records import EngineOutcome, History, NodeForce
+from ..scripts.surroundings import Surroundings
 from .program import O, Vector3, create_interaction, wrapper
 
 SLICE = 10  # time steps between two looks at the assembly
@@ -49,7 +50,7 @@ class YadeModel:
         # Node forces, while nothing has moved since, and those of the state that was kept.
         self.seen: list[NodeForce] | None = None
         self.kept: tuple[list[NodeForce] | None, set[int]] = None, set()
-        self.lost: set[int] = set()  # nodes whose vertex has left the side that it touched
+        self.surroundings = Surroundings(assembly)
         self.free = [self.clumps[index] for index in assembly.free]
 
     # --- bodies ----------------------------------------------------------------------------------
@@ -145,6 +146,11 @@ class YadeModel:
                 state.blockedDOFs = "xyzXYZ"
         return clumps
 
+    @property
+    def met(self) -> str | None:
+        """Which two pieces have met, in words."""
+        return self.surroundings.met
+
     # --- loads and measurements ------------------------------------------------------------------
     def _apply(self, load: float, permanent: float) -> None:
         """Put the load (N) and a share of the permanent loads on the pieces."""
@@ -203,36 +209,27 @@ class YadeModel:
             share = 0.5 - 0.5 * math.cos(math.pi * min(1.0, step / ramp))
             load = start + share * (end - start)
             self._apply(load, permanent[0] + share * (permanent[1] - permanent[0]))
-            if self._falls(fall):
-                return self._ended(load, fall.outcome(self.motions()))
+            if outcome := self._goes_on(fall):
+                return self._ended(load, outcome)
         self._record(end, "loaded")
         for _ in range(0, self.search.hold_steps, SLICE):
-            if self._falls(fall):
-                return self._ended(end, fall.outcome(self.motions()))
+            if outcome := self._goes_on(fall):
+                return self._ended(end, outcome)
             if self.unbalanced_ratio(end) < self.search.unbalanced_ratio:
                 return self._ended(end, EngineOutcome.EQUILIBRIUM)
-        return self._ended(end, fall.at_last(self.motions()))
+        return self._ended(end, self.surroundings.at_last(fall, self.motions()))
 
-    def _falls(self, fall: Fall) -> bool:
-        """Advance by a slice of time steps; whether a piece falls."""
+    def _goes_on(self, fall: Fall) -> EngineOutcome | None:
+        """Advance by a slice of time steps; the outcome if pieces fall or meet."""
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
         self.seen, motions = None, self.motions()
-        falls = fall.sees(motions, SLICE)
-        if fall.went_on():
-            self._lose(nodes_off_sides(self.assembly, motions))
-        return falls
-
-    def _lose(self, nodes: list[int]) -> None:
-        """Let nodes touch no more."""
-        for node in set(nodes) - self.lost:
+        if fall.sees(motions, SLICE):
+            return fall.outcome(motions)
+        for node in self.surroundings.look(motions):  # they touch no more
             O.interactions.erase(*self.pairs[node])
-            self.lost.add(node)
-
-    def _touching(self) -> list[tuple[int, int]]:
-        """Spheres of the nodes that are not lost."""
-        return [pair for node, pair in enumerate(self.pairs) if node not in self.lost]
+        return EngineOutcome.MEETING if self.met else None
 
     def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
         self._record(load, outcome.value)
@@ -246,14 +243,15 @@ class YadeModel:
     def keep(self) -> None:
         """Keep the present state."""
         O.saveTmp("equilibrium")
-        self.kept = self.seen, set(self.lost)
+        self.kept = self.seen, set(self.surroundings.lost)
 
     def go_back(self) -> None:
         """Return to the state that was kept last."""
         O.loadTmp("equilibrium")
         self.seen, lost = self.kept
-        self.lost = set(lost)
-        _watch(self._touching())  # open nodes are not saved
+        self.surroundings = Surroundings(self.assembly, lost)
+        # Open nodes are not saved.
+        _watch([pair for node, pair in enumerate(self.pairs) if node not in lost])
 
 
 def _node_force(pair: tuple[int, int], face: GivenFace) -> NodeForce:
