@@ -10,7 +10,9 @@ import pytest
 import yaml
 from conftest import ROOT
 
+from analysis.report.structures import supports_verdict
 from analysis.summary.structures import summary
+from analysis.tables import supports
 from analysis.tables.structures import structures_table
 from sidmacib.models import MODELS
 from sidmacib.yaml_text import read_yaml
@@ -18,9 +20,9 @@ from workflow.case import StructureCase
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.planning.batches import case_jobs
 from workflow.results.record import read_records
-from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, read_table
+from workflow.results.tables import BLOCKS, INTERFACES, STRUCTURES, SUPPORTS, read_table
 from workflow.steps import engine, solve
-from workflow.structures import changed, structure_cases
+from workflow.structures import changed, structure_cases, support_cases
 
 TRILITH = read_yaml(ROOT / "studies/structures/trilith.yaml")
 
@@ -111,12 +113,58 @@ def test_the_studies_of_structures_can_be_read(folder: str) -> None:
     assert {case.model for case in structure_cases(study)} >= {"static", "limit"}
 
 
+SETTLING = read_yaml(ROOT / "studies/structures/settling.yaml")
+PUSHED = {"push": {"acceleration": [1, 0, 0]}}
+SUPPORTS_MOVE = {
+    **PUSHED,
+    "settles": SETTLING["load"],
+    "turns": {"support": {"block": "right", "rotation": [0, 1, 0]}},
+}
+
+
+def of_supports(**keys: Any) -> dict[str, Any]:
+    section = {"description": SETTLING, "loads": SUPPORTS_MOVE, **keys}
+    return {**study_of(), "structures": {"beams": section}}
+
+
+def test_supports_that_move_have_a_table_and_no_case_of_a_model(tmp_path: Path) -> None:
+    study = read_study(of_supports(variants={"bonded": {"interfaces": {"cohesion": 1e5}}}))
+    assert {case.subject.load for case in structure_cases(study)} == {"push"}
+    cases = [
+        [each.structure, each.load, each.description, variant]
+        for each, variant in support_cases(study)
+    ]
+    supports.run({"cases": cases}, {}, {"supports": tmp_path / "supports.csv"})
+    table = read_table(SUPPORTS, tmp_path / "supports.csv")
+    row = table.set_index(["load", "variant", "answer"]).loc
+    # By hand, see docs/howto/displacements.md: beam and wall turn about the edge of the pier.
+    by_hand = (3691 * 0.955 + 3532 * 0.91) / 2
+    least = row["settles", "reference", "limit, least"]
+    assert least["reaction_N"] == pytest.approx(by_hand, rel=1e-3)
+    assert "the structure falls" in row["settles", "reference", "kinematics"]["note"]
+    assert row["turns", "reference", "kinematics"]["movement_degrees"] > 1.0
+    assert "left-beam1 is not dry" in row["settles", "bonded", "none"]["note"]
+    text = summary("results", STRUCTURES.frame([]), table)
+    assert "beams, support that moves: settles" in text and "3369.1" in text
+    first, *_, last = supports_verdict(table)
+    assert first["text"].startswith("Reaction drops to 3369 N; after 1.069 m: the structure falls")
+    assert "No result: finite displacements" in last["text"]
+
+
 FREE = {"low": [0, 0, 9], "high": [1, 1, 10]}
 
 
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
+        (
+            {"loads": {"falls": {"support": {"block": "ground", "rotation": [1, 0, 0]}}}},
+            r"structures\.trilith\.loads: all are supports that move; one that is not, such as ",
+        ),
+        (
+            {"loads": {**PUSHED, "falls": {"support": {"block": "nobody", "rotation": [1, 0, 0]}}}},
+            r"structures\.trilith\.loads\.falls: load\.support\.block: 'nobody' is not allowed",
+        ),
         ({"blocks": 1}, r"structures\.trilith\.blocks: unknown key; allowed keys: file, "),
         ({"file": 1}, r"trilith\.file: 1 is not allowed; it must be a text"),
         ({"description": []}, r"trilith\.description: .* must be a mapping of keys"),

@@ -243,7 +243,7 @@ def test_a_faulty_support_is_named(support: dict[str, Any], fault: str) -> None:
 
 def test_studies_and_designs_refuse_a_support_that_moves() -> None:
     assembly = structure_of(BEAM).assembly
-    with pytest.raises(ValueError, match=r"load\.support: is for multilock assembly only"):
+    with pytest.raises(ValueError, match=r"load\.support: is for multilock assembly and studies"):
         loads_of(assembly, BEAM["load"])
 
 

@@ -13,7 +13,7 @@ from workflow.case import REFERENCE, Case, StructureCase, StructureSubject, stru
 from workflow.schema import Study
 from workflow.schema.structures import StructureSection
 
-LOAD = "load"  # the name of the load in a description
+LOAD, SUPPORT = "load", "support"  # keys of a description, and of a load
 ABLE = tuple(  # models of structures: those of rigid pieces
     name
     for name, model in MODELS.items()
@@ -28,6 +28,8 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
         for model in models_of(study, section):
             engine = ENGINES.get(model)
             for load, variant, description in described(section):
+                if moves_support(description):
+                    continue
                 yield Case(
                     name=structure_case_name(name, load, variant),
                     model=model,
@@ -35,6 +37,20 @@ def structure_cases(study: Study) -> Iterator[StructureCase]:
                     subject=StructureSubject(name, load, description),
                     numerics=engine.numerics(numerics) if engine else None,
                 )
+
+
+def support_cases(study: Study) -> Iterator[tuple[StructureSubject, str]]:
+    """Each structure, its load and the variant, where a support moves: of no model."""
+    for name, section in study.structures.items():
+        for load, variant, description in described(section):
+            if moves_support(description):
+                yield StructureSubject(name, load, description), variant
+
+
+def moves_support(description: Mapping[str, Any]) -> bool:
+    """Whether the load of a ``description`` is a support that moves."""
+    load = description.get(LOAD)
+    return isinstance(load, Mapping) and SUPPORT in load
 
 
 def models_of(study: Study, section: StructureSection) -> tuple[str, ...]:
@@ -89,12 +105,16 @@ def structure_faults(study: Study) -> Iterator[str]:
                 f"{key}.models: none of these is in the study's models; it must have "
                 f"{' or '.join(ABLE)}"
             )
+        if all(moves_support(description) for _, _, description in described(section)):
+            allowed = "one that is not, such as {acceleration: [1, 0, 0]}, is needed beside them"
+            yield f"{key}.loads: all are supports that move; {allowed}"
         yield from dict.fromkeys(_unreadable(key, section))
 
 
 def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
     # Polygons take long to import.
-    from sidmacib.structure.files.structure_file import assembly_of, loads_of  # noqa: PLC0415
+    from sidmacib.structure.files.sections import LoadSection  # noqa: PLC0415
+    from sidmacib.structure.files.structure_file import assembly_of  # noqa: PLC0415
 
     for variant, group in groupby(described(section), key=itemgetter(1)):
         place = f"variants.{variant}" if variant != REFERENCE else "description"
@@ -106,7 +126,7 @@ def _unreadable(key: str, section: StructureSection) -> Iterator[str]:
             continue
         for load, description in cases:
             try:
-                loads_of(assembly, description.get("load"))
+                LoadSection.read(description.get(LOAD), LOAD).on(assembly)
             except ValueError as error:
                 yield f"{key}.{f'loads.{load}' if section.loads else place}: {_in_a_line(error)}"
 

@@ -16,6 +16,7 @@ from analysis.report.provenance import provenance
 from analysis.report.structures import (
     structures_content,
     structures_verdict,
+    supports_verdict,
     with_room,
 )
 from sidmacib.engines import ENGINES
@@ -45,6 +46,8 @@ def content(
     if structures:
         names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
+        if "supports" in tables:
+            verdict += supports_verdict(tables["supports"])
         shown |= with_room(tables)
         data["structures"] = structures_content(structures, shown["blocks"])
     failed = [

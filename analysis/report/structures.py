@@ -17,7 +17,7 @@ from sidmacib.outcome import FIRST_FAILURE
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import REFERENCE, StructureCase
 
-LIMIT = "limit"
+LIMIT, LEAST = "limit", "limit, least"
 MOST_ROWS = 20_000  # of interfaces and blocks: what the page has room for
 MOST_POINTS = 60_000  # of all shapes, for the same reason
 MOST_TOLD = 6  # loads and variants of a structure in the verdict
@@ -73,6 +73,26 @@ def with_room(tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
 def structures_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
     """Findings on the structures of a study."""
     return [*_carried(table), *_without(table), *_agreement(table), *_limit(table)]
+
+
+def supports_verdict(table: pd.DataFrame) -> list[dict[str, str]]:
+    """Findings on the supports that move: how far, what then happens, and the reactions."""
+    found = []
+    for (structure, load, variant), rows in table.groupby(
+        ["structure", "load", "variant"], sort=False
+    ):
+        case = load if variant == REFERENCE else f"{load}, {variant}"
+        name, last = f"{structure}, {case}", rows.iloc[-1].to_dict()
+        if last["answer"] == "none":
+            found.append(finding(name, f"No result: {last['note']}.", "bad"))
+            continue
+        turns = pd.notna(last["movement_degrees"])
+        reaction, unit = ("reaction_Nm", "N m") if turns else ("reaction_N", "N")
+        moved = f"{last['movement_degrees']:.4g}°" if turns else f"{last['movement_m']:.4g} m"
+        least = rows.loc[rows["answer"].eq(LEAST), reaction].iloc[0]
+        text = f"Reaction drops to {least:.4g} {unit}; after {moved}: {last['note']}."
+        found.append(finding(name, text))
+    return found
 
 
 def _carried(table: pd.DataFrame) -> Iterator[dict[str, str]]:

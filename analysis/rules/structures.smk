@@ -1,4 +1,5 @@
 # Included if the study has structures: their tables, files for ParaView and summary.
+from workflow.structures import support_cases
 
 
 # Not in a group: Snakemake looks at all inputs of a group again whenever one of them is made.
@@ -41,8 +42,29 @@ rule structure_vtk:
         "../vtk.py"
 
 
+MOVING_SUPPORTS = [*support_cases(STUDY)]
+
+
+rule supports:
+    output:
+        supports=shown("tables/supports.csv"),
+    log:
+        below("logs/supports.log"),
+    params:
+        cases=lambda wildcards: [
+            [each.structure, each.load, each.description, variant]
+            for each, variant in MOVING_SUPPORTS
+        ],
+        code=code("analysis.tables.supports", StructureSubject.modules),
+    message:
+        "Move the supports of structures"
+    script:
+        "../tables/supports.py"
+
+
 rule structure_summary:
     input:
+        **(dict(rules.supports.output.items()) if MOVING_SUPPORTS else {}),
         structures=rules.structure_tables.output.structures,
     output:
         summary=below("structures.txt"),
@@ -86,3 +108,6 @@ REPORT_INPUTS |= {
     **dict(rules.structure_tables.output.items()),
     "structure_summary": rules.structure_summary.output.summary,
 }
+if MOVING_SUPPORTS:
+    STRUCTURE_FILES += rules.supports.output
+    REPORT_INPUTS |= dict(rules.supports.output.items())

@@ -7,14 +7,14 @@ import pandas as pd
 
 from sidmacib.outcome import FIRST_FAILURE
 from workflow.case import REFERENCE
-from workflow.results.tables import STRUCTURES, read_table
+from workflow.results.tables import STRUCTURES, SUPPORTS, read_table
 from workflow.run.step import Arguments, Files, step
 
 LOAD, TILT = ("load (N)", "load/weight"), ("tilt (degrees)", "")
 
 
-def summary(results: str, structures: pd.DataFrame) -> str:
-    """A block of lines for each structure, load and variant."""
+def summary(results: str, structures: pd.DataFrame, supports: pd.DataFrame | None = None) -> str:
+    """A block of lines for each structure, load and variant; then of the supports that move."""
     lines = ["Structures: load capacity and its ratio to the weight, or the tilt angle"]
     for (structure, load, variant), rows in structures.groupby(
         ["structure", "load", "variant"], sort=False
@@ -24,9 +24,26 @@ def summary(results: str, structures: pd.DataFrame) -> str:
         head = f"  {'model':10}{value:>14}{share:>13}{'to static':>11}  note"
         lines += ["", f"{structure}, load: {load}{more}", head]
         lines += map(_line, rows.to_dict("records"))
+    if supports is not None:
+        lines += _of_supports(supports)
     return "\n".join([*lines, "", f"Tables: {results}/tables/structures.csv, interfaces.csv,"]) + (
         f" blocks.csv; for ParaView: {results}/structures/vtk\n"
     )
+
+
+def _of_supports(table: pd.DataFrame) -> Iterator[str]:
+    for (structure, load, variant), rows in table.groupby(
+        ["structure", "load", "variant"], sort=False
+    ):
+        more = "" if variant == REFERENCE else f", {variant}"
+        columns, heads = ("reaction_N", "movement_m"), ("reaction (N)", "moved (m)")
+        if rows["movement_degrees"].notna().any():
+            columns, heads = ("reaction_Nm", "movement_degrees"), ("reaction (N m)", "degrees")
+        yield from ("", f"{structure}, support that moves: {load}{more}")
+        yield f"  {'answer':16}{heads[0]:>16}{heads[1]:>16}  note"
+        for row in rows.to_dict("records"):
+            numbers = ["-" if pd.isna(row[k]) else f"{row[k]:.5g}" for k in columns]
+            yield f"  {row['answer']:16}{numbers[0]:>16}{numbers[1]:>16}  {row['note']}"
 
 
 def _line(row: Mapping[str, Any]) -> str:
@@ -83,7 +100,8 @@ def _with_unit(row: Mapping[str, Any], load: str, tilt: str) -> str:
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     """Write the summary."""
     rows = read_table(STRUCTURES, inputs["structures"])
-    outputs["summary"].write_text(summary(arguments["results"], rows))
+    supports = read_table(SUPPORTS, inputs["supports"]) if "supports" in inputs else None
+    outputs["summary"].write_text(summary(arguments["results"], rows, supports))
 
 
 if __name__ == "__main__":

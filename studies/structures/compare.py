@@ -92,6 +92,7 @@ def tilt_rows(samples: Path, published: list[dict[str, Any]]) -> Iterator[dict[s
                     "static_degrees": static.angle,
                     "motion": str(static.motion),
                     "yade_degrees": engine_tilt("yade", model, tilt),
+                    "liggghts_degrees": engine_tilt("liggghts", model, tilt),
                     "relaxed_degrees": relaxed_tilt(model, tilt, finite=False),
                     "finite_rotation_degrees": relaxed_tilt(model, tilt, finite=True),
                     "rbe_degrees": values.get("rbe", math.nan),

@@ -44,6 +44,7 @@ def by_threedec(results: Path) -> str:
             "static": lambda row: _degrees(row.static_degrees, 2),
             "difference": lambda row: _apart(row.static_degrees, row.threedec_degrees),
             "YADE": lambda row: _degrees(row.yade_degrees, 2),
+            "LIGGGHTS": lambda row: _degrees(row.liggghts_degrees, 2),
             "ends by": lambda row: row.motion,
             "relaxation, small rotations": lambda row: _degrees(row.relaxed_degrees, 2),
             "relaxation, finite rotations": lambda row: _degrees(row.finite_rotation_degrees, 2),
@@ -72,6 +73,8 @@ def within(results: Path) -> str:
     for what, ours, theirs, near in (
         ("static model, 3DEC", "static_degrees", "threedec_degrees", 1.5),
         ("YADE, 3DEC", "yade_degrees", "threedec_degrees", 0.5),
+        ("LIGGGHTS, 3DEC", "liggghts_degrees", "threedec_degrees", 1.0),
+        ("LIGGGHTS, YADE", "liggghts_degrees", "yade_degrees", 1.0),
         ("YADE, static model", "yade_degrees", "static_degrees", 0.5),
         (
             "relaxation with finite rotations, 3DEC",

@@ -97,6 +97,12 @@ MEANINGS: Mapping[str, str] = {
     "stiffness_ratio": "E / (Kn b): Young's modulus of the block over normal stiffness of inner "
     "faces and width of a lock; empty if the pieces are rigid",
     "fracture_energy_J_m2": "work by which inner faces lose one of their strengths; for softening",
+    # supports that move
+    "answer": "model and what it answers; `none` where no model has an answer, see `note`",
+    "reaction_N": "force of the structure on the support, along its movement",
+    "reaction_Nm": "moment of the structure on the support, about the axis of its rotation",
+    "movement_m": "displacement of the support",
+    "movement_degrees": "rotation of the support",
     # samplings
     "sampling": "name of the sampling",
     "number": "number of the joint in its sampling, from 0",

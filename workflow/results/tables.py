@@ -197,6 +197,14 @@ BLOCKS = Table(
     (*_STRUCTURE, "block"),
     MOTION,
 )
+SUPPORTS = Table(
+    "supports",
+    (
+        *("structure", "load", "variant", "answer", "reaction_N", "reaction_Nm"),
+        *("movement_m", "movement_degrees", "note"),
+    ),
+    ("structure", "load", "variant", "answer"),
+)
 
 
 def write_table(table: Table, rows: pd.DataFrame, path: Path) -> None:

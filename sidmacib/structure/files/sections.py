@@ -270,7 +270,7 @@ class LoadSection(Keys):
     tilt: TiltSection | None = None
     """gravity that turns"""
     support: SupportSection | None = None
-    """a support that moves; for `multilock assembly` only"""
+    """a support that moves; for `multilock assembly` and studies"""
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:

@@ -151,7 +151,9 @@ def loads_of(assembly: Assembly, value: Any) -> Loads:
     """
     given = LoadSection.read(value, "load")
     if given.support:
-        raise ValueError("load.support: is for multilock assembly only; use another load here")
+        raise ValueError(
+            "load.support: is for multilock assembly and studies only; use another load here"
+        )
     return given.on(assembly)
 
 
