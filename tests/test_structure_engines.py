@@ -11,8 +11,10 @@ import pytest
 from conftest import DISTINCT, run_guided
 from scipy.spatial.transform import Rotation
 from structures import dry, moved
+from test_capacity_curve import wall
 
 from sidmacib.engines import ENGINES
+from sidmacib.engines.curve import engine_curve
 from sidmacib.engines.execute import EngineNoAnswerError
 from sidmacib.engines.numerics import Numerics
 from sidmacib.engines.render import DATA_FILE, write_script
@@ -21,6 +23,7 @@ from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.mechanics.static.model import static_peak
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+from sidmacib.structure.analysis.capacity_curve import capacity_curve
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt, tilt_of_load, tilting
 from sidmacib.structure.blocks import box, prism
 from sidmacib.structure.loads import acceleration
@@ -230,6 +233,36 @@ def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_
         assert static_tilt(model, Tilt((1.0, 0.0, 0.0))).angle < 0.9 * expected
     angle = tilted_until_it_falls("yade", model, (1.0, 0.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.4)
+
+
+# --- capacity curves -----------------------------------------------------------------------------
+@pytest.mark.engine
+@pytest.mark.parametrize("what", ["block", "wall", "arch"])
+def test_a_structure_that_yade_moves_carries_what_its_kinematics_say(
+    what: str, tmp_path: Path
+) -> None:
+    models = {
+        "block": on_the_ground(0.4, 1.0, dry(0.7)),
+        "wall": wall(0.1)[0],
+        "arch": structure(arch(3, 0.3), dry(0.9)),
+    }
+    model = models[what]
+    problem = Problem(model, acceleration(model, (1.0, 0.0, 0.0)))
+    known = capacity_curve(*problem)
+    displacement, load = engine_curve(
+        problem, Numerics(), float(known.displacement[-1]), tmp_path, 300
+    )
+    assert displacement[-1] == pytest.approx(known.displacement[-1], rel=0.01)
+    moves = displacement > 0.01 * known.displacement[-1]  # before, joints only give way
+    apart = load - np.interp(displacement, known.displacement, known.load)
+    assert np.abs(apart[moves]).max() < 0.03 * known.load[0]
+
+
+def test_a_capacity_curve_of_yade_is_one_of_an_acceleration(tmp_path: Path) -> None:
+    model = on_the_ground(0.4, 1.0, dry(0.7))
+    tilts = Problem(model, tilting(model, Tilt((0.0, 1.0, 0.0))))
+    with pytest.raises(EngineNoAnswerError, match="needs an acceleration as the load"):
+        engine_curve(tilts, Numerics(), 0.1, tmp_path, 300)
 
 
 # --- what is written for the engines ------------------------------------------------------------

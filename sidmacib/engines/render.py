@@ -37,7 +37,7 @@ MODULES = Path(__file__).parent
 TEMPLATES = Path(__file__).parents[2] / "templates"
 # Radii of contact spheres over the mean size of pieces: the small one is far more than what presses
 # contacts together, and by the slip over the large one a normal turns.
-POINT, FLAT = 0.01, 1000.0
+POINT, FLAT = 0.001, 1000.0
 ENVIRONMENT = jinja2.Environment(
     loader=jinja2.FileSystemLoader(TEMPLATES),
     undefined=jinja2.StrictUndefined,
@@ -55,11 +55,15 @@ def write_script(
     title: str,
     folder: Path,
     guide: Guide | None = None,
+    furthest: float | None = None,
 ) -> None:
-    """Write into ``folder`` all that the engine needs to run there, by hand as well."""
+    """Write into ``folder`` all that the engine needs to run there, by hand as well.
+
+    ``guide``, ``furthest``: see `script`.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     (folder / DATA_FILE).write_text(json.dumps(assembly_data(assembly, loads)))
-    text = script(engine, assembly, loads, numerics, title, guide)
+    text = script(engine, assembly, loads, numerics, title, guide, furthest)
     (folder / engine.script).write_text(text)
     modules = folder / MODULES.name
     shutil.rmtree(modules, ignore_errors=True)
@@ -75,8 +79,12 @@ def script(
     numerics: Numerics,
     title: str,
     guide: Guide | None = None,
+    furthest: float | None = None,
 ) -> str:
-    """The engine's script for ``assembly`` under ``loads``; ``guide``: where it looks first."""
+    """The engine's script for ``assembly`` under ``loads``; ``guide``: where it looks first.
+
+    ``furthest``: the displacement (m) to which YADE moves the assembly, in place of a search.
+    """
     return ENVIRONMENT.get_template(engine.template).render(
         title=title,
         script_file=engine.script,
@@ -87,6 +95,7 @@ def script(
         first_increment_N=numerics.first_increment * loads.scale,
         tolerance=numerics.tolerance,
         guide=guide,
+        furthest_m=furthest,
         half_turn_N=None if loads.axis is None else math.pi * loads.scale,
         **({} if engine.elastic else _rigid_pieces_in_time(assembly, loads, numerics)),
     )

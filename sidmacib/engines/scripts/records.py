@@ -139,7 +139,7 @@ class History:
         Path(RESULT).write_text(json.dumps(result, indent=1) + "\n")
 
 
-def require_contacts(outcome: EngineOutcome, load: float, met: str | None) -> None:
+def require_contacts(outcome: EngineOutcome | None, load: float, met: str | None) -> None:
     """Exit with the reason if pieces have ``met`` at ``load`` (N): what follows is not known."""
     if outcome is EngineOutcome.MEETING:
         raise NoAnswerError(f"no peak: at {load:g} N {met}, and contacts there are not modelled")

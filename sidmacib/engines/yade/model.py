@@ -13,7 +13,7 @@ from typing import Any
 
 from ..scripts.assembly import GivenAssembly, GivenFace, GivenMaterial, GivenSearch
 from ..scripts.motion import Fall, PieceMotion
-from ..scripts.records import EngineOutcome, History, NodeForce
+from ..scripts.records import EngineOutcome, History, NoAnswerError, NodeForce, require_contacts
 from ..scripts.surroundings import Surroundings
 from .program import O, Vector3, create_interaction, wrapper
 
@@ -219,17 +219,41 @@ class YadeModel:
                 return self._ended(end, EngineOutcome.EQUILIBRIUM)
         return self._ended(end, self.surroundings.at_last(fall, self.motions()))
 
+    def pulled(self, stiffness: float, ends: tuple[float, float]) -> float:
+        """The load (N) of a spring (N/m) that pulls along it, at rest.
+
+        ``ends``: its end moves from the one to the other (m). Exits with a reason where there is no
+        rest, or pieces meet.
+        """
+        before, after = ends
+        for step in range(0, self.search.ramp_steps + self.search.hold_steps, SLICE):
+            end = before + min(1.0, step / self.search.ramp_steps) * (after - before)
+            load = stiffness * (end - self.displacement())
+            self._apply(load, 1.0)
+            self._advance()
+            require_contacts(EngineOutcome.MEETING if self.met else None, load, self.met)
+            rests = self.unbalanced_ratio(load) < self.search.unbalanced_ratio
+            if step > self.search.ramp_steps and rests:
+                self._record(load, EngineOutcome.EQUILIBRIUM.value)
+                return load
+        raise NoAnswerError(f"no rest at a displacement of {self.displacement():.6g} m")
+
     def _goes_on(self, fall: Fall) -> EngineOutcome | None:
         """Advance by a slice of time steps; the outcome if pieces fall or meet."""
+        motions = self._advance()
+        if fall.sees(motions, SLICE):
+            return fall.outcome(motions)
+        return EngineOutcome.MEETING if self.met else None
+
+    def _advance(self) -> list[PieceMotion]:
+        """Motions after a slice of time steps; nodes whose vertex has left its side are lost."""
         for _ in range(SLICE):
             O.step()  # O.run(SLICE, wait=True) would sleep 40 ms at each call
         self.history.time_steps += SLICE
         self.seen, motions = None, self.motions()
-        if fall.sees(motions, SLICE):
-            return fall.outcome(motions)
-        for node in self.surroundings.look(motions):  # they touch no more
+        for node in self.surroundings.look(motions):
             O.interactions.erase(*self.pairs[node])
-        return EngineOutcome.MEETING if self.met else None
+        return motions
 
     def _ended(self, load: float, outcome: EngineOutcome) -> EngineOutcome:
         self._record(load, outcome.value)
