@@ -59,7 +59,8 @@ def test_halving_the_loading_rate_hardly_moves_the_peak(
 def test_a_joint_whose_column_snaps_to_another_equilibrium_has_not_collapsed(run) -> None:
     """Its first column breaks off, turns by five hundredths and rests against the next lock."""
     joint = Joint(3, inner=replace(INNER, cohesion=1e6))
-    case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, NodeLayout.VERTICES)
+    nodes = NodeLayout.VERTICES  # and more damping, or it swings so far that it breaks more bonds
+    case = a_case("yade", joint, Loading(Direction(0.5)), 0.02, nodes, damping=0.7)
     found, expected = run(case), static_peak(*case.subject.problem())
     assert found.first_failure_load == pytest.approx(expected.first_failure_load, rel=0.01)
     # The static model's rotations are small ones; LIGGGHTS has 1215 N.

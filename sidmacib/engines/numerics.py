@@ -30,7 +30,7 @@ class Numerics:
     # and moves ever faster, falls
     collapse_share: Annotated[float, Number(at_least=0.001, at_most=1)] = 0.04
     # share of the unbalanced force that is removed
-    damping: Share = 0.7
+    damping: Share = 0.4
     # over the largest stable time step
     time_step_ratio: Share = 0.4
     # processes for one case

@@ -178,8 +178,17 @@ class YadeModel:
         return PieceMotion(tuple(state.displ()), tuple(state.refOri * state.rot()))
 
     def unbalanced_ratio(self, load: float) -> float:
-        """Mean unbalanced force on a free piece over the load, or the permanent one if larger."""
-        total = math.fsum(O.forces.f(clump, sync=True).norm() for clump in self.free)
+        """Mean unbalanced force on a free piece over the load, or the permanent one if larger.
+
+        A moment counts as a force at the mean size of pieces: what only spins is at no rest.
+        """
+        total = math.fsum(
+            max(
+                O.forces.f(clump, sync=True).norm(),
+                O.forces.t(clump).norm() / self.assembly.length_m,
+            )
+            for clump in self.free
+        )
         return float(total / len(self.free) / max(load, self.assembly.permanent_N))
 
     def node_forces(self) -> list[NodeForce]:
