@@ -220,18 +220,21 @@ def in_a_groove(friction: float, above: tuple[tuple[float, float], ...]) -> Asse
 
 @pytest.mark.engine
 @pytest.mark.parametrize(
-    ("friction", "above"),
+    ("engine", "friction", "above"),
     # The last one rocks first, and its rotation wedges it: small rotations say 35 degrees.
-    [(0.2, ()), (0.5, ()), (0.84, ((1.0, 1.8382), (-1.0, 1.8382)))],
+    [
+        *((name, friction, ()) for name in DISTINCT for friction in (0.2, 0.5)),
+        ("yade", 0.84, ((1.0, 1.8382), (-1.0, 1.8382))),
+    ],
 )
 def test_a_block_wedged_in_a_groove_slides_along_it_as_friction_over_the_flanks_cosine(
-    friction: float, above: tuple[tuple[float, float], ...], tmp_path: Path
+    engine: str, friction: float, above: tuple[tuple[float, float], ...], tmp_path: Path
 ) -> None:
     model = in_a_groove(friction, above)
     expected = math.degrees(math.atan(friction / math.cos(math.radians(30.0))))
     if above:
         assert static_tilt(model, Tilt((1.0, 0.0, 0.0))).angle < 0.9 * expected
-    angle = tilted_until_it_falls("yade", model, (1.0, 0.0, 0.0), tmp_path)
+    angle = tilted_until_it_falls(engine, model, (1.0, 0.0, 0.0), tmp_path)
     assert angle == pytest.approx(expected, abs=0.4)
 
 
