@@ -66,6 +66,6 @@ def test_samples_are_told_by_what_tells_them_apart() -> None:
 def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
     """They share one scope with those that draw."""
     declared = re.compile(r"^(?:const|let|function\*?|class) +(\w+)", re.MULTILINE)
-    scripts = [*(ROOT / "analysis/report").glob("*.js"), *(ROOT / "analysis/drawing").glob("*.js")]
+    scripts = [*(ROOT / "analysis/report").glob("*.js"), *(ROOT / "sidmacib/scene").glob("*.js")]
     names = [name for script in scripts for name in declared.findall(script.read_text())]
     assert [name for name, count in Counter(names).items() if count > 1] == []

@@ -15,8 +15,8 @@ from test_report import MOST_BYTES
 
 from analysis.report.content import content
 from analysis.report.page import page
-from analysis.report.solids import shape_of
 from analysis.report.structures import structures_verdict
+from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import StructureCase
 from workflow.configuration import read_study

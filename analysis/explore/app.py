@@ -48,7 +48,7 @@ HERE = Path(__file__).parent
 LOOPBACK = "127.0.0.1"
 PLOTLY = f"/plotly-{get_plotlyjs_version()}.js"
 SCRIPT, STYLE = "text/javascript", "text/css"
-DRAWING = HERE.parent / "drawing"
+DRAWING = HERE.parents[1] / "sidmacib/scene"
 FILES = (
     *((HERE / f"{name}.js", SCRIPT) for name in ("controls", "explore", "structures")),
     (HERE / "explore.css", STYLE),

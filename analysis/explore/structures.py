@@ -10,12 +10,12 @@ import pandas as pd
 from analysis.drawing.labels import label_of
 from analysis.explore.examples import EXAMPLES, STRUCTURE_MODELS, Chosen, defaults
 from analysis.report.json_values import json_value
-from analysis.report.solids import shape_of
 from analysis.tables.structures import blocks_table, interfaces_table, structures_table
 from sidmacib.errors import CapacityError
 from sidmacib.models import structure_limit, structure_static
 from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Outcome
 from sidmacib.problem import Problem
+from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
 from workflow.results.record import ResultError, record_of, record_without_result

@@ -2,8 +2,8 @@
 
 PARTS = ("joints", "structures")  # of which each has a template and a script
 FOLDER = "analysis/report"
-SHARED = "analysis/drawing"  # with the explorer
-STYLE = f"{FOLDER}/report.css"
+SHARED = "sidmacib/scene"  # with the explorer and the command
+STYLE = f"{SHARED}/report.css"
 SCRIPTS = (f"{SHARED}/chart.js", f"{SHARED}/parts.js", f"{FOLDER}/report.js")
 ADDRESS = f"{FOLDER}/address.js"  # the last one
 TEMPLATES = (

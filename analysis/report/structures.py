@@ -9,11 +9,11 @@ import pandas as pd
 
 from analysis.drawing.labels import label_of
 from analysis.report.json_values import finding
-from analysis.report.solids import points_of, shape_of
 from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.outcome import FIRST_FAILURE
+from sidmacib.scene.solids import points_of, shape_of
 from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import REFERENCE, StructureCase
 

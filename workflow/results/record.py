@@ -20,9 +20,9 @@ from sidmacib.mechanics.assembly import Loads
 from sidmacib.mechanics.equilibrium import unbalanced_share
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+from sidmacib.rounding import rounded
 from workflow.case import SUBJECTS, Case, CaseId
 
-DIGITS = 10  # significant digits that are kept; the rest is rounding noise
 MOST_UNBALANCED = 0.05  # of the load, on a piece; found up to 0.007
 LEAST_OF_FIRST_FAILURE = 0.8  # peak of an engine over the first failure of the static model
 SLACK = 1e-6  # of a tolerance: rounding
@@ -240,19 +240,9 @@ def check_balance(share: float, load: float, loads: Loads) -> None:
         )
 
 
-def rounded(value: float) -> float:
-    """``value`` to `DIGITS` significant digits; never -0."""
-    return float(f"{value:.{DIGITS}g}") + 0.0
-
-
 def rounded_or_none(value: float | None) -> float | None:
     """`rounded`, of a ``value`` if there is one."""
     return None if value is None else rounded(value)
-
-
-def clean(value: float, noise: float) -> float:
-    """``value`` in multiples of ``noise``: the same on every machine."""
-    return rounded(round(value / noise) * noise)
 
 
 def _record(case: Case[Any], part: Any, **values: Any) -> Record[Any]:

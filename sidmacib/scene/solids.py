@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 import shapely
 
-from analysis.vtk import outlines
-from sidmacib.mechanics.assembly import Assembly, Floats, Integers
+from sidmacib.mechanics.assembly import Assembly, Floats, Integers, Piece
 from sidmacib.mechanics.polygons import Polygon
-from sidmacib.structure.blocks import normal_of
+from sidmacib.structure.blocks import normal_of, solids_of
 from sidmacib.structure.interfaces import tangents
 
 DIGITS = 6  # of coordinates
@@ -25,7 +24,7 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
     """
     return {
         "blocks": [
-            {"name": piece.name, "fixed": piece.fixed, **_solid([*outlines(piece)])}
+            {"name": piece.name, "fixed": piece.fixed, **_solid(outlines(piece))}
             for piece in assembly.pieces
         ],
         "interfaces": [
@@ -39,6 +38,11 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
             if isinstance(face, Polygon)
         ],
     }
+
+
+def outlines(piece: Piece) -> list[Floats]:
+    """The faces of a piece, (K, 3) in m each."""
+    return [outline for solid in solids_of(piece) for outline in solid.outlines]
 
 
 def points_of(shape: dict[str, Any]) -> int:
