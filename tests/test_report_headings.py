@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 from conftest import ROOT
 
+from analysis.report.files import FILES
 from analysis.report.headings import headings, words
 from analysis.report.provenance import sample_words
+from sidmacib.scene.page import SCRIPTS
 from workflow.configuration import read_study
 from workflow.results.columns import TABLES
 
@@ -64,8 +66,10 @@ def test_samples_are_told_by_what_tells_them_apart() -> None:
 
 
 def test_the_scripts_of_the_report_declare_no_name_twice() -> None:
-    """They share one scope with those that draw."""
+    """They share one scope with those that draw, as do those of the command's page."""
     declared = re.compile(r"^(?:const|let|function\*?|class) +(\w+)", re.MULTILINE)
-    scripts = [*(ROOT / "analysis/report").glob("*.js"), *(ROOT / "sidmacib/scene").glob("*.js")]
-    names = [name for script in scripts for name in declared.findall(script.read_text())]
-    assert [name for name, count in Counter(names).items() if count > 1] == []
+    of_study = [ROOT / name for name in FILES if name.endswith(".js")]
+    of_command = [ROOT / "sidmacib/scene" / name for name in SCRIPTS]
+    for scripts in (of_study, of_command):
+        names = [name for script in scripts for name in declared.findall(script.read_text())]
+        assert [name for name, count in Counter(names).items() if count > 1] == []

@@ -37,7 +37,7 @@ function show(answer) {
   shown = answer;
   for (const name of ["words", "unit", "yaml", "link"]) at(name).textContent = answer[name];
   at("lines").tBodies[0].replaceChildren(...answer.lines.map(tableRow));
-  showStructure(preparedStructure(answer.row, answer.shape, answer.blocks, answer.interfaces));
+  showStructure(preparedStructure(answer.row, answer.shape, answer.blocks, answer.interfaces, answer.loads));
   at("structure-order").textContent = orderOf(drawn);
   at("answer").ariaBusy = "false";
   history.replaceState(null, "", answer.link); // so that the address opens the same structure

@@ -13,8 +13,8 @@ from analysis.summary.structures import first_failure, peak
 from analysis.summary.summary import AGREEMENT
 from sidmacib.models import REFERENCE_MODEL
 from sidmacib.outcome import FIRST_FAILURE
+from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.solids import points_of, shape_of
-from sidmacib.structure.files.structure_file import assembly_of
 from workflow.case import REFERENCE, StructureCase
 
 LIMIT = "limit"
@@ -32,7 +32,8 @@ def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> 
     shapes: dict[str, int] = {}
     found, room = [], MOST_POINTS
     for case in cases:
-        shape = shape_of(assembly_of(case.subject.description))
+        problem = case.subject.problem()
+        shape = shape_of(problem.assembly)
         text = json.dumps(shape)
         if text not in shapes and points_of(shape) <= room:
             room -= points_of(shape)
@@ -43,6 +44,7 @@ def structures_content(cases: Sequence[StructureCase], blocks: pd.DataFrame) -> 
                 "load": case.subject.load,
                 "variant": case.variant,
                 "shape": shapes.get(text),
+                "loads": arrows_of(*problem),
             }
         )
     told = blocks.drop_duplicates(["model", "case"])[["model", "case"]]

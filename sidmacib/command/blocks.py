@@ -46,7 +46,14 @@ GAP = Number(at_least=0, unit="m")
 @click.option(
     "--picture",
     type=WRITTEN,
-    help="Draw the capacity curve into this file: .png, .svg or .pdf.",
+    help="Draw the structure with its forces into this file: .png, .svg or .pdf. With "
+    "--capacity-curve, or if a support moves, draw the curve instead.",
+)
+@click.option(
+    "--report",
+    type=WRITTEN,
+    help="Write a page with the answer, and the structure in three dimensions with loads, "
+    "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
 )
 @format_option
 def assembly(
@@ -55,6 +62,7 @@ def assembly(
     compas: Path | None,
     curve: Path | None,
     picture: Path | None,
+    report: Path | None,
     form: str,
     **options: Any,
 ) -> None:
@@ -74,6 +82,7 @@ def assembly(
             added_keys,
             interface_rows,
             limit_of,
+            static_of,
             structure_notes,
             structure_rows,
         )
@@ -82,11 +91,12 @@ def assembly(
 
         description = description_in(file, added_keys(**options))
         problem = structure_of(description, file.parent)
-        for note in structure_notes(problem, description):
+        notes = structure_notes(problem, description)
+        for note in notes:
             click.echo(f"Note: {note}", err=True)
         if isinstance(problem.loads, SupportMotion):
-            if interfaces or compas:
-                option = "--interfaces" if interfaces else "--compas"
+            refused = {"--interfaces": interfaces, "--compas": compas, "--report": report}
+            for option in (name for name, given in refused.items() if given):
                 raise click.UsageError(f"{option}: must not be given where a support moves")
             from sidmacib.command.displacements import support_rows, write_curve
 
@@ -94,14 +104,24 @@ def assembly(
             click.echo(text_of(rows, form))
             write_curve(moves, file.stem, curve, picture)
             return
-        limit = None if interfaces and compas is None else limit_of(problem)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
+        draws = report is not None or (picture is not None and curve is None)
+        limit = None if interfaces and compas is None and not draws else limit_of(problem)
+        static = static_of(problem) if draws or not interfaces else None
+        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit, static)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.files.compas_results import write_compas_results
 
             write_compas_results(problem, file, compas, limit)
-        if curve is not None or picture is not None:
+        if static is not None and draws:
+            from sidmacib.command.structure_views import Views
+
+            views = Views.of(file, problem, limit, static, notes)
+            if report is not None:
+                views.write_report(report, rows)
+            if picture is not None and curve is None:
+                views.write_picture(picture)
+        if curve is not None:
             from sidmacib.command.displacements import curve_rows, write_curve
 
             moves, words = curve_rows(problem)

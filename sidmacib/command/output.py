@@ -42,20 +42,21 @@ def text_of(rows: "Sequence[Row]", form: str) -> str:
         writer.writeheader()
         writer.writerows(rows)
         return stream.getvalue().rstrip("\n")
-    cells = [head, *([_cell(row[key]) for key in head] for row in rows)]
+    cells = [head, *([cell(row[key]) for key in head] for row in rows)]
     widths = [max(len(line[place]) for line in cells) for place in range(len(head))]
     numeric = [all(isinstance(row[key], int | float | None) for row in rows) for key in head]
     lines = [
         "  ".join(
-            cell.rjust(width) if right else cell.ljust(width)
-            for cell, width, right in zip(line, widths, numeric, strict=True)
+            text.rjust(width) if right else text.ljust(width)
+            for text, width, right in zip(line, widths, numeric, strict=True)
         ).rstrip()
         for line in cells
     ]
     return "\n".join(lines)
 
 
-def _cell(value: Any) -> str:
+def cell(value: Any) -> str:
+    """A value as tables show it."""
     if value is None:
         return "-"
     if not isinstance(value, float):

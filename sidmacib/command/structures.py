@@ -56,15 +56,29 @@ def limit_of(problem: Problem) -> LimitState | CapacityError | None:
         return error
 
 
-def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = None) -> list[Row]:
+def static_of(problem: Problem) -> StaticAnswer | CapacityError:
+    """The answer of the static model, or why it has none."""
+    try:
+        return static_answer(problem)
+    except CapacityError as error:
+        return error
+
+
+def structure_rows(
+    problem: Problem,
+    limit: LimitState | CapacityError | None = None,
+    static: StaticAnswer | CapacityError | None = None,
+) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    ``limit``: by `limit_of` if that was asked before, as it is solved once.
+    ``limit``, ``static``: by `limit_of` and `static_of` if those were asked before, as they are
+    solved once.
     """
+    static = static_of(problem) if static is None else static
     if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem)]
+        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem, static)]
     limit = limit_of(problem) if limit is None else limit
-    return [*_limits(problem, limit), _static(problem)]
+    return [*_limits(problem, limit), _static(problem, static)]
 
 
 def interface_rows(problem: Problem) -> list[Row]:
@@ -114,11 +128,9 @@ def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
         yield _row(problem, "limit", None, reason(error))
 
 
-def _static(problem: Problem) -> Row:
-    try:
-        answer = static_answer(problem)
-    except CapacityError as error:
-        return _row(problem, "static", None, reason(error))
+def _static(problem: Problem, answer: StaticAnswer | CapacityError) -> Row:
+    if isinstance(answer, CapacityError):
+        return _row(problem, "static", None, reason(answer))
     return _row(problem, "static", answer.load, _note(problem, answer), answer.mesh_error, answer)
 
 

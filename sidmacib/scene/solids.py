@@ -21,6 +21,7 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
 
     Each has its name, ``points``, ``triangles`` and ``edges``, closed lines, as numbers of points.
     A block has ``fixed``, an interface its ``middle`` and the numbers of the blocks, ``between``.
+    ``chains``: see `chains`.
     """
     return {
         "blocks": [
@@ -37,7 +38,35 @@ def shape_of(assembly: Assembly) -> dict[str, Any]:
             for face in assembly.faces
             if isinstance(face, Polygon)
         ],
+        "chains": chains(assembly),
     }
+
+
+def chains(assembly: Assembly) -> list[list[int]]:
+    """Numbers of the interfaces along each row of free blocks, from support to support.
+
+    As of an arch or a stack, which have a line of thrust. None if a block has more than two
+    interfaces.
+    """
+    ends = [(face.below, face.above) for face in assembly.faces]
+    free = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
+    of_block = {number: [k for k, pair in enumerate(ends) if number in pair] for number in free}
+    if any(len(own) > 2 for own in of_block.values()):
+        return []
+    found, left = [], {k for k, pair in enumerate(ends) if not free.isdisjoint(pair)}
+    for start in sorted(left):
+        if start not in left or free.issuperset(ends[start]):
+            continue  # begin at a support
+        row, here = [start], start
+        left.remove(start)
+        while ahead := left.intersection(
+            k for number in free.intersection(ends[here]) for k in of_block[number]
+        ):
+            here = ahead.pop()
+            left.remove(here)
+            row.append(here)
+        found.append(row)
+    return found
 
 
 def outlines(piece: Piece) -> list[Floats]:
