@@ -116,9 +116,10 @@ def assembly(
         if static is not None and draws:
             from sidmacib.command.structure_views import Views
 
-            views = Views.of(file, problem, limit, static, notes)
+            views = Views.of(file, description, problem, limit, static, notes)
             if report is not None:
-                views.write_report(report, rows)
+                answers = structure_rows(problem, limit, static) if interfaces else rows
+                views.write_report(report, answers)
             if picture is not None and curve is None:
                 views.write_picture(picture)
         if curve is not None:

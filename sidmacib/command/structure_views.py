@@ -2,7 +2,7 @@
 
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -11,17 +11,17 @@ from typing import Any
 import click
 
 from sidmacib.answers.structure import StaticAnswer
-from sidmacib.answers.structure_words import answer_words
+from sidmacib.answers.structure_words import answer_words, load_words
 from sidmacib.command.answers import Row, reason
-from sidmacib.command.output import cell, write_text
-from sidmacib.errors import CapacityError
+from sidmacib.command.output import cell, draw, write_text
+from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.page import page
-from sidmacib.scene.solids import shape_of
+from sidmacib.scene.solids import shape_of, with_condensed_locks
 from sidmacib.structure.loads import free_weight
 
 
@@ -29,7 +29,7 @@ from sidmacib.structure.loads import free_weight
 class Views:
     """What is drawn of a structure: its ``title``, ``answer`` in words, ``notes``, and ``models``.
 
-    ``models``: the static model, then limit analysis.
+    ``models``: the one that answers first; ``shape``: by `shape_of`.
     """
 
     title: str
@@ -37,28 +37,35 @@ class Views:
     answer: str
     notes: Sequence[str]
     models: Sequence[Drawn]
+    shape: Mapping[str, Any]
 
     @classmethod
     def of(
         cls,
         file: Path,
+        description: Any,
         problem: Problem,
         limit: LimitState | CapacityError | None,
         static: StaticAnswer | CapacityError,
         notes: Sequence[str],
     ) -> "Views":
         """From what the models answer; ``limit``: None where gravity turns."""
-        answer = f"No answer from the static model: {static}"
-        found = Drawn("static", problem, error=str(static))
+        weight = None if problem.loads.axis is not None else free_weight(problem.assembly)
+        by_limit = _limit(problem, limit)
         if isinstance(static, StaticAnswer):
-            tilts = problem.loads.axis is not None
-            weight = None if tilts else free_weight(problem.assembly)
-            answer = answer_words(static.load, weight, static.counts, static.mode)
             found = Drawn("static", problem, structure_static.outcome_of(problem, static))
-        drawn = [found, _limit(problem, limit)]
+            answer = answer_words(static.load, weight, static.counts, static.mode)
+        else:
+            found = Drawn("static", problem, error=reason(static))
+            answer = f"static model: {reason(static)}"
+            if by_limit.load is not None and not isinstance(static, NoEquilibriumError):
+                answer = f"limit analysis: {load_words(by_limit.load, weight)}; {answer}"
+        drawn = [found, by_limit]
         if found.outcome is None:
             drawn.reverse()
-        return cls(file.stem, problem, f"{answer[0].upper()}{answer[1:]}.", notes, drawn)
+        shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
+        words = f"{answer[0].upper()}{answer[1:]}."
+        return cls(file.stem, problem, words, notes, drawn, shape)
 
     @property
     def about(self) -> str:
@@ -72,7 +79,7 @@ class Views:
     def write_report(self, path: Path, rows: Sequence[Row]) -> None:
         """Write the page, with the ``rows`` that are printed; `click.UsageError`."""
         data = {
-            "shape": shape_of(self.problem.assembly),
+            "shape": self.shape,
             "loads": arrows_of(*self.problem),
             "models": [{"name": MODELS[each.model].label, **each.values()} for each in self.models],
         }
@@ -91,6 +98,12 @@ class Views:
         except ValueError as error:
             raise click.UsageError(f"--report: {error}") from None
         write_text(text, path, "--report")
+
+    def write_picture(self, path: Path) -> None:
+        """Draw the model that answers first; `click.UsageError`."""
+        from sidmacib.scene.picture import picture
+
+        draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), path)
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:

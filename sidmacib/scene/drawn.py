@@ -8,6 +8,7 @@ from typing import Any
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.reactions import Reaction, reactions
 from sidmacib.structure.analysis.rows import (
     BlockRow,
@@ -56,6 +57,27 @@ class Drawn:
     def load(self) -> float | None:
         """The load (N) that counts, or the angle (degrees) where gravity turns."""
         return None if self.outcome is None else self.shown(self.outcome.state.load)
+
+    @property
+    def load_words(self) -> str:
+        """That load in a legend."""
+        if self.problem.loads.axis is None:
+            return f"load, {self.load:.4g} N"
+        return f"weight, tilted by {self.load:.4g}°"
+
+    @property
+    def arrows(self) -> list[dict[str, Any]]:
+        """The load that counts as forces in N, see `arrows_of`; none without an outcome."""
+        found = arrows_of(*self.problem)
+        if self.outcome is None:
+            return []
+        load, loads = self.outcome.state.load, self.problem.loads
+        forces = loads.at(load) if loads.axis else load * loads.variable
+        numbers = {piece.name: number for number, piece in enumerate(self.assembly.pieces)}
+        return [
+            {**each, "force": forces[numbers[each["block"]], :3].tolist()}
+            for each in found["variable"]
+        ]
 
     @property
     def failing(self) -> list[tuple[str, float]]:

@@ -8,12 +8,13 @@ const WHOLE = 0.15; // of the structure's size: the largest displacement that is
 const LONGEST = 1; // of the mean diagonal of free blocks: the line of the largest resultant
 const NEXT_TO_NOTHING = 0.01; // of the largest resultant: interfaces that carry less are grey, without a line
 const HALF_VIEW = Math.tan(Math.PI / 8); // Plotly sees an angle of 45 degrees from below to above
-const FILLED = 0.9; // of the plot, by the box around the structure; the rest is for the numbers of its axes
+const NUMBERS = 130; // px beside the box around the structure, for the numbers of its axes
 const TURN = 0.25; // rad: the largest rotation that is drawn, as larger ones would distort blocks
 const BELOW = 0.14; // of the plot: room for the scale of colours
 const STEEP = 2.5; // times the height from which flat structures are seen
 const PERIOD = 4000; // ms, from rest to rest
-const ARROW = 0.8; // of the mean diagonal of free blocks: the largest load, and the largest reaction
+const APART = 0.6; // how far blocks are drawn from each other at most, see spread()
+const ARROW = 0.8; // of the diagonal of large free blocks: the largest load, and the largest reaction
 const HEAD = 0.25; // of an arrow's length: its head
 const MOST_LABELS = 12; // of reactions that are written beside their arrows
 const MARKED = "#d55e00", FORCE = "#0072b2";
@@ -36,25 +37,31 @@ let playing = null; // the moment at which the animation began, less what it had
 function preparedStructure(row, shape, ofBlocks, ofInterfaces, loads = null, reactions = []) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
+  const middle = middleOf(shape.blocks.flatMap((block) => block.points));
   const moves = shape.blocks.map((block) => {
-    const own = blocks.get(block.name);
-    if (!own || own.move_x_m === null) return { centre: [0, 0, 0], moved: AT_REST };
-    return { centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
+    const own = blocks.get(block.name), apart = plus(middleOf(shape.blocks[block.with].points), middle, -1);
+    if (!own || own.move_x_m === null) return { centre: [0, 0, 0], moved: AT_REST, apart };
+    return { apart, centre: [own.x_m, own.y_m, own.z_m], moved: [own.move_x_m, own.move_y_m, own.move_z_m, own.turn_x, own.turn_y, own.turn_z] };
   });
   const points = shape.blocks.flatMap((block) => block.points);
   const size = diagonal(points);
-  const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(place(p, moves[k], 1), p, -1)))));
+  const largest = Math.max(...shape.blocks.flatMap((block, k) => block.points.map((p) => norm(plus(shifted(p, moves[k].centre, moves[k].moved, 1), p, -1)))));
   const turn = Math.max(...moves.map((move) => norm(move.moved.slice(3))));
   const moving = largest > 1e-12 * size;
   const factor = moving ? Math.min((WHOLE * size) / largest, turn > 0 ? TURN / turn : Infinity) : 0;
-  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => place(p, moves[k], factor)));
+  const far = shape.blocks.flatMap((block, k) => block.points.map((p) => shifted(p, moves[k].centre, moves[k].moved, factor)));
   const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
   const forces = forcesOf(shape, interfaces), arrows = arrowsOf(row, shape, loads, reactions);
   const ranges = extent([...points, ...far, ...arrows.flatMap(({ tail, tip }) => [tail, tip])]);
   return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust: thrustOf(shape, interfaces) };
 }
 
-const place = (p, { centre, moved }, factor) => shifted(p, centre, moved, factor);
+const place = (p, { centre, moved, apart }, factor) => plus(shifted(p, centre, moved, factor), apart, spread());
+
+// How far blocks are drawn from each other, over how far their centroids are from the middle.
+const spread = () => (APART * Number(at("structure-apart").value)) / 100;
+
+const middleOf = (points) => extent(points).map(([lo, hi]) => (lo + hi) / 2);
 
 // A point of an interface moves as the mean of the two blocks there do.
 function placeBetween(p, [below, above], moves, factor) {
@@ -66,6 +73,12 @@ const diagonal = (points) => norm(extent(points).map(([lo, hi]) => hi - lo));
 function meanDiagonal(shape) {
   const free = shape.blocks.filter((block) => !block.fixed);
   return free.reduce((sum, block) => sum + diagonal(block.points), 0) / free.length;
+}
+
+// Large blocks count more than locks.
+function largeDiagonal(shape) {
+  const sizes = shape.blocks.filter((block) => !block.fixed).map((block) => diagonal(block.points));
+  return sizes.reduce((sum, size) => sum + size ** 2, 0) / sizes.reduce((sum, size) => sum + size, 0);
 }
 
 // A vector turned by an angle (rad) about an axis of length 1.
@@ -83,7 +96,7 @@ function components(force) {
 
 // Loads and reactions as arrows, each kind with its own scale; `at`: the end that stays in place.
 function arrowsOf(row, shape, loads, reactions) {
-  const longest = ARROW * meanDiagonal(shape), numbers = new Map(shape.blocks.map((block, k) => [block.name, k]));
+  const longest = ARROW * largeDiagonal(shape), numbers = new Map(shape.blocks.map((block, k) => [block.name, k]));
   const tilt = row.tilt_degrees, load = row.load_N;
   const found = [];
   const add = (kind, list, forceOf, textOf, labelFor = (force) => `${short(norm(force))} N`) => {
@@ -250,13 +263,14 @@ function seenFrom([x, y, z]) {
   return name.startsWith("from the") && z < 0.5 * Math.min(x, y) ? [view[0], view[1], STEEP * view[2]] : view;
 }
 
-// How far the eye must be to see all of a box, in the unit of its sides; `wide`: width over height.
-function distance(sides, view, wide) {
+// How far the eye must be to see all of a box, in the unit of its sides; `width`, `height`: px.
+function distance(sides, view, width, height) {
+  const half = [width, height].map((v) => (HALF_VIEW * Math.max(v - NUMBERS, 0.5 * v)) / height);
   const [x, y, z] = view.map((v) => v / norm(view)), level = Math.hypot(x, y);
   const corners = [-0.5, 0.5].flatMap((i) => [-0.5, 0.5].flatMap((j) => [-0.5, 0.5].map((k) => [i * sides[0], j * sides[1], k * sides[2]])));
   return Math.max(...corners.map(([a, b, c]) => {
     const across = Math.abs(b * x - a * y) / level, up = Math.abs(c * level - ((a * x + b * y) * z) / level);
-    return a * x + b * y + c * z + Math.max(across / wide, up) / (HALF_VIEW * FILLED);
+    return a * x + b * y + c * z + Math.max(across / half[0], up / half[1]);
   }));
 }
 
@@ -264,10 +278,10 @@ function drawStructure() {
   const share = Number(at("structure-motion").value) / 100;
   tellMotion(share);
   if (!drawn.shape) return Promise.resolve();
-  const ranges = drawn.ranges.map(([lo, hi]) => [lo - 0.02 * drawn.size, hi + 0.02 * drawn.size]);
+  const ranges = drawn.ranges.map(([lo, hi]) => [-1, 1].map((side) => (lo + hi) / 2 + side * ((1 + spread()) * (hi - lo) / 2 + 0.02 * drawn.size)));
   const lengths = ranges.map(([lo, hi]) => hi - lo), most = Math.max(...lengths);
   const ratio = lengths.map((v) => v / most), view = seenFrom(lengths);
-  const plot = at("structure-plot"), away = distance(ratio, view, plot.clientWidth / plot.clientHeight / (1 - BELOW));
+  const plot = at("structure-plot"), away = distance(ratio, view, plot.clientWidth, plot.clientHeight * (1 - BELOW));
   const eye = view.map((v) => (away * v) / norm(view));
   const side = (name, k) => ({ title: { text: `${name} (m)` }, range: ranges[k], showbackground: false, showspikes: false, zeroline: false, nticks: Math.max(2, Math.round(6 * ratio[k])) });
   const scene = { aspectmode: "manual", aspectratio: toXyz(ratio), dragmode: "orbit", camera: { eye: toXyz(eye) }, domain: { y: [BELOW, 1] }, xaxis: side("x", 0), yaxis: side("y", 1), zaxis: side("z", 2) };
@@ -349,6 +363,7 @@ function showStructure(prepared) {
 function startDrawing() {
   fill(at("structure-view"), Object.keys(VIEWS), "from the left");
   at("structure-motion").addEventListener("input", () => { stop(); drawStructure(); });
+  at("structure-apart").addEventListener("input", drawStructure);
   for (const part of ["view", "blocks", "forces", "loads", "thrust"]) at(`structure-${part}`).addEventListener("change", drawStructure);
   at("structure-play").addEventListener("click", play);
 }
