@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
-from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option
+from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option, note_option
 from sidmacib.command.output import refused_in_one_line, require_answer, status_line, text_of
 from sidmacib.quantities import Number
 
@@ -55,6 +55,7 @@ GAP = Number(at_least=0, unit="m")
     help="Write a page with the answer, and the structure in three dimensions with loads, "
     "reactions, hinges, mechanism, into this file: .html. Needs multilock[report].",
 )
+@note_option
 @format_option
 def assembly(
     file: Path,
@@ -63,6 +64,7 @@ def assembly(
     curve: Path | None,
     picture: Path | None,
     report: Path | None,
+    note: Path | None,
     form: str,
     **options: Any,
 ) -> None:
@@ -92,10 +94,15 @@ def assembly(
         description = description_in(file, added_keys(**options))
         problem = structure_of(description, file.parent)
         notes = structure_notes(problem, description)
-        for note in notes:
-            click.echo(f"Note: {note}", err=True)
+        for line in notes:
+            click.echo(f"Note: {line}", err=True)
         if isinstance(problem.loads, SupportMotion):
-            refused = {"--interfaces": interfaces, "--compas": compas, "--report": report}
+            refused = {
+                "--interfaces": interfaces,
+                "--compas": compas,
+                "--report": report,
+                "--note": note,
+            }
             for option in (name for name, given in refused.items() if given):
                 raise click.UsageError(f"{option}: must not be given where a support moves")
             from sidmacib.command.displacements import support_rows, write_curve
@@ -104,7 +111,8 @@ def assembly(
             click.echo(text_of(rows, form))
             write_curve(moves, file.stem, curve, picture)
             return
-        draws = report is not None or (picture is not None and curve is None)
+        still = picture if curve is None else None
+        draws = any(path is not None for path in (report, still, note))
         limit = None if interfaces and compas is None and not draws else limit_of(problem)
         static = static_of(problem) if draws or not interfaces else None
         rows = interface_rows(problem) if interfaces else structure_rows(problem, limit, static)
@@ -117,11 +125,8 @@ def assembly(
             from sidmacib.command.structure_views import Views
 
             views = Views.of(file, description, problem, limit, static, notes)
-            if report is not None:
-                answers = structure_rows(problem, limit, static) if interfaces else rows
-                views.write_report(report, answers)
-            if picture is not None and curve is None:
-                views.write_picture(picture)
+            answers = structure_rows(problem, limit, static) if interfaces else rows
+            views.write(answers, report, still, note)
         if curve is not None:
             from sidmacib.command.displacements import curve_rows, write_curve
 

@@ -76,8 +76,27 @@ class Views:
         weight = f"weight of the free blocks {free_weight(assembly):.4g} N"
         return f"{many}, {len(assembly.faces)} interfaces; {weight}. {load_of(self.problem)}."
 
-    def write_report(self, path: Path, rows: Sequence[Row]) -> None:
-        """Write the page, with the ``rows`` that are printed; `click.UsageError`."""
+    def write(
+        self, rows: Sequence[Row], report: Path | None, still: Path | None, note: Path | None
+    ) -> None:
+        """Write the page, the picture and the calculation note that are asked for.
+
+        ``rows``: the table that is printed. `click.UsageError` for a file that cannot be written.
+        """
+        command = shlex.join(["multilock", *sys.argv[1:]])
+        if report is not None:
+            self.write_report(report, rows, command)
+        if still is not None:
+            from sidmacib.scene.picture import picture
+
+            draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), still)
+        if note is not None:
+            from sidmacib.command.structure_note import write_note
+
+            write_note(self, rows, note, command)
+
+    def write_report(self, path: Path, rows: Sequence[Row], command: str) -> None:
+        """Write the page; arguments and errors of `write`."""
         data = {
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
@@ -91,19 +110,13 @@ class Views:
             "head": list(rows[0]),
             "rows": [[_shown(value) for value in row.values()] for row in rows],
             "version": version("multilock"),
-            "command": shlex.join(["multilock", *sys.argv[1:]]),
+            "command": command,
         }
         try:
             text = page(data, words)
         except ValueError as error:
             raise click.UsageError(f"--report: {error}") from None
         write_text(text, path, "--report")
-
-    def write_picture(self, path: Path) -> None:
-        """Draw the model that answers first; `click.UsageError`."""
-        from sidmacib.scene.picture import picture
-
-        draw(picture(self.models[0], self.shape, f"{self.title}: {self.answer}"), path)
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:

@@ -61,6 +61,8 @@ class Drawn:
     @property
     def load_words(self) -> str:
         """That load in a legend."""
+        if self.load is None:
+            return "no answer"
         if self.problem.loads.axis is None:
             return f"load, {self.load:.4g} N"
         return f"weight, tilted by {self.load:.4g}°"
@@ -68,16 +70,10 @@ class Drawn:
     @property
     def arrows(self) -> list[dict[str, Any]]:
         """The load that counts as forces in N, see `arrows_of`; none without an outcome."""
-        found = arrows_of(*self.problem)
         if self.outcome is None:
             return []
-        load, loads = self.outcome.state.load, self.problem.loads
-        forces = loads.at(load) if loads.axis else load * loads.variable
-        numbers = {piece.name: number for number, piece in enumerate(self.assembly.pieces)}
-        return [
-            {**each, "force": forces[numbers[each["block"]], :3].tolist()}
-            for each in found["variable"]
-        ]
+        found: list[dict[str, Any]] = arrows_of(*self.problem, self.outcome.state.load)["variable"]
+        return found
 
     @property
     def failing(self) -> list[tuple[str, float]]:

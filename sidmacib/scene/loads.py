@@ -7,26 +7,29 @@ import numpy as np
 
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
 from sidmacib.problem import Problem
+from sidmacib.scene.solids import owners_of
 from sidmacib.structure.loads import PointForce, weight_of_free
 
 NOTHING = 1e-9  # of the largest force: no arrow
 
 
-def arrows_of(assembly: Assembly, loads: Loads) -> dict[str, Any]:
+def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> dict[str, Any]:
     """The ``loads`` beside self-weight, as plain values.
 
-    ``variable``: for each piece that is loaded the name of its ``block``, the place where the force
-    acts, ``at`` (m), its ``force`` per newton, and whether that is a ``point``, or the centroid of
-    forces in proportion to masses; ``permanent``: the same in N. ``axis``: that gravity turns
+    ``load`` (N): to which the variable load is raised, or gravity turned; None: as below.
+
+    ``variable``: for each block that is loaded its name, ``block``, the place where the force acts,
+    ``at`` (m), its ``force`` per newton, and whether that is a ``point``, or the middle of forces
+    on the block and its locks; ``permanent``: the same in N. ``axis``: that gravity turns
     about, in place of a load that is raised, when the forces are weights in N; None otherwise.
     """
     if loads.axis is not None:
-        weights = weight_of_free(assembly)
+        weights = weight_of_free(assembly) if load is None else loads.at(load)
         return {"variable": [*_arrows(assembly, weights)], "permanent": [], "axis": [*loads.axis]}
     arms = loads.arms if isinstance(loads, PointForce) else None
     others = loads.permanent - weight_of_free(assembly)
     return {
-        "variable": [*_arrows(assembly, loads.variable, arms)],
+        "variable": [*_arrows(assembly, (1.0 if load is None else load) * loads.variable, arms)],
         "permanent": [*_arrows(assembly, others, most=float(np.abs(loads.permanent).max()))],
         "axis": None,
     }
@@ -54,12 +57,13 @@ def _arrows(
 ) -> Iterator[dict[str, Any]]:
     size = np.linalg.norm(forces[:, :3], axis=1)
     least = NOTHING * max(float(size.max(initial=0.0)), most)
-    for number in np.flatnonzero(size > least):
-        piece = assembly.pieces[number]
-        arm = np.zeros(3) if arms is None else arms[number]
+    owner = np.array(owners_of(assembly))
+    places = np.array([piece.centre for piece in assembly.pieces]) + (0.0 if arms is None else arms)
+    for number in np.unique(owner[size > least]):
+        parts = (owner == number) & (size > least)
         yield {
-            "block": piece.name,
-            "at": (piece.centre + arm).tolist(),
-            "force": forces[number, :3].tolist(),
+            "block": assembly.pieces[number].name,
+            "at": (size[parts] @ places[parts] / size[parts].sum()).tolist(),
+            "force": forces[parts, :3].sum(axis=0).tolist(),
             "point": arms is not None,
         }

@@ -30,18 +30,18 @@ MOST_LABELS = 12  # of reactions that are written beside their arrows
 HINGE = 0.999  # eccentricity over the distance to the edge
 
 
-def picture(drawn: Drawn, shape: Mapping[str, Any], title: str) -> Figure:
+def picture(drawn: Drawn, shape: Mapping[str, Any], title: str, width: float = WIDTH) -> Figure:
     """The structure of a ``shape`` at the load that counts: loads, reactions, hinges, thrust line.
 
     From its front if it is as flat as an arch or a wall, otherwise from above and the left. Without
-    forces if the model has no answer.
+    forces if the model has no answer. ``width``: in inches.
     """
     points = _points(shape["blocks"])
     pushed = np.sum([each["force"] for each in drawn.arrows] or [np.zeros(3)], axis=0)
     axes3 = view_axes(np.ptp(points, axis=0), pushed)
     wide, high = np.ptp(points @ axes3[:2].T, axis=0)
-    height = min(max(WIDTH * high / wide, LEAST * WIDTH), WIDTH)
-    figure = Figure(figsize=(WIDTH, height + MARGINS), layout="constrained")
+    height = min(max(width * high / wide, LEAST * width), width)
+    figure = Figure(figsize=(width, height + MARGINS), layout="constrained")
     axes = figure.subplots()
     _blocks(axes, shape, axes3)
     _interfaces(axes, shape, drawn, axes3)

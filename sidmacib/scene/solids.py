@@ -32,7 +32,7 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
     an interface its ``middle`` and the numbers of the blocks, ``between``.
     ``chains``: see `chains`.
     """
-    owners = _owners(assembly)
+    owners = owners_of(assembly)
     by_name = {solid.name: solid for solid in made}
     return {
         "blocks": [
@@ -60,7 +60,7 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
     }
 
 
-def _owners(assembly: Assembly) -> list[int]:
+def owners_of(assembly: Assembly) -> list[int]:
     """For each piece its number, or that of the block which it is a lock of."""
     names = [piece.name for piece in assembly.pieces]
     owners = list(range(len(names)))
