@@ -27,12 +27,21 @@ def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> di
         weights = weight_of_free(assembly) if load is None else loads.at(load)
         return {"variable": [*_arrows(assembly, weights)], "permanent": [], "axis": [*loads.axis]}
     arms = loads.arms if isinstance(loads, PointForce) else None
+    variable = (1.0 if load is None else load) * loads.variable
     others = loads.permanent - weight_of_free(assembly)
+    most = float(np.abs(loads.permanent).max())
     return {
-        "variable": [*_arrows(assembly, (1.0 if load is None else load) * loads.variable, arms)],
-        "permanent": [*_arrows(assembly, others, most=float(np.abs(loads.permanent).max()))],
+        "variable": [*_arrows(assembly, variable, arms)],
+        "permanent": [*_arrows(assembly, others, _lever_arms(others), most)],
         "axis": None,
     }
+
+
+def _lever_arms(wrenches: Floats) -> Floats:
+    """From the centroids to the lines along which forces act (m), (P, 3); torsion apart."""
+    force, moment = wrenches[:, :3], wrenches[:, 3:]
+    square = np.maximum((force**2).sum(axis=1), np.finfo(float).tiny)
+    return np.asarray(np.cross(force, moment) / square[:, None])
 
 
 def load_of(problem: Problem) -> str:
@@ -41,6 +50,8 @@ def load_of(problem: Problem) -> str:
     if found["axis"] is not None:
         return f"Load: gravity, turned about the axis {_listed(found['axis'])}"
     loaded = found["variable"]
+    if not loaded:
+        return "No load is raised"
     along = _listed(np.sum([each["force"] for each in loaded], axis=0).tolist())
     if len(loaded) == 1 and loaded[0]["point"]:
         at = _listed(loaded[0]["at"])
