@@ -1,8 +1,8 @@
 """Pages, pictures and notes of a structure, and what they draw."""
 
-import itertools
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,8 @@ from sidmacib.models import structure_limit
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.picture import picture, view_axes
-from sidmacib.scene.reactions import total
-from sidmacib.scene.solids import chains, owners_of, shape_of, with_condensed_locks
+from sidmacib.scene.sections import chains, total
+from sidmacib.scene.solids import owners_of, shape_of, with_condensed_locks
 from sidmacib.structure.files.structure_file import read_structure, structure_of
 
 ARCH = ROOT / "studies/arch/arch.yaml"
@@ -74,15 +74,48 @@ def test_a_reaction_acts_where_the_resultant_of_its_interface_does(arch: Drawn) 
         assert each.at == pytest.approx((row.at_x_m, row.at_y_m, row.at_z_m), abs=1e-6)
 
 
-def test_an_arch_is_a_chain_from_support_to_support_and_a_wall_is_none(arch: Drawn) -> None:
-    faces = arch.assembly.faces
-    (chain,) = chains(arch.assembly)
-    assert {faces[chain[0]].name, faces[chain[-1]].name} == {"left-voussoir5", "right-voussoir1"}
-    for one, other in itertools.pairwise(chain):
-        ends = [{faces[each].below, faces[each].above} for each in (one, other)]
-        assert len(ends[0] & ends[1]) == 1
-    assert sorted(chain) == list(range(len(faces)))
-    assert chains(read_structure(ROOT / "studies/wall/wall.yaml").assembly) == []
+def test_the_thrust_line_of_an_arch_runs_from_support_to_support(arch: Drawn) -> None:
+    names = [piece.name for piece in arch.assembly.pieces]
+    (line,) = arch.thrust
+    passed = [{names[number] for number in each["between"]} for each in line]
+    assert {"left", "right"} <= passed[0] | passed[-1]
+    assert len(line) == len(arch.assembly.faces)
+    assert all(len(one & other) == 1 for one, other in pairwise(passed))
+    rows = {frozenset(row.interface.split("-")): row for row in arch.interfaces}
+    for each, pair in zip(line, passed, strict=True):
+        row = rows[frozenset(pair)]
+        assert each["point"] == pytest.approx((row.at_x_m, row.at_y_m, row.at_z_m), abs=1e-6)
+
+
+def test_a_stack_has_a_thrust_line_and_what_branches_has_none() -> None:
+    assert chains([(0, 1), (2, 3), (1, 2)], {1, 2, 3}) == [[(0, 1), (1, 2), (2, 3)]]
+    assert chains([(0, 1), (0, 2), (1, 2), (2, 3)], {1, 2, 3}) == []
+
+
+@pytest.mark.parametrize("variant", ["reference", "locks"])
+def test_what_acts_on_one_side_of_a_joint_goes_through_its_point_of_the_thrust_line(
+    variant: str,
+) -> None:
+    description = yaml.safe_load(ARCH.read_text()) | LOCKED.get(variant, {})
+    problem = structure_of(description)
+    drawn = Drawn("limit", problem, structure_limit.solve(problem))
+    assembly, loads = drawn.assembly, problem.loads.at(drawn.load or 0.0)[:, :3]
+    owners = owners_of(assembly)
+    (line,) = drawn.thrust
+    assert len(line) == 6
+    (first,) = set(line[0]["between"]) - set(line[1]["between"])
+    start = next(each for each in drawn.reactions if each.support == assembly.pieces[first].name)
+    acting = [(np.array(start.at), np.array(start.force))]
+    left, scale = {first}, np.abs(loads).sum()
+    for each in line:
+        for number in left:
+            parts = [k for k, owner in enumerate(owners) if owner == number]
+            free = [k for k in parts if not assembly.pieces[k].fixed]
+            acting += [(assembly.pieces[k].centre, loads[k]) for k in free]
+        moment = sum(np.cross(place - np.array(each["point"]), force) for place, force in acting)
+        assert moment[1] == pytest.approx(0.0, abs=1e-6 * scale)
+        left = set(each["between"]) - {first} - left
+        first = next(iter(left))
 
 
 def test_arrows_add_up_to_the_load_with_locks_as_parts_of_their_blocks() -> None:

@@ -12,8 +12,9 @@ from werkzeug.exceptions import (
 from werkzeug.wrappers import Request
 
 NAMES = ("127.0.0.1", "localhost", "[::1]")
-MOST_BYTES = 4096  # of a post
-PAGES = ("/", "/structures")
+MOST_BYTES = {"/file": 40_000_000}  # of a post; of any other
+MOST_OF_OTHERS = 4096
+PAGES = ("/", "/structures", "/opened")
 METHODS = ("GET", "HEAD", "POST")
 HTTP_PORT = 80  # which browsers leave out
 POLICY = (
@@ -74,8 +75,9 @@ def _require_small(request: Request) -> None:
         raise UnsupportedMediaType("A post must be application/json.")
     if request.content_length is None:
         raise LengthRequired("A post must have a Content-Length.")
-    if request.content_length > MOST_BYTES:
-        raise RequestEntityTooLarge(f"A post must have at most {MOST_BYTES} bytes.")
+    most = MOST_BYTES.get(request.path, MOST_OF_OTHERS)
+    if request.content_length > most:
+        raise RequestEntityTooLarge(f"A post must have at most {most} bytes.")
 
 
 def in_one_line(error: HTTPException) -> str:

@@ -17,6 +17,7 @@ from sidmacib.models import structure_limit, structure_static
 from sidmacib.outcome import FIRST_FAILURE, PEAK, Counts, Outcome
 from sidmacib.problem import Problem
 from sidmacib.scene.loads import arrows_of
+from sidmacib.scene.sections import forces_of
 from sidmacib.scene.solids import shape_of
 from sidmacib.structure.files.structure_file import structure_of
 from workflow.case import Case, StructureSubject
@@ -48,14 +49,15 @@ def structure_answer(chosen: Chosen) -> dict[str, Any]:
     records = {"limit": limit(same(chosen)), "static": static(same(chosen))}
     table = structures_table([*records.values()])
     rows = {row["model"]: row for row in _plain(table)}
-    drawn = records[chosen.model]
+    drawn, problem = records[chosen.model], structure_of(chosen.description)
     return {
         "words": _words(chosen, rows),
         "unit": "tilt (°)" if EXAMPLES[chosen.example].tilts else "load (N)",
         "lines": _lines(rows),
         "row": rows[chosen.model],
         "shape": _shape(chosen.example, dict(chosen.values).get("locks")),
-        "loads": arrows_of(*structure_of(chosen.description)),
+        "loads": arrows_of(*problem),
+        **forces_of(problem.assembly, drawn.part.interfaces),
         "blocks": _plain(blocks_table([drawn])),
         "interfaces": _plain(interfaces_table([drawn])),
         "yaml": chosen.text,

@@ -46,7 +46,7 @@ def content(
         names += dict.fromkeys(case.subject.structure for case in structures)
         verdict += structures_verdict(tables["structures"])
         shown |= with_room(tables)
-        data["structures"] = structures_content(structures, shown["blocks"])
+        data["structures"] = structures_content(structures, shown["blocks"], shown["interfaces"])
     failed = [
         tables[name]
         .loc[tables[name]["error"].notna(), ["model", column, "error"]]

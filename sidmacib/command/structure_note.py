@@ -19,7 +19,7 @@ from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import load_of
 from sidmacib.scene.picture import picture
-from sidmacib.scene.reactions import total
+from sidmacib.scene.sections import total
 from sidmacib.structure.blocks import solids_of
 
 MOST_ROWS = 8  # of a table of blocks, reactions or interfaces, for two pages

@@ -85,7 +85,11 @@ class Views:
         """
         command = shlex.join(["multilock", *sys.argv[1:]])
         if report is not None:
-            self.write_report(report, rows, command)
+            try:
+                text = self.page(rows, command)
+            except ValueError as error:
+                raise click.UsageError(f"--report: {error}") from None
+            write_text(text, report, "--report")
         if still is not None:
             from sidmacib.scene.picture import picture
 
@@ -95,8 +99,11 @@ class Views:
 
             write_note(self, rows, note, command)
 
-    def write_report(self, path: Path, rows: Sequence[Row], command: str) -> None:
-        """Write the page; arguments and errors of `write`."""
+    def page(self, rows: Sequence[Row], command: str) -> str:
+        """The page in HTML; ``rows``: the table that is printed by ``command``.
+
+        ValueError without the package plotly.
+        """
         data = {
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
@@ -112,11 +119,7 @@ class Views:
             "version": version("multilock"),
             "command": command,
         }
-        try:
-            text = page(data, words)
-        except ValueError as error:
-            raise click.UsageError(f"--report: {error}") from None
-        write_text(text, path, "--report")
+        return page(data, words)
 
 
 def _limit(problem: Problem, limit: LimitState | CapacityError | None) -> Drawn:

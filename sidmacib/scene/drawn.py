@@ -9,7 +9,7 @@ from sidmacib.mechanics.assembly import Assembly
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from sidmacib.scene.loads import arrows_of
-from sidmacib.scene.reactions import Reaction, reactions
+from sidmacib.scene.sections import Reaction, forces_of, reactions, thrust
 from sidmacib.structure.analysis.rows import (
     BlockRow,
     InterfaceRow,
@@ -49,9 +49,12 @@ class Drawn:
     @cached_property
     def reactions(self) -> tuple[Reaction, ...]:
         """Of the supports, at the load that counts; none without forces."""
-        if self.outcome is None or self.outcome.state.force is None:
-            return ()
-        return reactions(self.assembly, self.outcome.state.force)
+        return reactions(self.assembly, self.interfaces)
+
+    @cached_property
+    def thrust(self) -> list[list[dict[str, Any]]]:
+        """Lines of thrust at the load that counts, see `sidmacib.scene.sections.thrust`."""
+        return thrust(self.assembly, self.interfaces)
 
     @property
     def load(self) -> float | None:
@@ -107,7 +110,7 @@ class Drawn:
             },
             "blocks": [*self._moving()],
             "interfaces": [asdict(row) for row in self.interfaces],
-            "reactions": [asdict(each) for each in self.reactions],
+            **forces_of(self.assembly, self.interfaces),
         }
 
     def _moving(self) -> Iterator[dict[str, Any]]:

@@ -12,6 +12,7 @@ from trimesh.remesh import subdivide_to_size
 from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, VERMILION
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.scene.drawn import Drawn
+from sidmacib.scene.sections import row_point
 from sidmacib.structure.analysis.rows import NEXT_TO_NOTHING, InterfaceRow
 
 FLAT = (
@@ -140,19 +141,12 @@ def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Float
                 label = f"first bond failure: {first}" if number == 0 else None
                 axes.plot(x, y, color=VERMILION, lw=2.5, label=label)
     hinges = [row for row in _carrying(drawn.interfaces) if is_hinge(row)]
-    _dots(axes, [place for row in hinges if (place := at(row))], axes3, "hinge")
+    _dots(axes, [place for row in hinges if (place := row_point(row))], axes3, "hinge")
 
 
 def is_hinge(row: InterfaceRow) -> bool:
     """Whether a dry interface turns about its edge; nodes lie on it to a thousandth."""
     return row.bonded_share == 0.0 and (row.eccentricity or 0.0) >= HINGE
-
-
-def at(row: InterfaceRow) -> tuple[float, float, float] | None:
-    """The point of an interface through which its resultant acts, if there is one."""
-    if row.at_x_m is None or row.at_y_m is None or row.at_z_m is None:
-        return None
-    return row.at_x_m, row.at_y_m, row.at_z_m
 
 
 def _carrying(rows: Sequence[InterfaceRow]) -> Iterator[InterfaceRow]:
@@ -169,13 +163,9 @@ def _dots(axes: Axes, places: Sequence[Sequence[float]], axes3: Floats, label: s
 
 def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -> None:
     """The thrust line, loads and reactions."""
-    rows = {row.interface: row for row in drawn.interfaces}
-    for number, chain in enumerate(shape["chains"]):
-        names = [shape["interfaces"][each]["name"] for each in chain]
-        places = [place for name in names if name in rows and (place := at(rows[name]))]
-        if len(places) > 1:
-            x, y, _ = axes3 @ np.array(places).T
-            axes.plot(x, y, color=BLACK, lw=1.6, label=None if number else "thrust line", zorder=3)
+    for number, line in enumerate(drawn.thrust):
+        x, y, _ = axes3 @ np.array([each["point"] for each in line]).T
+        axes.plot(x, y, color=BLACK, lw=1.6, label=None if number else "thrust line", zorder=3)
     longest = ARROW * mean_diagonal(shape)
     pushed = [
         (np.array(each["at"]), np.array(each["force"]), each["point"]) for each in drawn.arrows

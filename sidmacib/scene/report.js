@@ -30,7 +30,7 @@ function fillTable(id, head, rows) {
 
 function showModel() {
   const told = labelOf(at("structure-model").value);
-  showStructure(preparedStructure({ structure: "", ...told.row }, DATA.shape, told.blocks, told.interfaces, DATA.loads, told.reactions));
+  showStructure(preparedStructure({ structure: "", ...told.row }, DATA.shape, told.blocks, told.interfaces, { ...told, loads: DATA.loads }));
   at("structure-order").textContent = orderOf(drawn);
   fillTable("reactions", REACTIONS, withoutNoise(reactionRows(told), [1, 2, 3, 4]));
   fillTable("interfaces", INTERFACES.map(([title]) => title), told.interfaces.map((row) => INTERFACES.map(([, column]) => row[column])));

@@ -30,7 +30,6 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
     Each has its name, ``points``, ``triangles`` and ``edges``, closed lines, as numbers of points.
     A block has ``fixed``, and the number of the block that it is a lock of, or its own, ``with``;
     an interface its ``middle`` and the numbers of the blocks, ``between``.
-    ``chains``: see `chains`.
     """
     owners = owners_of(assembly)
     by_name = {solid.name: solid for solid in made}
@@ -56,7 +55,6 @@ def shape_of(assembly: Assembly, made: Sequence[Solid] = ()) -> dict[str, Any]:
             for face in assembly.faces
             if isinstance(face, Polygon)
         ],
-        "chains": chains(assembly),
     }
 
 
@@ -74,33 +72,6 @@ def owners_of(assembly: Assembly) -> list[int]:
             ):
                 owners[lock] = block
     return owners
-
-
-def chains(assembly: Assembly) -> list[list[int]]:
-    """Numbers of the interfaces along each row of free blocks, from support to support.
-
-    As of an arch or a stack, which have a line of thrust. None if a block has more than two
-    interfaces.
-    """
-    ends = [(face.below, face.above) for face in assembly.faces]
-    free = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
-    of_block = {number: [k for k, pair in enumerate(ends) if number in pair] for number in free}
-    if any(len(own) > 2 for own in of_block.values()):
-        return []
-    found, left = [], {k for k, pair in enumerate(ends) if not free.isdisjoint(pair)}
-    for start in sorted(left):
-        if start not in left or free.issuperset(ends[start]):
-            continue  # begin at a support
-        row, here = [start], start
-        left.remove(start)
-        while ahead := left.intersection(
-            k for number in free.intersection(ends[here]) for k in of_block[number]
-        ):
-            here = ahead.pop()
-            left.remove(here)
-            row.append(here)
-        found.append(row)
-    return found
 
 
 def outlines(piece: Piece) -> list[Floats]:

@@ -33,8 +33,8 @@ let drawn = null; // what is chosen, prepared for drawing
 let playing = null; // the moment at which the animation began, less what it had gone through
 
 // `row`, `ofBlocks`, `ofInterfaces`: rows of the tables of structures, blocks and interfaces.
-// `loads`: see sidmacib/scene/loads.py; `reactions`: with what the supports exert, if that is known.
-function preparedStructure(row, shape, ofBlocks, ofInterfaces, loads = null, reactions = []) {
+// `loads`, `reactions`, `thrust`: see loads.py and sections.py of this folder.
+function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [] } = {}) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
   const middle = middleOf(shape.blocks.flatMap((block) => block.points));
@@ -53,7 +53,7 @@ function preparedStructure(row, shape, ofBlocks, ofInterfaces, loads = null, rea
   const motion = [...blocks.values()].map((each) => each.motion).find((each) => each) || null;
   const forces = forcesOf(shape, interfaces), arrows = arrowsOf(row, shape, loads, reactions);
   const ranges = extent([...points, ...far, ...arrows.flatMap(({ tail, tip }) => [tail, tip])]);
-  return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust: thrustOf(shape, interfaces) };
+  return { row, shape, interfaces, moves, size, factor, motion, ranges, forces, arrows, thrust };
 }
 
 const place = (p, { centre, moved, apart }, factor) => plus(shifted(p, centre, moved, factor), apart, spread());
@@ -114,14 +114,6 @@ function arrowsOf(row, shape, loads, reactions) {
   const told = reactions.map((one) => ({ ...one, block: one.support, at: one.at || one.middle, point: true }));
   add("reaction", told, (one) => one.force, (one, force) => `${one.support}<br>reaction ${short(norm(force))} N<br>Rx ${short(force[0])} N, Ry ${short(force[1])} N, Rz ${short(force[2])} N`, components);
   return found;
-}
-
-// The points of action along each row of blocks between supports.
-function thrustOf(shape, interfaces) {
-  return (shape.chains || []).map((chain) => chain.flatMap((number) => {
-    const each = shape.interfaces[number], row = interfaces.get(each.name);
-    return row && row.at_x_m !== null ? [{ point: [row.at_x_m, row.at_y_m, row.at_z_m], between: each.between }] : [];
-  })).filter((line) => line.length > 1);
 }
 
 function forcesOf(shape, interfaces) {
