@@ -13,7 +13,7 @@ import numpy as np
 
 from sidmacib.command.answers import Row
 from sidmacib.command.note import TEMPLATE, signatures, table
-from sidmacib.command.output import cell, write_text
+from sidmacib.command.output import cell, in_asked_units, write_text
 from sidmacib.command.structure_views import Views
 from sidmacib.mechanics.assembly import Face, FaceMaterial, Kind
 from sidmacib.scene.drawn import Drawn
@@ -115,8 +115,9 @@ def _laws(faces: Iterable[Face]) -> str:
 
 
 def _answer(views: Views, rows: Sequence[Row]) -> Iterator[str]:
-    shown = [tuple(escape(cell(value)) for value in row.values()) for row in rows]
-    yield table([escape(name) for name in rows[0]], shown)
+    asked = in_asked_units(rows)
+    shown = [tuple(escape(cell(value)) for value in row.values()) for row in asked]
+    yield table([escape(name) for name in asked[0]], shown)
     drawn = views.models[0]
     order = drawn.failing
     if order:

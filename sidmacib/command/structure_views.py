@@ -13,7 +13,7 @@ import click
 from sidmacib.answers.structure import StaticAnswer
 from sidmacib.answers.structure_words import answer_words, load_words
 from sidmacib.command.answers import Row, reason
-from sidmacib.command.output import cell, draw, write_text
+from sidmacib.command.output import cell, draw, in_asked_units, write_text
 from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
@@ -104,6 +104,7 @@ class Views:
 
         ValueError without the package plotly.
         """
+        shown = in_asked_units(rows)
         data = {
             "shape": self.shape,
             "loads": arrows_of(*self.problem),
@@ -114,8 +115,8 @@ class Views:
             "answer": self.answer,
             "about": self.about,
             "notes": self.notes,
-            "head": list(rows[0]),
-            "rows": [[_shown(value) for value in row.values()] for row in rows],
+            "head": list(shown[0]),
+            "rows": [[_shown(value) for value in row.values()] for row in shown],
             "version": version("multilock"),
             "command": command,
         }
