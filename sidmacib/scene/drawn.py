@@ -71,12 +71,9 @@ class Drawn:
         return f"weight, tilted by {self.load:.4g}°"
 
     @property
-    def arrows(self) -> list[dict[str, Any]]:
-        """The load that counts as forces in N, see `arrows_of`; none without an outcome."""
-        if self.outcome is None:
-            return []
-        found: list[dict[str, Any]] = arrows_of(*self.problem, self.outcome.state.load)["variable"]
-        return found
+    def arrows(self) -> dict[str, Any]:
+        """Forces (N) at the load that counts, see `arrows_of`; without an outcome at none."""
+        return arrows_of(*self.problem, self.outcome.state.load if self.outcome else 0.0)
 
     @property
     def failing(self) -> list[tuple[str, float]]:

@@ -16,12 +16,11 @@ NOTHING = 1e-9  # of the largest force: no arrow
 def arrows_of(assembly: Assembly, loads: Loads, load: float | None = None) -> dict[str, Any]:
     """The ``loads`` beside self-weight, as plain values.
 
-    ``load`` (N): to which the variable load is raised, or gravity turned; None: as below.
-
     ``variable``: for each block that is loaded its name, ``block``, the place where the force acts,
     ``at`` (m), its ``force`` per newton, and whether that is a ``point``, or the middle of forces
-    on the block and its locks; ``permanent``: the same in N. ``axis``: that gravity turns
-    about, in place of a load that is raised, when the forces are weights in N; None otherwise.
+    on the block and its locks; ``permanent``: the same in N. ``axis``: that gravity turns about, in
+    place of a load that is raised; ``variable`` then has weights in N; None otherwise. With a
+    ``load`` (N), all forces are those under this load, in N.
     """
     if loads.axis is not None:
         weights = weight_of_free(assembly) if load is None else loads.at(load)
@@ -49,14 +48,17 @@ def load_of(problem: Problem) -> str:
     found = arrows_of(*problem)
     if found["axis"] is not None:
         return f"Load: gravity, turned about the axis {_listed(found['axis'])}"
-    loaded = found["variable"]
+    loaded, beside = found["variable"], ""
+    if found["permanent"]:
+        together = np.sum([each["force"] for each in found["permanent"]], axis=0)
+        beside = f"; permanent loads beside weight, together {_listed(together.tolist())} N"
     if not loaded:
-        return "No load is raised"
+        return f"No load is raised{beside}"
     along = _listed(np.sum([each["force"] for each in loaded], axis=0).tolist())
     if len(loaded) == 1 and loaded[0]["point"]:
         at = _listed(loaded[0]["at"])
-        return f"Load raised: a force on {loaded[0]['block']} at {at} m, along {along}"
-    return f"Load raised: forces in proportion to the masses, along {along}"
+        return f"Load raised: a force on {loaded[0]['block']} at {at} m, along {along}{beside}"
+    return f"Load raised: forces in proportion to the masses, along {along}{beside}"
 
 
 def _listed(vector: Sequence[float]) -> str:

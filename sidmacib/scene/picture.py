@@ -9,15 +9,13 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from trimesh.remesh import subdivide_to_size
 
-from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, VERMILION
+from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.sections import row_point
 from sidmacib.structure.analysis.rows import NEXT_TO_NOTHING, InterfaceRow
 
-FLAT = (
-    0.4  # of the longer of the other sides: a structure less deep than that is seen from its front
-)
+FLAT = 0.4  # of the longer of the other sides: what is less deep is seen from its front
 FROM = np.array([-1.0, -1.7, 0.8])  # the way to who looks at others, as in `structure.js`
 ABOVE = 2.5  # times as high, for structures that lie flat
 LYING = 0.5  # of the shorter horizontal side: as high as those at most
@@ -38,7 +36,8 @@ def picture(drawn: Drawn, shape: Mapping[str, Any], title: str, width: float = W
     forces if the model has no answer. ``width``: in inches.
     """
     points = _points(shape["blocks"])
-    pushed = np.sum([each["force"] for each in drawn.arrows] or [np.zeros(3)], axis=0)
+    loaded = drawn.arrows["variable"]
+    pushed = np.sum([each["force"] for each in loaded] or [np.zeros(3)], axis=0)
     axes3 = view_axes(np.ptp(points, axis=0), pushed)
     wide, high = np.ptp(points @ axes3[:2].T, axis=0)
     height = min(max(width * high / wide, LEAST * width), width)
@@ -167,10 +166,13 @@ def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -
         x, y, _ = axes3 @ np.array([each["point"] for each in line]).T
         axes.plot(x, y, color=BLACK, lw=1.6, label=None if number else "thrust line", zorder=3)
     longest = ARROW * mean_diagonal(shape)
-    pushed = [
-        (np.array(each["at"]), np.array(each["force"]), each["point"]) for each in drawn.arrows
-    ]
-    _arrows(axes, pushed, longest, axes3, (GREEN, drawn.load_words))
+    kinds = (("variable", GREEN, drawn.load_words), ("permanent", PURPLE, "permanent load"))
+    for kind, colour, words in kinds:
+        pushed = [
+            (np.array(each["at"]), np.array(each["force"]), each["point"])
+            for each in drawn.arrows[kind]
+        ]
+        _arrows(axes, pushed, longest, axes3, (colour, words))
     held = [
         (np.array(each.at or each.middle), np.array(each.force), True) for each in drawn.reactions
     ]
