@@ -15,6 +15,7 @@ from conftest import ROOT
 from offline import leaving_in_html
 from test_supports import BEAM
 
+from sidmacib.answers.structure_limit import limit_state
 from sidmacib.models import structure_limit
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
@@ -92,13 +93,20 @@ def test_a_stack_has_a_thrust_line_and_what_branches_has_none() -> None:
     assert chains([(0, 1), (0, 2), (1, 2), (2, 3)], {1, 2, 3}) == []
 
 
+def test_there_is_no_thrust_line_where_bonds_carry_the_bending() -> None:
+    problem = structure_of(yaml.safe_load(ARCH.read_text()) | LOCKED["locks"])
+    strong = Drawn("limit", problem, structure_limit.solve(problem))
+    assert strong.thrust == []
+    assert None in [each.near for each in strong.reactions]
+
+
 @pytest.mark.parametrize("variant", ["reference", "locks"])
 def test_what_acts_on_one_side_of_a_joint_goes_through_its_point_of_the_thrust_line(
     variant: str,
 ) -> None:
-    description = yaml.safe_load(ARCH.read_text()) | LOCKED.get(variant, {})
-    problem = structure_of(description)
-    drawn = Drawn("limit", problem, structure_limit.solve(problem))
+    problem = structure_of(yaml.safe_load(ARCH.read_text()) | LOCKED.get(variant, {}))
+    state = limit_state(*problem, most=500.0)
+    drawn = Drawn("limit", problem, structure_limit.outcome_of(problem, state))
     assembly, loads = drawn.assembly, problem.loads.at(drawn.load or 0.0)[:, :3]
     owners = owners_of(assembly)
     (line,) = drawn.thrust

@@ -139,8 +139,15 @@ def _interfaces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Float
                 x, y, _ = (np.array(each["points"])[[*edge, edge[0]]] @ axes3.T).T
                 label = f"first bond failure: {first}" if number == 0 else None
                 axes.plot(x, y, color=VERMILION, lw=2.5, label=label)
+    of_lock = {each["name"] for each in shape["interfaces"] if _is_of_lock(shape, each)}
     hinges = [row for row in _carrying(drawn.interfaces) if is_hinge(row)]
+    hinges = [row for row in hinges if row.interface not in of_lock]
     _dots(axes, [place for row in hinges if (place := row_point(row))], axes3, "hinge")
+
+
+def _is_of_lock(shape: Mapping[str, Any], interface: Mapping[str, Any]) -> bool:
+    """Whether one of its sides is a lock, which a joint does not turn about."""
+    return any(shape["blocks"][end]["with"] != end for end in interface["between"])
 
 
 def is_hinge(row: InterfaceRow) -> bool:
@@ -174,7 +181,7 @@ def _forces(axes: Axes, shape: Mapping[str, Any], drawn: Drawn, axes3: Floats) -
         ]
         _arrows(axes, pushed, longest, axes3, (colour, words))
     held = [
-        (np.array(each.at or each.middle), np.array(each.force), True) for each in drawn.reactions
+        (np.array(each.near or each.middle), np.array(each.force), True) for each in drawn.reactions
     ]
     _arrows(axes, held, longest, axes3, (ORANGE, "reaction"), told=len(held) <= MOST_LABELS)
 

@@ -1,5 +1,6 @@
 """Reactions of supports and lines of thrust, from the resultants of interfaces."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -18,12 +19,21 @@ class Section:
     """What several interfaces carry together.
 
     ``force`` in N; ``middle`` (m) of the interfaces; ``at``: the point (m) through which the force
-    acts in their mean plane, torsion apart; None where it is along that plane.
+    acts in their mean plane, torsion apart; None where it is along that plane. ``reach``: diagonal
+    of the box around them, m.
     """
 
     force: Vector
     middle: Vector
     at: Vector | None
+    reach: float
+
+    @property
+    def near(self) -> Vector | None:
+        """That point; None where it is out of reach, as where bonds carry the bending."""
+        if self.at is None or math.dist(self.at, self.middle) > self.reach:
+            return None
+        return self.at
 
 
 @dataclass(frozen=True)
@@ -71,7 +81,8 @@ def thrust(assembly: Assembly, rows: Sequence[InterfaceRow]) -> list[list[dict[s
     """Lines of thrust: along each row of blocks, as of an arch or a stack, the points of action.
 
     Each with its ``point`` (m) and the numbers of the two blocks, ``between``. Locks count with
-    their blocks. None if a block touches more than two others, or without ``rows``.
+    their blocks. None if a block touches more than two others, without ``rows``, and where a force
+    acts out of reach of a joint.
     """
     owners = owners_of(assembly)
     found: dict[tuple[int, int], list[Carried]] = {}
@@ -83,10 +94,10 @@ def thrust(assembly: Assembly, rows: Sequence[InterfaceRow]) -> list[list[dict[s
     free = {number for number, piece in enumerate(assembly.pieces) if not piece.fixed}
     lines = []
     for chain in chains(list(found), free):
-        points = [(_whole(found[pair])["at"], pair) for pair in chain]
-        line = [{"point": [*at], "between": [*pair]} for at, pair in points if at is not None]
-        if len(line) > 1:
-            lines.append(line)
+        points = [Section(**_whole(found[pair])).near for pair in chain]
+        if len(chain) > 1 and None not in points:
+            both = zip(points, chain, strict=True)
+            lines.append([{"point": [*at], "between": [*pair]} for at, pair in both if at])
     return lines
 
 
@@ -134,7 +145,9 @@ def _whole(carried: Sequence[Carried]) -> dict[str, Any]:
         pressed = float(force @ unit)
         if abs(pressed) > STEEP * float(np.linalg.norm(force)):
             at = _vector(middle + np.cross(unit, moment) / pressed)
-    return {"force": _vector(force), "middle": _vector(middle), "at": at}
+    corners = np.concatenate([face.corners for face, _, _ in carried])
+    reach = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    return {"force": _vector(force), "middle": _vector(middle), "at": at, "reach": reach}
 
 
 def row_point(row: InterfaceRow) -> Vector | None:

@@ -37,6 +37,7 @@ let playing = null; // the moment at which the animation began, less what it had
 function preparedStructure(row, shape, ofBlocks, ofInterfaces, { loads = null, reactions = [], thrust = [] } = {}) {
   if (!shape) return { row, shape };
   const blocks = named(ofBlocks, "block"), interfaces = named(ofInterfaces, "interface");
+  for (const each of shape.interfaces) each.ofLock = each.between.some((k) => shape.blocks[k].with !== k);
   const middle = middleOf(shape.blocks.flatMap((block) => block.points));
   const moves = shape.blocks.map((block) => {
     const own = blocks.get(block.name), apart = plus(middleOf(shape.blocks[block.with].points), middle, -1);
@@ -111,7 +112,7 @@ function arrowsOf(row, shape, loads, reactions) {
   if (loads && loads.axis && tilt !== null && tilt !== undefined) add("load", loads.variable, (one) => turned(one.force, loads.axis, (tilt * Math.PI) / 180), (one, force) => `${one.block}<br>weight ${short(norm(force))} N`);
   else if (loads && load !== null) add("load", loads.variable, (one) => one.force.map((v) => v * load), loaded);
   if (loads) add("permanent", loads.permanent, (one) => one.force, (one, force) => `${one.block}<br>permanent load ${short(norm(force))} N`);
-  const told = reactions.map((one) => ({ ...one, block: one.support, at: one.at || one.middle, point: true }));
+  const told = reactions.map((one) => ({ ...one, block: one.support, at: one.at && norm(plus(one.at, one.middle, -1)) <= one.reach ? one.at : one.middle, point: true }));
   add("reaction", told, (one) => one.force, (one, force) => `${one.support}<br>reaction ${short(norm(force))} N<br>Rx ${short(force[0])} N, Ry ${short(force[1])} N, Rz ${short(force[2])} N`, components);
   return found;
 }
@@ -164,14 +165,14 @@ function blockTraces({ shape, moves, factor }, share) {
   ];
 }
 
-// A dry interface that turns about its edge; nodes lie on it to a thousandth.
-const isHinge = (row) => row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
+// A dry interface that turns about its edge, not of a lock; nodes lie on it to a thousandth.
+const isHinge = (each, row) => !each.ofLock && row.bonded_share === 0 && row.eccentricity !== null && row.eccentricity >= 0.999;
 
-function toldOf(name, row) {
-  if (!row) return name;
+function toldOf(each, row) {
+  if (!row) return each.name;
   const used = row.utilisation === null ? "" : `<br>utilisation ${short(row.utilisation)}`;
-  const hinge = isHinge(row) ? "<br>hinge (resultant at the edge)" : "";
-  return `${name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
+  const hinge = isHinge(each, row) ? "<br>hinge (resultant at the edge)" : "";
+  return `${each.name}${used}${hinge}<br>compression ${short(row.normal_N)} N, shear ${short(row.shear_N)} N<br>torsion ${short(row.torsion_Nm)} N m, bending ${short(row.bending_Nm)} N m`;
 }
 
 function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, share) {
@@ -181,7 +182,7 @@ function interfaceTraces({ row, shape, interfaces, moves, factor, forces }, shar
     const own = interfaces.get(each.name);
     const points = each.points.map((p) => placeBetween(p, each.between, moves, share * factor));
     const used = own && own.utilisation !== null && carrying.has(own);
-    addMesh(used ? known : unknown, points, each.triangles, toldOf(each.name, own));
+    addMesh(used ? known : unknown, points, each.triangles, toldOf(each, own));
     if (used) intensity.push(...each.triangles.map(() => own.utilisation));
     if (each.name === row.first_interface) for (const edge of each.edges) addLine(marked, closedLine(points, edge));
   }
@@ -199,8 +200,8 @@ function forceTraces({ forces, moves, factor }, share) {
     for (const { each, row, size, acts, point, half } of forces) {
       const here = placeBetween(point, each.between, moves, share * factor);
       addLine(lines, [plus(here, half, -1), plus(here, half)]);
-      const text = `${short(size)} N<br>${toldOf(each.name, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
-      addLine(!acts ? elsewhere : isHinge(row) ? hinges : acting, [here], text);
+      const text = `${short(size)} N<br>${toldOf(each, row)}${acts ? "" : "<br>acts outside the interface; drawn at its centroid"}`;
+      addLine(!acts ? elsewhere : isHinge(each, row) ? hinges : acting, [here], text);
     }
   }
   return [
