@@ -19,6 +19,7 @@ from sidmacib.outcome import Counts, Failures, MeshErrors
 from sidmacib.problem import Problem
 from sidmacib.structure.analysis.mesh_error import structure_mesh_errors
 from sidmacib.structure.analysis.tilt import Tilt, static_tilt
+from sidmacib.structure.loads import naming_permanent
 from sidmacib.structure.structure import refined
 
 HALF, QUARTER = 2, 4  # cells, along a side, that one of the file is divided into
@@ -97,6 +98,11 @@ def static_answer(problem: Problem) -> StaticAnswer:
 
     `CapacityError` if it has none; `NoEquilibriumError` in the words of `DOES_NOT_STAND`.
     """
+    with naming_permanent(problem.loads):
+        return _answered(problem)
+
+
+def _answered(problem: Problem) -> StaticAnswer:
     found = {1: _followed(*problem), HALF: _followed(refined(problem.assembly), problem.loads)}
     if not found[HALF].failures.peak > 0.0:
         raise NoEquilibriumError(DOES_NOT_STAND)

@@ -9,7 +9,13 @@ import click
 
 from sidmacib.command.joints import QuantityType, flag_of, joint_of, joint_options
 from sidmacib.command.options import EXISTING, WRITTEN, Once, format_option
-from sidmacib.command.output import refused_in_one_line, require_answer, status_line, text_of
+from sidmacib.command.output import (
+    refused_in_one_line,
+    require_answer,
+    say,
+    status_line,
+    text_of,
+)
 from sidmacib.quantities import Number
 
 GAP = Number(at_least=0, unit="m")
@@ -30,6 +36,7 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--unit", help="Unit of lengths in a file of blocks: m, cm, mm, in, ft.")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
 @click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
+@click.option("--case", help="Answer in full for one of the file's load cases.")
 @click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
@@ -55,6 +62,7 @@ def assembly(
     compas: Path | None,
     curve: Path | None,
     picture: Path | None,
+    case: str | None,
     form: str,
     **options: Any,
 ) -> None:
@@ -67,23 +75,39 @@ def assembly(
     limit: limit analysis with associated friction; may overestimate. static: raises the load on
     elastic interfaces with path-dependent friction, up to first failure and peak. For a tilt load,
     both report the largest angle in equilibrium. If a support moves: its reaction, and the movement
-    at which the structure falls. The exit status is 1 if no model has a result.
+    at which the structure falls.
+
+    If the file says how many newtons are to be carried, the first line is the verdict, with
+    factors; of several load cases, each has a line. The exit status is 1 if no model has a result,
+    or if the verdict is no.
     """
+    passes = True
     with refused_in_one_line():
         from sidmacib.command.structures import (
             added_keys,
             interface_rows,
             limit_of,
             structure_notes,
-            structure_rows,
         )
-        from sidmacib.structure.files.structure_file import description_in, structure_of
+        from sidmacib.command.verdicts import case_rows, chosen_case, demanded_rows, require_case
+        from sidmacib.structure.files.structure_file import demands_of, description_in
         from sidmacib.structure.loads import SupportMotion
 
         description = description_in(file, added_keys(**options))
-        problem = structure_of(description, file.parent)
-        for note in structure_notes(problem, description):
+        demands = demands_of(description, file.parent)
+        for note in structure_notes(demands[0].problem, description):
             click.echo(f"Note: {note}", err=True)
+        if case is not None:
+            demands = (chosen_case(demands, case),)
+        elif demands[0].case is not None:
+            require_case(
+                interfaces=interfaces, compas=compas, capacity_curve=curve, picture=picture
+            )
+            rows, words, passes = case_rows(demands)
+            say(words, form)
+            click.echo(text_of(rows, form))
+            sys.exit(not passes)
+        problem = demands[0].problem
         if isinstance(problem.loads, SupportMotion):
             if interfaces or compas:
                 option = "--interfaces" if interfaces else "--compas"
@@ -95,7 +119,13 @@ def assembly(
             write_curve(moves, file.stem, curve, picture)
             return
         limit = None if interfaces and compas is None else limit_of(problem)
-        rows = interface_rows(problem) if interfaces else structure_rows(problem, limit)
+        if interfaces:
+            rows = interface_rows(problem)
+        else:
+            rows, found = demanded_rows(demands[0], limit)
+            if found is not None:
+                passes = found.passes
+                say(str(found), form)
         click.echo(text_of(rows, form))
         if compas is not None:
             from sidmacib.structure.files.compas_results import write_compas_results
@@ -108,6 +138,8 @@ def assembly(
             click.echo(f"Capacity curve: {words}.", err=True)
             write_curve(moves, file.stem, curve, picture)
     require_answer(rows)
+    if not passes:
+        sys.exit(1)
 
 
 @click.command(cls=Once)

@@ -16,7 +16,7 @@ from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.sections import StructureFile
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
 
 
@@ -56,15 +56,29 @@ def limit_of(problem: Problem) -> LimitState | CapacityError | None:
         return error
 
 
-def structure_rows(problem: Problem, limit: LimitState | CapacityError | None = None) -> list[Row]:
+def static_of(problem: Problem) -> StaticAnswer | CapacityError:
+    """The answer of the static model, or why it has none."""
+    try:
+        return static_answer(problem)
+    except CapacityError as error:
+        return error
+
+
+def structure_rows(
+    problem: Problem,
+    limit: LimitState | CapacityError | None = None,
+    static: StaticAnswer | CapacityError | None = None,
+) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    ``limit``: by `limit_of` if that was asked before, as it is solved once.
+    ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
+    solved once.
     """
+    static = static_of(problem) if static is None else static
     if problem.loads.axis is not None:
-        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem)]
+        return [*_limit_tilt(problem, Tilt(problem.loads.axis)), _static(problem, static)]
     limit = limit_of(problem) if limit is None else limit
-    return [*_limits(problem, limit), _static(problem)]
+    return [*_limits(problem, limit), _static(problem, static)]
 
 
 def interface_rows(problem: Problem) -> list[Row]:
@@ -94,7 +108,8 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
         note, error = f"{assumes(problem.assembly)}; {moves}", limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:
-            sliding = sliding_limit(*problem)
+            with naming_permanent(problem.loads):
+                sliding = sliding_limit(*problem)
             yield _row(problem, "limit, no dilation", sliding.state.load, sliding.note)
         except CapacityError as error:
             yield _row(problem, "limit, no dilation", None, reason(error))
@@ -114,11 +129,9 @@ def _limit_tilt(problem: Problem, tilt: Tilt) -> Iterator[Row]:
         yield _row(problem, "limit", None, reason(error))
 
 
-def _static(problem: Problem) -> Row:
-    try:
-        answer = static_answer(problem)
-    except CapacityError as error:
-        return _row(problem, "static", None, reason(error))
+def _static(problem: Problem, answer: StaticAnswer | CapacityError) -> Row:
+    if isinstance(answer, CapacityError):
+        return _row(problem, "static", None, reason(answer))
     return _row(problem, "static", answer.load, _note(problem, answer), answer.mesh_error, answer)
 
 
