@@ -55,7 +55,7 @@ def verdict(newtons: float, static: StaticAnswer | CapacityError, limit: "Limit"
     if isinstance(limit, UnboundedError):
         words = f"{_carries(newtons, passes=True)} and any multiple of it"
         return Verdict(
-            newtons, True, words, "the strength of the blocks themselves is not considered"
+            newtons, True, words, "neither bending nor splitting of blocks is considered"
         )
     if most is None:
         return Verdict(newtons, False, "no model has an answer", f"{static}; {limit}")

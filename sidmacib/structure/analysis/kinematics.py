@@ -27,6 +27,7 @@ from scipy.sparse import csr_array, vstack
 
 from sidmacib.errors import CapacityError, SolverError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats, Loads
+from sidmacib.mechanics.crushing import crushed_faces
 from sidmacib.mechanics.equilibrium import free_rows, row_units
 from sidmacib.mechanics.optimisation import solve
 from sidmacib.structure.analysis.contacts import Contacts, Joints, Placement, meeting
@@ -132,9 +133,11 @@ class Kinematics:
 
     @classmethod
     def of(cls, assembly: Assembly, loads: Loads) -> "Kinematics":
-        """`CapacityError` where gravity turns, and unless all interfaces are dry."""
+        """`CapacityError` where gravity turns or blocks may be crushed, and of bonds."""
         if loads.axis is not None:
             raise CapacityError(f"{WHAT}: gravity turns; give an acceleration or a force")
+        if crushed_faces(assembly):
+            raise CapacityError(f"{WHAT}: blocks are not crushed; leave out compressive_strength")
         return cls(assembly, Joints.of(assembly), loads)
 
     def start(self) -> Position:

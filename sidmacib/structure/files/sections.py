@@ -14,6 +14,7 @@ from sidmacib.contact_points.options import OPTIONS
 from sidmacib.joint.hold_down import HeldDown
 from sidmacib.joint.joint import DRY, FIXED_PLATE, INNER
 from sidmacib.mechanics.assembly import FaceMaterial, NodeLayout
+from sidmacib.mechanics.crushing import CompressiveStrength, CrushedMaterial
 from sidmacib.quantities import Count, Length, Number, one_of, shown
 from sidmacib.reading import Keys, Label, Section, Some, Text, Vector, Way, changes_to, section_of
 from sidmacib.rule.law import RULES
@@ -50,12 +51,22 @@ _CHANGES: Any = changes_to(_INTERFACE)
 FROM_FILE = "from_file"
 
 
-class InterfaceSection(_INTERFACE, _Numbers):
+class _Crushed(Keys):
+    compressive_strength: CompressiveStrength | None = None
+    """of the blocks, where they are pressed, Pa; by default none is exceeded"""
+
+
+class InterfaceSection(_INTERFACE, _Crushed):
     """The law of faces, which are bonded if the cohesion or the tensile strength is above 0.
 
     Limit analysis uses no stiffnesses. ``friction``: coefficient μ, of a bonded face after it has
     failed; ``bond_friction``: of a bond while it holds, c + μσ.
     """
+
+    @property
+    def material(self) -> CrushedMaterial:
+        """The material of an interface."""
+        return CrushedMaterial(**self.model_dump(include={*NUMBERS, "compressive_strength"}))
 
     from_file: StrictBool = False
     """whether interfaces are those that files of COMPAS bring, and not found by faces that touch"""
@@ -74,7 +85,7 @@ class DrySection(_DRY, _Numbers):
     """The law of all other faces of locks."""
 
 
-class SpecialSection(_CHANGES, Keys):
+class SpecialSection(_CHANGES, _Crushed):
     """A law of certain pairs of blocks: the numbers that differ from `interfaces`."""
 
     between: Between
