@@ -37,6 +37,12 @@ GAP = Number(at_least=0, unit="m")
 @click.option("--up", help="Axis of a file of blocks that points upwards: x, y, z.")
 @click.option("--tolerance", type=float, help="Largest gap of faces that touch, over a block.")
 @click.option("--case", help="Answer in full for one of the file's load cases.")
+@click.option(
+    "--reserve",
+    "without_load",
+    is_flag=True,
+    help="Leave out the load: print what the structure has in reserve under permanent loads.",
+)
 @click.option("--from-file", is_flag=True, help="Take the interfaces that a file of COMPAS has.")
 @click.option(
     "--compas",
@@ -63,6 +69,7 @@ def assembly(
     curve: Path | None,
     picture: Path | None,
     case: str | None,
+    without_load: bool,
     form: str,
     **options: Any,
 ) -> None:
@@ -78,8 +85,9 @@ def assembly(
     at which the structure falls.
 
     If the file says how many newtons are to be carried, the first line is the verdict, with
-    factors; of several load cases, each has a line. The exit status is 1 if no model has a result,
-    or if the verdict is no.
+    factors; of several load cases, each has a line. Without a load: whether it stands, its
+    geometrical safety factor, and the horizontal acceleration at which it falls. The exit status is
+    1 if no model has a result, or if the verdict is no.
     """
     passes = True
     with refused_in_one_line():
@@ -89,21 +97,28 @@ def assembly(
             limit_of,
             structure_notes,
         )
-        from sidmacib.command.verdicts import case_rows, chosen_case, demanded_rows, require_case
+        from sidmacib.command.verdicts import (
+            case_rows,
+            chosen_case,
+            demanded_rows,
+            require_load,
+            reserve_rows,
+        )
         from sidmacib.structure.files.structure_file import demands_of, description_in
         from sidmacib.structure.loads import SupportMotion
 
         description = description_in(file, added_keys(**options))
+        if without_load:
+            description = {key: value for key, value in description.items() if key != "load"}
         demands = demands_of(description, file.parent)
         for note in structure_notes(demands[0].problem, description):
             click.echo(f"Note: {note}", err=True)
         if case is not None:
             demands = (chosen_case(demands, case),)
-        elif demands[0].case is not None:
-            require_case(
-                interfaces=interfaces, compas=compas, capacity_curve=curve, picture=picture
-            )
-            rows, words, passes = case_rows(demands)
+        elif demands[0].case is not None or not demands[0].raises:
+            require_load(demands, interfaces=interfaces, compas=compas, capacity_curve=curve)
+            require_load(demands, picture=picture)
+            rows, words, passes = case_rows(demands) if demands[0].raises else reserve_rows(demands)
             say(words, form)
             click.echo(text_of(rows, form))
             sys.exit(not passes)

@@ -4,11 +4,16 @@ from collections.abc import Sequence
 
 import click
 
+from sidmacib.answers.structure_reserve import Reserve, reserve
 from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.structures import limit_of, static_of, structure_rows
 from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.limit import LimitState
+from sidmacib.problem import Problem
+from sidmacib.structure.analysis.reserve import Push
+from sidmacib.structure.analysis.tilt import moves_most
 from sidmacib.structure.files.structure_file import Demand
 from sidmacib.validation import refused
 
@@ -59,6 +64,68 @@ def case_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
     return rows, f"{'Yes' if passes else 'No'}: {carried}; {words}", passes
 
 
+def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
+    """What a structure has in reserve without a load, the verdict, and whether it stands."""
+    (problem,) = (demand.problem for demand in demands)
+    try:
+        found = reserve(problem)
+    except CapacityError as error:
+        words = str(error)
+        return [_reserve_row("limit", "stands", None, words)], f"No: {_lower(words)}", False
+    rows = [
+        _reserve_row(
+            "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)
+        )
+    ]
+    least = [] if found.least is None else [("least", found.least)]
+    axes = [("", push) for push in found.tried if 1.0 in map(abs, push.direction)]
+    for name, push in (*least, *axes):
+        tilt = "" if push.tilt is None else f"a tilt of {push.tilt:.4g} degrees; "
+        note = f"{tilt}largest displacement: {moves_most(problem.assembly, push.mechanism)}"
+        what = f"{name} horizontal acceleration (g), towards {_way(push)}".lstrip()
+        rows.append(_reserve_row("limit", what, push.acceleration, note))
+    if found.crushing is not None:
+        name, part = found.crushing
+        rows.append(_reserve_row("static", "compressive strength used", part, name))
+    rows.append(_reserve_row("static", "stands", None, found.static or "in equilibrium"))
+    if found.falls:
+        return rows, f"No: {_lower(found.static)} in the static model", False
+    return rows, f"Yes: {_stands(found)}", True
+
+
+def _reserve_row(model: str, what: str, value: float | None, note: str) -> Row:
+    return {"model": model, "reserve": what, "value": value, "note": note}
+
+
+def _factor_note(problem: Problem, factor: float | None) -> str:
+    if factor is not None:
+        return "how many times as large as they need to be the interfaces are"
+    if all(face.kind is Kind.DRY for face in problem.assembly.faces):
+        return "no limit: more than 100"
+    return "for dry interfaces only"
+
+
+def _stands(found: Reserve) -> str:
+    words = "it stands"
+    if found.factor is not None:
+        words += f", with a geometrical safety factor of {found.factor:.3g}"
+    push = found.least
+    if push is None:
+        words += "; no horizontal acceleration fells it in limit analysis"
+    else:
+        tilt = "" if push.tilt is None else f", a tilt of {push.tilt:.3g} degrees"
+        words += f"; it falls at {push.acceleration:.3g} g towards {_way(push)}{tilt}"
+    return f"{words}; the static model: {found.static}" if found.static else words
+
+
+def _way(push: Push) -> str:
+    return f"({', '.join(f'{each:.3g}' for each in push.direction[:2])})"
+
+
+def _lower(words: str) -> str:
+    return words[:1].lower() + words[1:]
+
+
 def chosen_case(demands: Sequence[Demand], name: str) -> Demand:
     """The load case called ``name``; ValueError if there is none."""
     names = [str(demand.case) for demand in demands if demand.case is not None]
@@ -74,9 +141,9 @@ def _named(demands: Sequence[Demand], found: Sequence[Verdict]) -> str:
     return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} not carried"
 
 
-def require_case(**options: object) -> None:
-    """`click.UsageError` for an option that is given and has one answer for one load case."""
+def require_load(demands: Sequence[Demand], **options: object) -> None:
+    """`click.UsageError` for an option that is given and has an answer for one load only."""
     for name, value in options.items():
         if value:
-            flag = f"--{name.replace('_', '-')}"
-            raise click.UsageError(f"{flag}: needs --case, as the file has load_cases")
+            needs = "a load" if not demands[0].raises else "--case, as the file has load_cases"
+            raise click.UsageError(f"--{name.replace('_', '-')}: needs {needs}")

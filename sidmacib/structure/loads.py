@@ -6,7 +6,7 @@ That is an acceleration or a force; or a support moves.
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -115,10 +115,17 @@ def acceleration(
     A load of k times `free_weight` is a horizontal acceleration of k g, or, in a dry structure, a
     tilt of atan(k). ValueError unless the direction has a length.
     """
+    return pushed(assembly, permanent_only(assembly, beside), direction)
+
+
+def pushed(
+    assembly: Assembly, permanent: StructureLoads, direction: Sequence[float]
+) -> StructureLoads:
+    """The ``permanent`` loads, and an acceleration as in `acceleration`."""
     mass = np.array([0.0 if piece.fixed else piece.mass for piece in assembly.pieces])
     variable = np.zeros((len(mass), 6))
     variable[:, :3] = (mass / mass.sum())[:, None] * _unit(direction)
-    return StructureLoads(*_given(assembly, variable, beside), levers=_levers(beside))
+    return replace(permanent, variable=variable)
 
 
 def force_at(

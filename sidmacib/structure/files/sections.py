@@ -236,7 +236,7 @@ class StructureFile(Keys):
     ]
     """the blocks by name"""
     load: LoadSection | None = None
-    """the load that is raised; needed but for `multilock design`"""
+    """the load that is raised; without it `multilock assembly` says what is in reserve"""
     permanent: tuple[PermanentSection, ...] = ()
     """loads that always act, beside weight"""
     load_cases: Annotated[dict[Label, LoadCaseSection], Some] | None = None

@@ -23,7 +23,7 @@ from sidmacib.structure.files.sections import (
 )
 from sidmacib.structure.files.selection import Pair, Selection
 from sidmacib.structure.interfaces import NEAR, Interface, interfaces, touching
-from sidmacib.structure.loads import Permanent
+from sidmacib.structure.loads import Permanent, permanent_only
 from sidmacib.structure.locks import Locks, Row
 from sidmacib.structure.structure import rows_of, structure
 from sidmacib.yaml_text import read_yaml
@@ -86,17 +86,26 @@ def structure_of(description: Any, folder: Path = Path()) -> Problem:
 class Demand:
     """A structure under a load, and how much of it (N) is to be carried, if the file says.
 
-    ``case``: the name of the load case, if it is one of several.
+    ``case``: the name of the load case, if it is one of several. ``raises``: whether there is a
+    load to be raised, and not only permanent ones.
     """
 
     problem: Problem
     newtons: float | None = None
     case: str | None = None
+    raises: bool = True
 
 
 def demands_of(description: Any, folder: Path = Path()) -> tuple[Demand, ...]:
-    """What a ``description`` demands: of its load, or of each load case. As `structure_of`."""
+    """What a ``description`` demands: of its load, of each load case, or of none.
+
+    Arguments and errors as of `structure_of`, but for a load that is missing.
+    """
     given = StructureFile.read(description)
+    if given.load is None and given.load_cases is None:
+        assembly = assembly_of(given, folder)
+        beside = permanent_on(assembly, given.permanent, given.tolerance)
+        return (Demand(Problem(assembly, permanent_only(assembly, beside)), raises=False),)
     if given.load_cases is None:
         problem = structure_of(given, folder)
         amount = given.load.amount(problem.assembly) if given.load else None
