@@ -102,6 +102,8 @@ def test_a_load_in_the_file_may_be_left_out(tmp_path: Path) -> None:
     assert rows[0]["note"] == "for dry interfaces only"
     found = run("assembly", str(tmp_path / "stack.yaml"), "--reserve", "--interfaces")
     assert "--interfaces: needs a load" in found.output
+    (tmp_path / "list.yaml").write_text("[1]")
+    assert "must be a mapping" in run("assembly", str(tmp_path / "list.yaml"), "--reserve").output
 
 
 def test_the_static_model_has_the_last_word(tmp_path: Path) -> None:

@@ -103,13 +103,14 @@ def assembly(
             demanded_rows,
             require_load,
             reserve_rows,
+            without_loads,
         )
         from sidmacib.structure.files.structure_file import demands_of, description_in
         from sidmacib.structure.loads import SupportMotion
 
         description = description_in(file, added_keys(**options))
         if without_load:
-            description = {key: value for key, value in description.items() if key != "load"}
+            description = without_loads(description)
         demands = demands_of(description, file.parent)
         for note in structure_notes(demands[0].problem, description):
             click.echo(f"Note: {note}", err=True)

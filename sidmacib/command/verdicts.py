@@ -1,6 +1,7 @@
 """Output of the command where a structure's file says what is to be carried."""
 
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
@@ -139,6 +140,13 @@ def chosen_case(demands: Sequence[Demand], name: str) -> Demand:
 def _named(demands: Sequence[Demand], found: Sequence[Verdict]) -> str:
     names = [str(d.case) for d, each in zip(demands, found, strict=True) if not each.passes]
     return f"{', '.join(names)} {'is' if len(names) == 1 else 'are'} not carried"
+
+
+def without_loads(description: Any) -> Any:
+    """A ``description`` in plain values without what is raised."""
+    if not isinstance(description, dict):
+        return description
+    return {key: value for key, value in description.items() if key not in ("load", "load_cases")}
 
 
 def require_load(demands: Sequence[Demand], **options: object) -> None:
