@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 
 from sidmacib.engines.render import ENVIRONMENT
+from sidmacib.engines.results import stress_to_force
+from sidmacib.errors import ResultError
 from sidmacib.joint.joint import Joint
 from sidmacib.mechanics.assembly import (
     GRAVITY,
@@ -28,8 +30,6 @@ from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.outcome import Outcome, State
 from sidmacib.problem import Problem
 from workflow.case import REFERENCE, JointCase
-from workflow.results.files import stress_to_force
-from workflow.results.record import ResultError
 from workflow.schema import Study
 
 MODEL = "3dec"

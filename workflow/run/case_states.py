@@ -5,11 +5,12 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from sidmacib.errors import ResultError
 from workflow.case import Case
 from workflow.configuration import read_study_file
 from workflow.planning.batches import case_jobs
 from workflow.results.files import BATCH_RECORDS, RECORD
-from workflow.results.record import Record, ResultError, read_records
+from workflow.results.record import Record, read_records
 from workflow.run.command import snakemake_command
 
 DONE, FAILED, OUTDATED, TO_DO = "done", "failed", "outdated", "to do"

@@ -1,12 +1,8 @@
 """Read the output of a program run elsewhere for a case, check it, and write the record."""
 
+from sidmacib.errors import ResultError
 from workflow.case import JointCase
-from workflow.results.record import (
-    ResultError,
-    record_of,
-    record_without_result,
-    write_record,
-)
+from workflow.results.record import record_of, record_without_result, write_record
 from workflow.run.step import Arguments, Files, step
 from workflow.threedec import read_returned
 

@@ -6,14 +6,13 @@ from dataclasses import asdict
 from itertools import product
 from typing import Any
 
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, ResultError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import limit, static
 from workflow.case import REFERENCE, Case, JointSubject, case_name
 from workflow.results.joint_part import JointRecord
-from workflow.results.record import ResultError
 from workflow.run.step import Arguments, Files, step
 from workflow.sampling import SampledJoint
 from workflow.steps.joints import joints_of, write_rows

@@ -8,8 +8,9 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from sidmacib.engines.results import NODE_COLUMNS, force_to_stress
 from sidmacib.engines.scripts.assembly import NEVER_FALLS
-from sidmacib.errors import CapacityError, UnboundedError
+from sidmacib.errors import CapacityError, ResultError, UnboundedError
 from sidmacib.mechanics.assembly import Assembly, Floats
 from sidmacib.mechanics.equilibrium import face_frames
 from sidmacib.model import Ability
@@ -17,8 +18,7 @@ from sidmacib.models import MODELS
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
 from workflow.case import Case
-from workflow.results.files import NODE_COLUMNS, force_to_stress
-from workflow.results.record import Record, ResultError, record_of, record_without_result
+from workflow.results.record import Record, record_of, record_without_result
 from workflow.run.step import Arguments, Files, step
 
 Solve = Callable[[Problem], Outcome]
