@@ -8,8 +8,9 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from sidmacib.command.structure_views import Views
-from sidmacib.command.structures import limit_of, static_of, structure_notes, structure_rows
-from sidmacib.structure.files.structure_file import description_in, structure_of
+from sidmacib.command.structures import limit_of, static_of, structure_notes
+from sidmacib.command.verdicts import demanded_rows
+from sidmacib.structure.files.structure_file import demands_of, description_in
 from sidmacib.structure.loads import SupportMotion
 from sidmacib.yaml_text import read_yaml
 
@@ -28,13 +29,17 @@ def report_of(files: Sequence[Mapping[str, Any]]) -> str:
             raise ValueError("no file was sent")
         path = _main(paths)
         description = description_in(path)
-        problem = structure_of(description, path.parent)
+        demand = demands_of(description, path.parent)[0]
+        if demand.case is not None or not demand.raises:
+            raise ValueError("load: missing; load_cases, or none, are for multilock assembly only")
+        problem = demand.problem
         if isinstance(problem.loads, SupportMotion):
             raise ValueError("load.support: is for multilock assembly only; use another load here")
         notes = structure_notes(problem, description)
         limit, static = limit_of(problem), static_of(problem)
-        views = Views.of(path, description, problem, limit, static, notes)
-        rows = structure_rows(problem, limit, static)
+        rows, found = demanded_rows(demand, limit, static)
+        verdict = "" if found is None else str(found)
+        views = Views.of(path, description, problem, limit, static, notes, verdict)
         return views.page(rows, f"multilock assembly {path.name}")
 
 

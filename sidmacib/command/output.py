@@ -87,6 +87,11 @@ def cell(value: Any) -> str:
     return f"{value:.0f}" if whole else f"{value:.{DIGITS}g}"
 
 
+def say(words: str, form: str) -> None:
+    """Print ``words`` above a table; beside any other form, on standard error."""
+    click.echo(words, err=form != "table")
+
+
 @contextmanager
 def refused_in_one_line() -> Iterator[None]:
     """Report a model's refusal of a joint as an error of click."""

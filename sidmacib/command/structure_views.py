@@ -48,8 +48,12 @@ class Views:
         limit: LimitState | CapacityError | None,
         static: StaticAnswer | CapacityError,
         notes: Sequence[str],
+        verdict: str = "",
     ) -> "Views":
-        """From what the models answer; ``limit``: None where gravity turns."""
+        """From what the models answer; ``limit``: None where gravity turns.
+
+        ``verdict``: on a load that is to be carried, if there is one.
+        """
         weight = None if problem.loads.axis is not None else free_weight(problem.assembly)
         by_limit = _limit(problem, limit)
         if isinstance(static, StaticAnswer):
@@ -64,7 +68,7 @@ class Views:
         if found.outcome is None:
             drawn.reverse()
         shape = shape_of(problem.assembly, with_condensed_locks(description, file.parent))
-        words = f"{answer[0].upper()}{answer[1:]}."
+        words = " ".join(f"{each[0].upper()}{each[1:]}." for each in (verdict, answer) if each)
         return cls(file.stem, problem, words, notes, drawn, shape)
 
     @property

@@ -7,6 +7,8 @@ from sidmacib.answers.structure import StaticAnswer, static_answer
 from sidmacib.answers.structure_limit import assumes, limit_state
 from sidmacib.command.answers import Row, reason
 from sidmacib.errors import CapacityError
+from sidmacib.mechanics.assembly import Floats
+from sidmacib.mechanics.crushing import crushing_use
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.mechanics.sliding import sliding_limit
 from sidmacib.problem import Problem
@@ -16,8 +18,11 @@ from sidmacib.structure.analysis.limit_tilt import limit_tilt
 from sidmacib.structure.analysis.second_order import rotation_effect, rotation_words
 from sidmacib.structure.analysis.tilt import Tilt, load_of_tilt, moves_most, turning
 from sidmacib.structure.files.sections import StructureFile
-from sidmacib.structure.loads import free_weight
+from sidmacib.structure.loads import free_weight, naming_permanent
 from sidmacib.structure.warnings import structure_warnings
+
+FULL = 1.0 - 1e-4  # of a limit: an interface that uses more is at it
+MOST = 6  # names in a note
 
 
 def added_keys(
@@ -43,7 +48,11 @@ def _given(values: Mapping[str, object]) -> dict[str, object]:
 def structure_notes(problem: Problem, description: Any) -> list[str]:
     """One line each for what looks wrong in a structure and the ``description`` that it is of."""
     given = StructureFile.read(description)
-    return structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    notes = structure_warnings(problem.assembly, given.tolerance, given.interfaces.from_file)
+    laws = (given.interfaces, *given.special)
+    if given.locks and any(law.compressive_strength is not None for law in laws):
+        notes.append("compressive_strength: does not limit interfaces with locks")
+    return notes
 
 
 def limit_of(problem: Problem) -> LimitState | CapacityError | None:
@@ -71,7 +80,7 @@ def structure_rows(
 ) -> list[Row]:
     """Capacity of a structure by each model: loads, or angles if gravity turns.
 
-    ``limit``, ``static``: by `limit_of` and `static_of` if those were asked before, as they are
+    ``limit`` and ``static``: by `limit_of` and `static_of` if these were asked before, as either is
     solved once.
     """
     static = static_of(problem) if static is None else static
@@ -88,16 +97,32 @@ def interface_rows(problem: Problem) -> list[Row]:
     """
     answer = static_answer(problem)
     state = answer.state
+    crushing = crushing_use(answer.assembly, state.force[None, :, 0])
     return [
         {
             "interface": each.name,
             "compression (N)": each.normal,
             "shear (N)": each.shear,
             "utilisation": each.utilisation,
+            **({"crushing": _only(crushing.get(number))} if crushing else {}),
             "bonded": each.bonded,
         }
-        for each in interface_forces(answer.assembly, state.force, state.state)
+        for number, each in enumerate(interface_forces(answer.assembly, state.force, state.state))
     ]
+
+
+def _only(use: Floats | None) -> float | None:
+    return None if use is None else float(use[0])
+
+
+def _crushed(problem: Problem, limit: LimitState) -> str:
+    """Which interfaces limit analysis presses to the compressive strength, in words."""
+    use = crushing_use(problem.assembly, limit.force[None, :, 0])
+    names = [problem.assembly.faces[number].name for number, of in use.items() if of[0] > FULL]
+    if not names:
+        return ""
+    others = f" and {len(names) - MOST} others" if len(names) > MOST else ""
+    return f"crushed: {', '.join(names[:MOST])}{others}"
 
 
 def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Iterator[Row]:
@@ -105,10 +130,12 @@ def _limits(problem: Problem, limit: LimitState | CapacityError | None) -> Itera
         yield _row(problem, "limit", None, reason(limit))
     elif limit is not None:
         moves = f"largest displacement: {moves_most(problem.assembly, limit.mechanism)}"
-        note, error = f"{assumes(problem.assembly)}; {moves}", limit_mesh_error(problem, limit.load)
+        note = "; ".join(filter(None, (assumes(problem.assembly), _crushed(problem, limit), moves)))
+        error = limit_mesh_error(problem, limit.load)
         yield _row(problem, "limit", limit.load, note, error)
         try:
-            sliding = sliding_limit(*problem)
+            with naming_permanent(problem.loads):
+                sliding = sliding_limit(*problem)
             yield _row(problem, "limit, no dilation", sliding.state.load, sliding.note)
         except CapacityError as error:
             yield _row(problem, "limit, no dilation", None, reason(error))
