@@ -1,11 +1,16 @@
 """The answer of the static model for a structure in words."""
 
 from sidmacib.outcome import Counts
+from sidmacib.rounding import four_digits
 
 
 def load_words(load: float, weight: float | None) -> str:
     """A ``load`` (N) beside the ``weight`` (N) of the free blocks; degrees without one."""
-    return f"{load:.4g}°" if weight is None else f"{load:.4g} N, {load / weight:.3g} of the weight"
+    return (
+        f"{load:.4g}°"
+        if weight is None
+        else f"{four_digits(load)} N, {load / weight:.3g} of the weight"
+    )
 
 
 def answer_words(load: float, weight: float | None, counts: Counts, mode: str | None) -> str:

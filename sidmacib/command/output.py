@@ -14,6 +14,7 @@ import click
 
 from sidmacib.drawing import BLUE, ORANGE, VERMILION, vm_axes, vm_curve
 from sidmacib.models import MODELS
+from sidmacib.rounding import four_digits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
     from sidmacib.command.answers import Row
     from sidmacib.joint.joint import Joint
 
-DIGITS = 4
-LARGEST = 1e9  # number shown without an exponent
 FORMATS = ("table", "json", "csv")
 UNITS = "multilock.units"  # in the context of a command: units of its answer, see `text_of`
 # Of models, as in the figures of studies.
@@ -83,8 +82,7 @@ def cell(value: Any) -> str:
         return "-"
     if not isinstance(value, float):
         return str(value)
-    whole = 10**DIGITS <= abs(value) < LARGEST
-    return f"{value:.0f}" if whole else f"{value:.{DIGITS}g}"
+    return four_digits(value)
 
 
 def say(words: str, form: str) -> None:

@@ -18,6 +18,7 @@ from sidmacib.errors import CapacityError, NoEquilibriumError
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.models import MODELS, structure_limit, structure_static
 from sidmacib.problem import Problem
+from sidmacib.rounding import four_digits
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.loads import arrows_of, load_of
 from sidmacib.scene.page import page
@@ -77,7 +78,7 @@ class Views:
         assembly = self.problem.assembly
         free = sum(not piece.fixed for piece in assembly.pieces)
         many = f"{free} free and {len(assembly.pieces) - free} fixed blocks"
-        weight = f"weight of the free blocks {free_weight(assembly):.4g} N"
+        weight = f"weight of the free blocks {four_digits(free_weight(assembly))} N"
         return f"{many}, {len(assembly.faces)} interfaces; {weight}. {load_of(self.problem)}."
 
     def write(

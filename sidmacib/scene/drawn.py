@@ -8,6 +8,7 @@ from typing import Any
 from sidmacib.mechanics.assembly import Assembly
 from sidmacib.outcome import Outcome
 from sidmacib.problem import Problem
+from sidmacib.rounding import four_digits
 from sidmacib.scene.loads import arrows_of
 from sidmacib.scene.sections import Reaction, forces_of, reactions, thrust
 from sidmacib.structure.analysis.rows import (
@@ -67,7 +68,7 @@ class Drawn:
         if self.load is None:
             return "no answer"
         if self.problem.loads.axis is None:
-            return f"load, {self.load:.4g} N"
+            return f"load, {four_digits(self.load)} N"
         return f"weight, tilted by {self.load:.4g}°"
 
     @property

@@ -11,6 +11,7 @@ from trimesh.remesh import subdivide_to_size
 
 from sidmacib.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, VERMILION
 from sidmacib.mechanics.assembly import Floats
+from sidmacib.rounding import four_digits
 from sidmacib.scene.drawn import Drawn
 from sidmacib.scene.sections import row_point
 from sidmacib.structure.analysis.rows import NEXT_TO_NOTHING, InterfaceRow
@@ -213,4 +214,6 @@ def _components(force: Floats) -> str:
     """Those that are more than next to nothing, a line each."""
     least = NEXT_TO_NOTHING * float(np.linalg.norm(force))
     told = [(axis, value) for axis, value in zip("xyz", force.tolist(), strict=True)]
-    return "\n".join(f"R{axis} {value:.4g} N" for axis, value in told if abs(value) > least)
+    return "\n".join(
+        f"R{axis} {four_digits(value)} N" for axis, value in told if abs(value) > least
+    )
