@@ -10,7 +10,7 @@ from sidmacib.answers.structure_reserve import Reserve, reserve
 from sidmacib.answers.verdict import Verdict, governing, verdict
 from sidmacib.command.answers import Row
 from sidmacib.command.structures import limit_of, static_of, structure_rows
-from sidmacib.errors import CapacityError
+from sidmacib.errors import CapacityError, InfeasibleError
 from sidmacib.mechanics.assembly import Kind
 from sidmacib.mechanics.limit import LimitState
 from sidmacib.problem import Problem
@@ -73,8 +73,9 @@ def reserve_rows(demands: Sequence[Demand]) -> tuple[list[Row], str, bool]:
     try:
         found = reserve(problem)
     except CapacityError as error:
-        words = str(error)
-        return [_reserve_row("limit", "stands", None, words)], f"No: {_lower(words)}", False
+        words, falls = str(error), isinstance(error, InfeasibleError)
+        said = f"{'No' if falls else 'No answer'}: {_lower(words)}"
+        return [_reserve_row("limit", "stands", None, words)], said, False
     rows = [
         _reserve_row(
             "limit", "geometrical safety factor", found.factor, _factor_note(problem, found.factor)

@@ -250,6 +250,20 @@ class SupportSection(Keys):
         return self
 
 
+class _Pushed(Keys):
+    acceleration: Way | None = None
+    """direction of forces in proportion to the masses; the result is their sum"""
+    force: ForceSection | None = None
+    """a force on one block"""
+
+
+class _Raised(_Pushed):
+    tilt: TiltSection | None = None
+    """gravity that turns"""
+    support: SupportSection | None = None
+    """a support that moves; for `multilock assembly` only"""
+
+
 class _Amount(Keys):
     newtons: Newtons | None = None
     """how much is to be carried, N: whether it is, `multilock assembly` says"""
@@ -263,17 +277,8 @@ class _Amount(Keys):
         return self.newtons
 
 
-class LoadSection(_Amount):
+class LoadSection(_Amount, _Raised):
     """Permanent loads always act. One load is raised, gravity turns, or a support moves."""
-
-    acceleration: Way | None = None
-    """direction of forces in proportion to the masses; the result is their sum"""
-    force: ForceSection | None = None
-    """a force on one block"""
-    tilt: TiltSection | None = None
-    """gravity that turns"""
-    support: SupportSection | None = None
-    """a support that moves; for `multilock assembly` only"""
 
     @model_validator(mode="after")
     def _is_one(self) -> Self:
@@ -312,13 +317,8 @@ class LoadSection(_Amount):
             raise ValueError(f"load.{key}.{error}") from None
 
 
-class CaseSection(_Amount):
+class CaseSection(_Amount, _Pushed):
     """A load case: a direction or a force, and how much of it is to be carried."""
-
-    acceleration: Way | None = None
-    """as in `load`"""
-    force: ForceSection | None = None
-    """as in `load`"""
 
     @model_validator(mode="after")
     def _has_one_of_each(self) -> Self:
