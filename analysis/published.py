@@ -9,7 +9,7 @@ import yaml
 
 from sidmacib.joint.joint import Side
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection
+from workflow.schema.joint import AssemblySection
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from conftest import outputs_of
 from analysis.tables.measured import measured_table
 from workflow.configuration import ConfigError, read_study
 from workflow.schema import Study
-from workflow.schema.measured import MeasuredLoad
+from workflow.schema.study import MeasuredLoad
 
 SOURCE = {"source": "a made-up campaign, for tests", "digitised": "not at all"}
 

@@ -26,7 +26,7 @@ from studies.locks.points import points_of
 from studies.locks.sensitivity import VARIED, sensitivity_table
 from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.sampling import SampledJoint, sampled_joints
-from workflow.schema.sampling import SamplingSection
+from workflow.schema.joint import SamplingSection
 from workflow.steps import sampling as solve_step
 
 RATIOS = [0.0, 0.3, math.inf]

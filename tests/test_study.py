@@ -21,7 +21,6 @@ from workflow.configuration import ConfigError, read_study, with_installed_engin
 from workflow.consistency import node_estimate, notes
 from workflow.planning.cases import cases_of
 from workflow.schema import Study
-from workflow.schema.dem import NumericsChanges, NumericsSection
 from workflow.schema.joint import (
     DryChanges,
     DryFaceSection,
@@ -31,6 +30,7 @@ from workflow.schema.joint import (
     LockSection,
     SampleSection,
 )
+from workflow.schema.models import NumericsChanges, NumericsSection
 
 ONE: dict[str, Any] = {"samples": {"n3": {"locks": 3}}}
 BOTH: dict[str, Any] = {"dem": {"engines": ["yade", "liggghts"]}}

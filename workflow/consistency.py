@@ -16,10 +16,9 @@ from sidmacib.quantities import shown
 from sidmacib.reading import shown_key
 from workflow.case import REFERENCE
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection, Pieces
-from workflow.schema.campaign import required_sections
-from workflow.schema.dem import NumericsSection
-from workflow.schema.joint import PartSection, changed
+from workflow.schema.joint import AssemblySection, PartSection, Pieces, changed
+from workflow.schema.models import NumericsSection
+from workflow.schema.study import required_sections
 from workflow.structures import structure_faults
 
 FAILURES = {  # what each asks of a model, and what a model that lacks it may be able to do

@@ -20,9 +20,8 @@ from workflow.case import REFERENCE, Case, CaseId, JointCase, JointSubject, case
 from workflow.configuration import CallError, ConfigError
 from workflow.consistency import MAX_NODES, node_estimate, requirements
 from workflow.schema import Study
-from workflow.schema.assembly import AssemblySection, VariantSection
-from workflow.schema.dem import NumericsChanges, NumericsSection
-from workflow.schema.joint import PartSection
+from workflow.schema.joint import AssemblySection, PartSection, VariantSection
+from workflow.schema.models import NumericsChanges, NumericsSection
 
 MAX_CASES = 1_000_000
 DEAR = 10.0  # largest cost of an extra finer mesh, over that of the study's finest mesh

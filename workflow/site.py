@@ -1,16 +1,37 @@
-"""What is made from the code: pages of keys and of columns, and schemas of files for editors."""
+"""The documentation site: pages and schemas made from the code, and an extension of Sphinx.
 
+`write_pages` writes the pages of keys and of columns, and the schemas of files for editors. The
+extension adds the meanings of parameters to the library's page: words from the docstring (``name``:
+words), from the joint's parameters, or from the docstring of its class; ranges and units from the
+annotation. It writes equations as MathML by docutils, as the renderers of Sphinx load a script from
+another machine or need LaTeX, and makes all pages fit for keyboards and screen readers.
+"""
+
+import inspect
 import json
 import math
+import re
+import typing
 from collections.abc import Iterator, Mapping
+from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+from sphinx.util.typing import ExtensionMetadata
+from sphinx.writers.html5 import HTML5Translator
+
 from sidmacib.design.file import DesignFile
+from sidmacib.fields import UNIONS, number_of
+from sidmacib.joint.joint import Joint
+from sidmacib.joint.parameters import PARAMETERS
+from sidmacib.mechanics.assembly import Elastic
 from workflow.results.columns import TABLES, columns_of, meaning
 from workflow.results.tables import Table
 from workflow.schema import Study
-from workflow.schema.structures import FILE
+from workflow.schema.study import FILE
 
 Schema = dict[str, Any]
 FILLED = {"models": "all that can do it", "dem": "all engines that can do it"}  # by the reader
@@ -187,3 +208,120 @@ def _for_editors(node: Any) -> Any:
         if key not in left_out
     }
     return {**found, "description": "; ".join(texts.values())} if texts else found
+
+
+# Names, what may stand in brackets behind them, and words up to the end of the sentence or clause.
+SAID = re.compile(r"((?:``\w+``(?:, | and )?)+)(?: \([^)]*\))?: (.+?)[.;](?=\s|$)")
+OF_JOINT = {Joint: "", Elastic: "elastic"}  # parts whose fields `PARAMETERS` describes
+
+
+def described(thing: Any) -> Iterator[tuple[str, str, str]]:
+    """Name, type and meaning of each parameter; no type where its annotation reads well."""
+    owner = thing.__init__ if inspect.isclass(thing) else thing
+    kinds = typing.get_type_hints(owner, include_extras=True)
+    said = {
+        name: words
+        for names, words in SAID.findall(" ".join((inspect.getdoc(thing) or "").split()))
+        for name in re.findall(r"``(\w+)``", names)
+    }
+    for name in inspect.signature(thing).parameters:
+        if name in kinds:
+            kind = _without_none(kinds[name])
+            words = _of_joint(thing, name) or said.get(name) or _of_class(kind)
+            yield name, _type_words(kind), "; ".join(filter(None, (words, _range(kind))))
+
+
+def _without_none(kind: Any) -> Any:
+    """The other member of a union with None."""
+    parts = [each for each in typing.get_args(kind) if each is not type(None)]
+    return parts[0] if typing.get_origin(kind) in UNIONS and len(parts) == 1 else kind
+
+
+def _of_joint(thing: Any, name: str) -> str:
+    part = OF_JOINT.get(thing)
+    field = f"{part}.{name}" if part else name
+    words = (each.words for each in PARAMETERS.values() if each.fields[0] == field)
+    return "" if part is None else next(words, "")
+
+
+def _of_class(kind: Any) -> str:
+    """The first sentence of the docstring of a class of the library."""
+    if not (inspect.isclass(kind) and kind.__module__.startswith("sidmacib")):
+        return ""
+    words = " ".join((inspect.getdoc(kind) or "").split("\n\n")[0].split())
+    return re.split(r"[.;:](?:\s|$)", words)[0]
+
+
+def _range(kind: Any) -> str:
+    """The range of a number with its unit, or the words of a choice."""
+    if number := number_of(kind):
+        return number.range(kind=True)
+    if inspect.isclass(kind) and issubclass(kind, StrEnum):
+        return " or ".join(f"``{member}``" for member in kind)
+    return ""
+
+
+def _type_words(kind: Any) -> str:
+    return typing.get_args(kind)[0].__name__ if number_of(kind) else ""
+
+
+def add(app: Sphinx, what: str, name: str, thing: Any, options: object, lines: list[str]) -> None:
+    """Add a line for each parameter to the docstring of a class or function."""
+    if what not in ("class", "function", "method"):
+        return
+    lines.append("")
+    for parameter, kind, words in described(thing):
+        if words:
+            lines.append(f":param {parameter}: {words}")
+        if kind:
+            lines.append(f":type {parameter}: {kind}")
+    lines.append("")
+
+
+CHANGES = {
+    # Code and tables that scroll can be reached by the keyboard.
+    "<pre>": '<pre tabindex="0">',
+    '<div class="table-wrapper': '<div tabindex="0" class="table-wrapper',
+    # Captions of the navigation are headings of a level.
+    'class="caption" role="heading"': 'class="caption" role="heading" aria-level="2"',
+    # Both sides of a page have names.
+    '<aside class="sidebar-drawer"': '<aside aria-label="Pages" class="sidebar-drawer"',
+    '<aside class="toc-drawer': '<aside aria-label="On this page" class="toc-drawer',
+    # A column without a heading has no empty one.
+    '<th class="head"><p></p></th>': '<td class="head"></td>',
+}
+
+
+def accessible(page: str) -> str:
+    """The HTML of a page with all `CHANGES`."""
+    for old, new in CHANGES.items():
+        page = page.replace(old, new)
+    return page
+
+
+def change_pages(app: Sphinx, error: Exception | None) -> None:
+    """Change all pages that were built."""
+    if error is None and app.builder.format == "html":
+        for path in Path(app.outdir).rglob("*.html"):
+            path.write_text(accessible(path.read_text()))
+
+
+def inline(translator: HTML5Translator, node: nodes.Element) -> None:
+    """Write an equation within a line."""
+    translator.body.append(tex2mathml(node.astext()))
+    raise nodes.SkipNode
+
+
+def block(translator: HTML5Translator, node: nodes.Element) -> None:
+    """Write an equation between lines, which scrolls where it is wider than the page."""
+    equation = tex2mathml(node.astext(), as_block=True)
+    translator.body.append(f'<div class="equation" tabindex="0">{equation}</div>\n')
+    raise nodes.SkipNode
+
+
+def setup(app: Sphinx) -> ExtensionMetadata:
+    """Register the renderer, the meanings of parameters and the changes of pages."""
+    app.connect("autodoc-process-docstring", add)
+    app.add_html_math_renderer("mathml", (inline, None), (block, None))
+    app.connect("build-finished", change_pages)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}

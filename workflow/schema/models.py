@@ -1,4 +1,4 @@
-"""SiDMACIB, the limit model on contact points."""
+"""The models of a study: SiDMACIB on contact points, and the engines' distinct elements."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
@@ -7,9 +7,35 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sidmacib.contact_points.options import OPTIONS, READY_OPTIONS, ContactOption
 from sidmacib.contact_points.reductions import REDUCTIONS
+from sidmacib.engines.numerics import Numerics
 from sidmacib.quantities import Number, Part, one_of, shown
-from sidmacib.reading import Section, Some
+from sidmacib.reading import Section, Some, changes_to, section_of
 from workflow.schema.values import Name
+
+_KEYS: Any = section_of(Numerics)
+
+
+class NumericsSection(_KEYS):
+    """The keys of `Numerics`."""
+
+    def numerics(self) -> Numerics:
+        """The section as the engines take it."""
+        return Numerics(**self.model_dump())
+
+
+_CHANGES: Any = changes_to(NumericsSection)
+
+
+class NumericsChanges(_CHANGES):
+    """Changes to the numerics; None means no change."""
+
+
+class DemSection(Section):
+    """Engines by name, the longest time for one case (s), and the engines' numerics."""
+
+    engines: tuple[str, ...]
+    time_limit: Annotated[float, Number(at_least=1, at_most=1e7, unit="s")] = 3600.0
+    numerics: NumericsSection = NumericsSection()
 
 
 class OptionSection(Section):
