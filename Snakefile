@@ -15,7 +15,7 @@ from workflow.configuration import (
     with_installed_engines,
 )
 from sidmacib.models import detailed
-from workflow.planning.batches import case_jobs
+from workflow.jobs import case_jobs
 
 # Snakemake reads the configuration too and merges it with defaults; this reader checks every key and
 # does not mix two studies.
@@ -48,7 +48,6 @@ if STUDY.samples:
 
     include: "analysis/rules/tables.smk"
     include: "analysis/rules/pages.smk"
-    include: "workflow/rules/on_request.smk"
 
     STUDY_FILES += [
         *rules.collect.output,

@@ -4,16 +4,16 @@ from pathlib import Path
 
 from sidmacib.engines import ENGINES
 from sidmacib.models import CLOSED_FORM, REFERENCE_MODEL
-from workflow.configuration import CallError, ConfigError
-from workflow.planning.cases import find_case, find_place
-from workflow.results.files import RECORD
-from workflow.run.command import (
+from workflow.cases import find_case, find_place
+from workflow.command import (
     options_of,
     run_command,
     snakemake,
     study_with_joints,
+    use_writable_caches,
 )
-from workflow.run.results_folder import use_writable_caches
+from workflow.configuration import CallError, ConfigError
+from workflow.results.files import RECORD
 from workflow.schema import Study
 
 

@@ -23,8 +23,8 @@ from analysis.tables.misfit import winner
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord
 from workflow.results.record import record_without_result
 from workflow.results.tables import (

@@ -17,8 +17,8 @@ from promises import require_kept
 from sidmacib.command.main import main
 from sidmacib.yaml_text import parsed
 from workflow import site
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.columns import EXCEPTIONS, MEANINGS, TABLES, columns_of, meaning
 from workflow.results.tables import MODELS, read_table
 from workflow.schema import Study

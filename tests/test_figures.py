@@ -22,8 +22,8 @@ from sidmacib.joint.pieces import assemble, lock_faces
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, detailed
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study, read_study_file
-from workflow.planning.cases import cases_of
 from workflow.results.record import record_without_result
 from workflow.results.tables import write_table
 

@@ -13,8 +13,8 @@ from analysis.tables.capacity import sidmacib_rows
 from analysis.tables.collect import weights_table
 from analysis.tables.validation import comparisons, difference_text
 from sidmacib.models import detailed
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 from workflow.schema.joint import PartSection

@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 from conftest import ROOT, outputs_of
 
-from analysis.tables.samplings import samplings_table
 from sidmacib.contact_points.options import OPTIONS
 from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import active
@@ -28,6 +27,7 @@ from workflow.configuration import ConfigError, read_study, read_study_file
 from workflow.sampling import SampledJoint, sampled_joints
 from workflow.schema.joint import SamplingSection
 from workflow.steps import sampling as solve_step
+from workflow.steps.sampling import samplings_table
 
 RATIOS = [0.0, 0.3, math.inf]
 

@@ -17,9 +17,9 @@ from sidmacib.joint.joint import Joint, OwnLock, UpperBody
 from sidmacib.joint.pieces import assemble
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.reading import Section
+from workflow.cases import cases_of
 from workflow.configuration import ConfigError, read_study, with_installed_engines
 from workflow.consistency import node_estimate, notes
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 from workflow.schema.joint import (
     DryChanges,

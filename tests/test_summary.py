@@ -13,8 +13,8 @@ from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.joint.joint import Direction
 from sidmacib.rule.law import safe
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 COUNTED = {"weak": 0.75, "strong": 1.25}  # locks that count in results made up for each sample

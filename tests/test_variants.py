@@ -17,8 +17,8 @@ from analysis.tables.variants import variants_table
 from sidmacib.mechanics.assembly import Failure
 from sidmacib.models import detailed
 from workflow.case import JointCase
+from workflow.cases import cases_of
 from workflow.configuration import read_study
-from workflow.planning.cases import cases_of
 from workflow.schema import Study
 
 ONLY_STATIC = {"models": ["static"], "dem": {"engines": []}}

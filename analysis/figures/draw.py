@@ -19,8 +19,8 @@ from workflow.results.tables import (
     VARIANTS,
     read_table,
 )
-from workflow.run.step import Arguments, FileLists, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, FileLists, Files, step
 
 DRAWN_BY: dict[str, Callable[[FigureData], Figure]] = {
     "joint": joint.joint,

@@ -19,7 +19,7 @@ from sidmacib.mechanics.static.after_peak import after_peak
 from sidmacib.mechanics.static.lowest_peak import lowest_peak
 from sidmacib.models import LAWS, REFERENCE_MODEL
 from workflow.case import REFERENCE
-from workflow.planning.cases import cases_of
+from workflow.cases import cases_of
 from workflow.schema import Study
 
 MOST_BEHIND = 40  # points of a path behind its peak

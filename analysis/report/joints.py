@@ -15,7 +15,7 @@ from sidmacib.errors import CapacityError
 from sidmacib.joint.joint import Direction, Joint
 from sidmacib.rule.law import RULES
 from sidmacib.rule.pairs import pairs_of
-from workflow.planning.cases import cases_of
+from workflow.cases import cases_of
 from workflow.schema import Study
 
 PEAK = "dem_pure_shear_N"

@@ -14,8 +14,8 @@ from analysis.report.provenance import as_yaml
 from workflow.case import StructureCase
 from workflow.results import tables as forms
 from workflow.results.tables import read_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 HERE = Path(__file__).parent
 CHECKOUT = HERE.parents[1]

@@ -1,6 +1,6 @@
 # The report of a study: its joints and structures, from the inputs that other rules have added.
 from analysis.report.files import FILES as PAGE_FILES
-from workflow.run.results_folder import REPORT
+from workflow.command import REPORT
 
 SHOWN_STRUCTURES = {  # one case of each, whatever its model
     case.name: case.to_json() for case in reversed(JOBS.structures.values())

@@ -5,7 +5,7 @@ from pathlib import Path
 import pandas as pd
 
 from workflow.results.tables import CASES, STRUCTURES, read_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:

@@ -9,7 +9,7 @@ from sidmacib.contact_points.programme import Sidmacib, capacity
 from sidmacib.contact_points.reductions import REDUCTIONS
 from sidmacib.joint.joint import Direction
 from sidmacib.models import LAWS
-from workflow.planning.cases import Place
+from workflow.cases import Place
 from workflow.results.joint_part import JointRecord
 from workflow.schema import Study
 

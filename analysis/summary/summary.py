@@ -28,7 +28,7 @@ from workflow.results.tables import (
     Table,
     read_table,
 )
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 AGREEMENT = 0.01  # of two models on the same nodes; larger differences are named
 ACROSS = 4  # samples in one block of the list of loads

@@ -25,8 +25,8 @@ from workflow.results.tables import (
     read_table,
     write_table,
 )
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 NO_ANSWER = (CapacityError, ValueError)  # raised by rules in closed form
 

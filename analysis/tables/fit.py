@@ -22,8 +22,8 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from workflow.case import REFERENCE
 from workflow.results.tables import BEST_FIT, CAPACITY, FIT, read_table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 
 def fit_table(capacity: pd.DataFrame) -> pd.DataFrame:

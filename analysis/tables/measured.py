@@ -7,8 +7,8 @@ import pandas as pd
 
 from analysis.tables.study_points import study_points
 from workflow.results.tables import CAPACITY, MEASURED, read_table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 
 def measured_table(study: Study, capacity: pd.DataFrame) -> pd.DataFrame:

@@ -14,8 +14,8 @@ from analysis.tables.study_points import pure_shear_weights, study_points
 from sidmacib.models import LAWS, first_failure_only
 from workflow.case import REFERENCE
 from workflow.results.tables import CAPACITY, FIT, VALIDATION, WEIGHTS, read_table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 SWAPPED = "published value of the other of the first two locks, see docs/validation.md"
 

@@ -10,8 +10,8 @@ import pandas as pd
 
 from analysis.tables.misfit import LoadErrors, misfit
 from workflow.results.tables import CAPACITY, VARIANTS, WEIGHT_SUMS, read_table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.schema import Study
+from workflow.step import Arguments, Files, step
 
 FEWEST = 3  # directions that an option is judged by
 

@@ -6,7 +6,7 @@ import pandas as pd
 from sidmacib.mechanics.assembly import Failure
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 ENERGIES = (
     (1.0, 10.0),

@@ -13,7 +13,7 @@ from sidmacib.joint.joint import Direction, Joint
 from sidmacib.mechanics.assembly import Floats
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 ALL = "all"
 KNOWN = 0.5  # mesh error from which on the static model has no answer to compare with

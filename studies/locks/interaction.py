@@ -14,7 +14,7 @@ from sidmacib.mechanics.assembly import Floats
 from studies.locks.errors import JOINT, SPREAD, by_region, dry_faces, known, table_of
 from studies.locks.points import POINTS
 from workflow.results.tables import Table, read_table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 EXPONENTS = (1.0, 1.25, 1.5, 2.0)
 REGION = ("sampling", "dry_faces", "upper_body", "eccentricity_over_a")

@@ -15,7 +15,7 @@ from sidmacib.joint.joint import Direction, Joint, UpperBody
 from sidmacib.rule.law import law
 from sidmacib.rule.scatter import FIFTH_PERCENTILE, scatter
 from workflow.results.tables import Table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 SCATTERED_LOCKS = (3, 5, 9, 15)
 RATIOS = (0.0, 0.3)  # e / a

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from workflow.results.tables import SAMPLINGS, Table, read_table, write_table
-from workflow.run.step import Arguments, Files, step
+from workflow.step import Arguments, Files, step
 
 POINTS = Table(  # loads over T0; sampling, number: which joint
     "points",

@@ -17,8 +17,8 @@ from sidmacib.joint.loading import Loading
 from sidmacib.mechanics.assembly import Floats
 from sidmacib.rule.first_failure import first_failure
 from workflow.results.tables import Table, write_table
-from workflow.run.step import Arguments, Files, step
 from workflow.sampling import Sampling, with_ratios
+from workflow.step import Arguments, Files, step
 
 LOCKS = (5, 9)
 RATIOS = (0.0, 0.3)  # e / a

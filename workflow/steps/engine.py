@@ -22,7 +22,7 @@ from workflow.results.record import (
     record_without_result,
     write_record,
 )
-from workflow.run.step import Arguments, Files, KilledError, step
+from workflow.step import Arguments, Files, KilledError, step
 
 
 def run(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:

@@ -15,20 +15,23 @@ PR_SET_PDEATHSIG = 1
 Arguments = Mapping[str, Any]
 Files = Mapping[str, Path]
 FileLists = Mapping[str, list[Path]]
+Run = Callable[[Arguments, Any, Any], str | None]
 
 
 class KilledError(SystemExit):
     """A program that the job started was killed from outside; a cluster may try again."""
 
 
-def step(run: Callable[[Arguments, Any, Any], str | None]) -> None:
+def step(run: Run, **others: Run) -> None:
     """Call ``run`` with the parameters, inputs and outputs of the job that runs this script.
 
-    ``run`` takes parameters and resources by name, and paths by name: each a path or a list of
-    paths. It may return why a case has no result, which its outputs say too. All that is printed
-    goes to the job's log. The job ends with the process that started it, however that ends.
+    ``others``: what the jobs of other rules call in its place, by the name of the rule. A ``run``
+    takes parameters and resources by name, and paths by name: each a path or a list of paths. It
+    may return why a case has no result, which its outputs say too. All that is printed goes to the
+    job's log. The job ends with the process that started it, however that ends.
     """
     job = __main__.snakemake  # which Snakemake puts there
+    run = others.get(job.rule, run)
     _end_with_parent()
     log = os.open(job.log[0], os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
     for stream in (1, 2):
