@@ -182,7 +182,6 @@ if STUDY.samples:
         script:
             "../threedec.py"
 
-
     # A separate folder for a case that was solved in a batch.
     rule case_files:
         input:
