@@ -46,8 +46,7 @@ include: "workflow/rules/cases.smk"
 STUDY_FILES = [*OF_CASES]
 if STUDY.samples:
 
-    include: "analysis/rules/tables.smk"
-    include: "analysis/rules/pages.smk"
+    include: "analysis/rules/joints.smk"
 
     STUDY_FILES += [
         *rules.collect.output,
@@ -59,6 +58,8 @@ if STUDY.samples:
         *rules.summary.output,
         *rules.complete.output,
     ]
+    if STUDY.measured is not None:
+        STUDY_FILES += rules.measured.output
 
 
 if STUDY.structures:
@@ -73,13 +74,6 @@ if STUDY.samples or STUDY.structures:
     include: "analysis/rules/report.smk"
 
     STUDY_FILES += rules.report.output
-
-
-if STUDY.measured is not None:
-
-    include: "analysis/rules/measured.smk"
-
-    STUDY_FILES += rules.measured.output
 
 
 if STUDY.samplings:

@@ -19,7 +19,7 @@ from analysis.tables.collect import (
     weights_table,
 )
 from analysis.tables.fit import best_pair, fit_table
-from analysis.tables.misfit import winner
+from analysis.tables.study_points import winner
 from sidmacib.contact_points.options import ContactOption
 from sidmacib.contact_points.programme import Sidmacib, capacities
 from sidmacib.contact_points.reductions import active

@@ -11,11 +11,11 @@ from made_up_results import record_with, tables_of
 
 from analysis.figures.catalogue import figures_of
 from analysis.figures.draw import DRAWN_BY, KINDS, run
-from analysis.figures.stress_maps import _cells
+from analysis.figures.joint import _cells
 from analysis.figures.style import of_model
 from analysis.tables.capacity import envelope_rows
 from analysis.tables.collect import models_table, weight_sums, weights_table
-from analysis.tables.variants import variants_table
+from analysis.tables.fit import variants_table
 from sidmacib.engines import ENGINES
 from sidmacib.joint.joint import Joint
 from sidmacib.joint.pieces import assemble, lock_faces

@@ -17,9 +17,6 @@ from werkzeug.serving import BaseWSGIServer, WSGIRequestHandler, make_server
 from werkzeug.wrappers import Request, Response
 
 from analysis.drawing.labels import label_of
-from analysis.explore.covered import covered
-from analysis.explore.desk import Desk, SupersededError
-from analysis.explore.effects import effects
 from analysis.explore.examples import (
     EXAMPLES,
     STRUCTURE_MODELS,
@@ -29,8 +26,16 @@ from analysis.explore.examples import (
     choice_in,
     defaults,
 )
-from analysis.explore.guard import HEADERS, in_one_line, require_own
-from analysis.explore.pictures import answers, peak, pictures, ratios, which_counts
+from analysis.explore.pictures import (
+    answers,
+    covered,
+    effects,
+    peak,
+    pictures,
+    ratios,
+    which_counts,
+)
+from analysis.explore.requests import HEADERS, Desk, SupersededError, in_one_line, require_own
 from analysis.explore.state import (
     SLIDERS,
     Checked,

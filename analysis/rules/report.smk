@@ -1,7 +1,12 @@
 # The report of a study: its joints and structures, from the inputs that other rules have added.
-from analysis.report.files import FILES as PAGE_FILES
 from workflow.command import REPORT
 
+PAGE_FILES = tuple(  # templates, styles and scripts
+    f"analysis/{folder}/{path.name}"
+    for folder in ("report", "drawing")
+    for path in Path(CHECKOUT, "analysis", folder).iterdir()
+    if path.suffix in (".css", ".j2", ".js")
+)
 SHOWN_STRUCTURES = {  # one case of each, whatever its model
     case.name: case.to_json() for case in reversed(JOBS.structures.values())
 }

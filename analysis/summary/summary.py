@@ -1,6 +1,7 @@
-"""The summary of a study in words: how the results compare, and where they are."""
+"""The summary of a study in words: how the results compare, where they are, and what is missing."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -9,12 +10,13 @@ from analysis.drawing.labels import label_of
 from analysis.summary.answers import (
     DESIGN,
     MESH_LIMIT,
+    PEAK_ACCURACY,
     answers,
+    direction_words,
     percent,
     ratios,
 )
-from analysis.summary.rules import PEAK_ACCURACY, direction_words
-from analysis.tables.misfit import winner
+from analysis.tables.study_points import winner
 from analysis.tables.validation import comparisons, difference_text, quantity_label
 from sidmacib.mechanics.assembly import NodeLayout
 from sidmacib.models import LAWS, first_failure_only
@@ -24,6 +26,7 @@ from workflow.results.tables import (
     CAPACITY,
     CASES,
     FIT,
+    STRUCTURES,
     VALIDATION,
     Table,
     read_table,
@@ -321,5 +324,23 @@ def run(arguments: Arguments, inputs: Files, outputs: Files) -> None:
     outputs["summary"].write_text(text)
 
 
+def check_complete(arguments: Arguments, inputs: Files, outputs: Files) -> str | None:
+    """Write how many cases there are; returns the names and reasons of those without a result."""
+    joints = "cases" in inputs
+    kind, names = (CASES, "name") if joints else (STRUCTURES, "case")
+    return marked(read_table(kind, inputs[kind.name]), names, outputs["mark"])
+
+
+def marked(cases: pd.DataFrame, names: str, mark: Path) -> str | None:
+    """Implement it for ``cases`` whose names are in the column ``names``."""
+    failed = cases[cases["error"].notna()]
+    if failed.empty:
+        mark.write_text(f"{len(cases)} cases\n")
+        return None
+    rows = failed[[names, "model", "error"]].itertuples(index=False)
+    lines = [f"{name} ({model}): {error}" for name, model, error in rows]
+    return "\n".join([f"{len(failed)} of {len(cases)} cases have no result:", *lines])
+
+
 if __name__ == "__main__":
-    step(run)
+    step(run, complete=check_complete, structures_complete=check_complete)
